@@ -1,0 +1,61 @@
+# Every target sets itself up in .venv; a fresh machine needs only Python 3.11+, venv and make.
+PYTHON ?= python3
+VENV   ?= .venv
+BIN    := $(VENV)/bin
+UV     := $(shell command -v uv 2>/dev/null)
+
+ifneq ($(UV),)
+  MAKE_VENV = $(UV) venv -q --python $(PYTHON) $(VENV)
+  INSTALL   = $(UV) pip install -q --python $(BIN)/python
+else
+  MAKE_VENV = $(PYTHON) -m venv $(VENV)
+  INSTALL   = $(BIN)/python -m pip install -q --disable-pip-version-check
+endif
+
+.PHONY: help setup demo test test-long test-all lint types check wheel clean
+
+help:  ## this list
+	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "make %-12s %s\n", $$1, $$2}'
+
+$(BIN)/python:
+	$(MAKE_VENV)
+
+$(VENV)/.core: $(BIN)/python pyproject.toml constraints.txt
+	$(INSTALL) -c constraints.txt -e .
+	@touch $@
+
+$(VENV)/.test: $(VENV)/.core
+	$(INSTALL) -c constraints.txt -e '.[test]'
+	@touch $@
+
+setup: $(VENV)/.core  ## install the package and its libraries into .venv
+
+demo: $(VENV)/.core  ## simulate a capture, then diagnose the bundled study
+	$(BIN)/spacerobot demo --out demo-out --overwrite
+
+test: $(VENV)/.test  ## lint, types and the test suite
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/python -m pytest -n 2 -m "not slow"
+
+test-long: $(VENV)/.test  ## the tests that take minutes
+	$(BIN)/python -m pytest -m slow
+
+test-all:  ## the test suite on every supported Python that is installed
+	@for v in 3.11 3.12 3.13; do \
+	  if command -v python$$v >/dev/null || [ -n "$(UV)" ]; then $(MAKE) test PYTHON=$$( [ -n "$(UV)" ] && echo $$v || echo python$$v ) VENV=.venv-$$v || exit 1; \
+	  else echo "python$$v is not installed: skipped"; fi; done
+
+lint: $(VENV)/.test
+	$(BIN)/ruff check .
+
+types: $(VENV)/.test
+	$(BIN)/mypy
+
+check: test  ## what a contributor runs before a commit
+
+wheel: $(VENV)/.test  ## build the wheel, install it in a fresh environment, run it from another folder
+	PYTHON=$(PYTHON) bash .ci/check_wheel
+
+clean:
+	rm -rf $(VENV) demo-out dist build

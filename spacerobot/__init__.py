@@ -1,0 +1,23 @@
+"""Contact between a space robot's compliant wrist and a free-flying body, and why the recording differs.
+
+The names below are loaded on first use, so that `import spacerobot` stays cheap.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+__version__ = "0.1.0"
+
+_LAZY: dict[str, str] = {}
+"""Public name -> module that defines it."""
+
+__all__ = ["__version__", *_LAZY]
+
+
+def __getattr__(name: str) -> Any:
+    module = _LAZY.get(name)
+    if module is None:
+        raise AttributeError(f"module 'spacerobot' has no attribute {name!r}")
+    return getattr(importlib.import_module(module), name)

@@ -1,0 +1,1 @@
+"""Where simulation and recording part, and which physics was left out."""

@@ -1,0 +1,1 @@
+"""Robots, wrists and spacecraft as Pinocchio models: reading, checking and assembling URDFs."""

@@ -1,0 +1,1 @@
+"""Studies: what a lab believes about its rig, and what it recorded."""

@@ -1,0 +1,66 @@
+"""The project's exceptions: one root, each saying what was given, what is valid, and where."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
+
+class SpacerobotError(Exception):
+    """Root of every error the project raises on purpose."""
+
+    exit_code = 1
+
+
+class InputError(SpacerobotError):
+    """Something the user gave cannot be used.
+
+    Attributes:
+        what: what was wrong, in one sentence.
+        given: the offending value as text, or None.
+        valid: what would have been accepted, or None.
+        where: file, line or key, or None.
+    """
+
+    exit_code = 2
+
+    def __init__(
+        self, what: str, *, given: object = None, valid: str | None = None, where: str | None = None
+    ) -> None:
+        self.what, self.valid, self.where = what, valid, where
+        self.given = None if given is None else _short(given)
+        parts = [what]
+        if self.given is not None:
+            parts.append(f"given: {self.given}")
+        if valid:
+            parts.append(f"valid: {valid}")
+        text = "; ".join(parts)
+        super().__init__(f"{where}: {text}" if where else text)
+
+
+class NotFoundError(InputError):
+    """A name that is not known; the message suggests the nearest known one."""
+
+    def __init__(self, kind: str, name: str, known: Iterable[str], *, where: str | None = None) -> None:
+        self.kind, self.name, self.known = kind, name, tuple(known)
+        near = nearest(name, self.known)
+        hint = f"did you mean {near!r}? " if near else ""
+        listed = ", ".join(self.known[:24]) + (", ..." if len(self.known) > 24 else "")
+        super().__init__(f"unknown {kind}", given=name, valid=f"{hint}known: {listed}", where=where)
+
+
+class SimulationError(SpacerobotError):
+    """A simulation that could not be carried to its end."""
+
+
+def nearest(name: str, known: Iterable[str]) -> str | None:
+    """The known name most like `name`, or None if nothing is alike."""
+    lowered = {k.lower(): k for k in known}
+    hits = difflib.get_close_matches(name.lower(), list(lowered), n=1, cutoff=0.5)
+    return lowered[hits[0]] if hits else None
+
+
+def _short(value: object, limit: int = 120) -> str:
+    text = value if isinstance(value, str) else repr(value)
+    text = "".join(c if c.isprintable() else "?" for c in text)
+    return text if len(text) <= limit else text[: limit - 3] + "..."

@@ -1,0 +1,1 @@
+"""Scenes, figures and pages for people."""
