@@ -1,0 +1,100 @@
+"""A robot: its URDF, the Pinocchio model built from it, and the names that the rest of the house needs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+
+from spacerobot.support.errors import InputError, NotFoundError
+
+
+@dataclass(frozen=True, eq=False)
+class Robot:
+    """A loaded robot; immutable, and its Pinocchio model must not be changed in place.
+
+    Attributes:
+        name: what it was loaded as.
+        urdf: its URDF text.
+        model: Pinocchio model with reflected rotor inertia in `model.armature` [kg m^2 or kg].
+        chain: names of the moving joints from base to tip, without free-flyer and wrist slider.
+        tip: frame of the wrist mount (with a wrist) or of the arm's tip (without).
+        slider: name of the wrist's prismatic joint, or None without a wrist.
+        contact: frame at the end of the slider that touches the target, or None without a wrist.
+        floating: whether the base is a free-flyer (the first joint of `model`).
+        mesh_dirs: folders in which the URDF's meshes are found.
+    """
+
+    name: str
+    urdf: str
+    model: pin.Model
+    chain: tuple[str, ...]
+    tip: str
+    slider: str | None = None
+    contact: str | None = None
+    floating: bool = False
+    mesh_dirs: tuple[Path, ...] = field(default=())
+
+    def frame_id(self, name: str) -> int:
+        """Index of a frame.
+
+        Raises:
+            NotFoundError: no such frame; names the nearest.
+        """
+        if not self.model.existFrame(name):
+            raise NotFoundError("frame", name, [f.name for f in self.model.frames])
+        return int(self.model.getFrameId(name))
+
+    def joint_id(self, name: str) -> int:
+        """Index of a joint in `model.joints`.
+
+        Raises:
+            NotFoundError: no such joint; names the nearest.
+        """
+        if name not in self.model.names:
+            raise NotFoundError("joint", name, list(self.model.names)[1:])
+        return int(self.model.getJointId(name))
+
+    def configuration(
+        self, pose: np.ndarray | None = None, *, slider: float = 0.0, others: dict[str, float] | None = None
+    ) -> np.ndarray:
+        """Full configuration of `model`.
+
+        Args:
+            pose: shape (len(chain),), joint positions [rad or m], base to tip; neutral if None.
+            slider: wrist slider displacement along its joint axis [m].
+            others: positions of further joints by name (fingers); neutral where absent.
+
+        Returns:
+            shape (nq,), with the free-flyer at the world origin if the base floats.
+        """
+        q = pin.neutral(self.model)
+        values = dict(others or {})
+        if pose is not None:
+            pose = np.asarray(pose, dtype=float)
+            if pose.shape != (len(self.chain),):
+                raise InputError(
+                    "pose has the wrong length",
+                    given=list(np.atleast_1d(pose)),
+                    valid=f"{len(self.chain)} values, one per joint: {', '.join(self.chain)}",
+                )
+            values.update(zip(self.chain, pose.tolist(), strict=True))
+        if self.slider is not None:
+            values.setdefault(self.slider, slider)
+        for name, value in values.items():
+            if not np.isfinite(value):
+                raise InputError("joint position is not finite", given=value, where=f"joint {name}")
+            joint = self.model.joints[self.joint_id(name)]
+            if joint.nq == 2 and joint.nv == 1:  # continuous joint: cosine and sine
+                q[joint.idx_q : joint.idx_q + 2] = np.cos(value), np.sin(value)
+            elif joint.nq == 1:
+                q[joint.idx_q] = value
+            else:
+                raise InputError("joint cannot be set by one number", given=name)
+        return q
+
+    def velocity_index(self, name: str) -> int:
+        """Index into the velocity vector of a one-degree-of-freedom joint."""
+        return int(self.model.joints[self.joint_id(name)].idx_v)
