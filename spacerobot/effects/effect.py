@@ -1,0 +1,130 @@
+"""The contract of an effect: one piece of physics that a model has or lacks."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+from spacerobot.effects.mechanism import Mechanism
+from spacerobot.support.errors import InputError, NotFoundError
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One number of an effect.
+
+    Attributes:
+        name: with its unit as suffix, e.g. "force_N".
+        unit: for reports.
+        null: value at which the edited mechanism is the baseline.
+        scale: a typical size; what a fit takes for one step.
+        lower, upper: physical bounds.
+        starts: values from which fits begin, physical sizes of small to large.
+    """
+
+    name: str
+    unit: str
+    null: float
+    scale: float
+    lower: float
+    upper: float
+    starts: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        if not self.lower <= self.upper or not self.scale > 0.0 or not self.starts:
+            raise InputError("parameter has impossible bounds, scale or starts", given=self.name)
+
+    def check(self, value: float, where: str = "") -> float:
+        """`value` if it lies within the bounds.
+
+        Raises:
+            InputError: not finite (unless that is the null value), or outside.
+        """
+        if math.isnan(value) or not self.lower <= value <= self.upper:
+            raise InputError(
+                f"{self.name} is outside its bounds",
+                given=value,
+                valid=f"{self.lower:g} to {self.upper:g} {self.unit}",
+                where=where or None,
+            )
+        return float(value)
+
+
+class Effect(ABC):
+    """Base of every effect. An implementer gives the class attributes and two methods.
+
+    Class attributes:
+        name: as verdicts and scenes name it.
+        title: a few words for people.
+        formula: LaTeX, printed by reports.
+        source: where the formula comes from.
+        parameters: its numbers.
+        replaces: baseline constants whose job was to absorb it ("wrist.equivalent_damping").
+        kind: "force", "body", "gravity", "contact" or "sensor", for grouping in reports.
+    """
+
+    name: ClassVar[str]
+    title: ClassVar[str]
+    formula: ClassVar[str]
+    source: ClassVar[str]
+    parameters: ClassVar[tuple[Parameter, ...]]
+    replaces: ClassVar[tuple[str, ...]] = ()
+    kind: ClassVar[str] = "force"
+
+    @abstractmethod
+    def places(self, mechanism: Mechanism) -> tuple[str, ...]:
+        """Where it could sit in this mechanism: ports or sensors, by the names that verdicts use."""
+
+    @abstractmethod
+    def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
+        """The mechanism with this effect in it; at null values, the same physics as before."""
+
+    @property
+    def nulls(self) -> dict[str, float]:
+        """Parameter values at which nothing changes."""
+        return {p.name: p.null for p in self.parameters}
+
+    def apply(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
+        """`edit`, after checking place and values.
+
+        Raises:
+            NotFoundError: a place where it cannot sit, or an unknown parameter.
+            InputError: a value missing or outside its bounds.
+        """
+        places = self.places(mechanism)
+        if where not in places:
+            raise NotFoundError(f"place for {self.name}", where, places)
+        names = [p.name for p in self.parameters]
+        for name in values:
+            if name not in names:
+                raise NotFoundError(f"parameter of {self.name}", name, names)
+        checked = {}
+        for parameter in self.parameters:
+            if parameter.name not in values:
+                raise InputError(f"{self.name} lacks a parameter", given=list(values), valid=", ".join(names))
+            checked[parameter.name] = parameter.check(values[parameter.name], f"{self.name} at {where}")
+        return self.edit(mechanism, where, checked)
+
+
+@dataclass(frozen=True)
+class Placed:
+    """An effect at a place, with values: one line of a scene or a verdict."""
+
+    effect: Effect
+    where: str
+    values: Mapping[str, float]
+
+    def apply(self, mechanism: Mechanism) -> Mechanism:
+        """The mechanism with this effect in it."""
+        return self.effect.apply(mechanism, self.where, self.values)
+
+
+def positions(mechanism: Mechanism, *names: str) -> tuple[str, ...]:
+    """Those of `names` that are ports of the mechanism, and every joint port where "joint" is among them."""
+    found = [n for n in names if n in mechanism.ports]
+    if "joint" in names:
+        found += [n for n in mechanism.ports if n.startswith("joint.")]
+    return tuple(found)

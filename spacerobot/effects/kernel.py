@@ -1,0 +1,70 @@
+"""A kernel: one scalar force law, of one signature, that every backend can call and the compiled one can list."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from spacerobot.support import jit
+
+ScalarLaw = Callable[[float, float, float, Any], float]
+"""(d, v, aux, p) -> value: displacement [m or rad], rate, an auxiliary rate or input, parameters shape (P,)."""
+
+PARAMETERS = 8
+"""Every kernel's parameter vector is padded to this length."""
+
+
+def no_edge(d: float, v: float, aux: float, p: Any) -> float:
+    """Edge of a law without kinks: never crossed."""
+    return 1.0
+
+
+def no_energy(d: float, v: float, aux: float, p: Any) -> float:
+    """Stored energy of a law that stores none."""
+    return 0.0
+
+
+@dataclass(frozen=True)
+class Kernel:
+    """A scalar force law in plain Python that Numba can compile.
+
+    The four callables share the signature `(d, v, aux, p)`. They are written with `math` and plain arithmetic only.
+
+    Attributes:
+        force: force along the positive direction of the port [N or N m]; a restoring law returns -k d.
+        edge: a function that changes sign where the law has a kink; the integrators stop there.
+        energy: stored energy [J], whose negative gradient in d is the conservative part of `force`.
+    """
+
+    force: ScalarLaw
+    edge: ScalarLaw = no_edge
+    energy: ScalarLaw = no_energy
+
+    @property
+    def has_edge(self) -> bool:
+        """Whether the law has a kink to stop at."""
+        return self.edge is not no_edge
+
+
+def padded(parameters: tuple[float, ...]) -> np.ndarray:
+    """Parameters as the fixed-length vector that kernels read, shape (PARAMETERS,)."""
+    if len(parameters) > PARAMETERS:
+        raise ValueError(f"a kernel takes at most {PARAMETERS} parameters, got {len(parameters)}")
+    vector = np.zeros(PARAMETERS)
+    vector[: len(parameters)] = parameters
+    return vector
+
+
+@functools.cache
+def compiled(law: ScalarLaw) -> Any:
+    """`law` compiled once for the shared signature; cached on disk where its source is a file."""
+    numba = jit.numba()
+    signature = numba.float64(numba.float64, numba.float64, numba.float64, numba.float64[::1])
+    try:
+        return numba.njit(signature, cache=True)(law)
+    except RuntimeError:  # no file to cache beside: defined in a notebook or by exec
+        return numba.njit(signature)(law)

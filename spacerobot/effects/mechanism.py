@@ -1,0 +1,135 @@
+"""A mechanism: coordinates, ports and primitives; immutable, edited by returning a new one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+
+from spacerobot.effects.primitives import (
+    ChannelMap,
+    Contact,
+    Coordinate,
+    Field,
+    Force,
+    Friction,
+    Impulse,
+    Input,
+    Readout,
+)
+from spacerobot.support.errors import InputError, NotFoundError
+
+
+@dataclass(frozen=True)
+class Mechanism:
+    """What there is to simulate, in primitives.
+
+    Attributes:
+        coordinates: absolute degrees of freedom by name, constant mass (the reduced form).
+        ports: port name -> {coordinate: coefficient}; d = sum of coefficient times coordinate.
+        contact: the contact between `wrist` and `target`, or None.
+        forces, frictions, fields, impulses, inputs: what acts.
+        readouts: what the channels show, by channel.
+        maps: what sensors do to channels.
+        sensors: sensor (stream) name -> its channels, so that an effect can sit at a sensor.
+    """
+
+    coordinates: Mapping[str, Coordinate]
+    ports: Mapping[str, Mapping[str, float]]
+    contact: Contact | None = None
+    forces: tuple[Force, ...] = ()
+    frictions: tuple[Friction, ...] = ()
+    fields: tuple[Field, ...] = ()
+    impulses: tuple[Impulse, ...] = ()
+    inputs: tuple[Input, ...] = ()
+    readouts: Mapping[str, Readout] = field(default_factory=dict)
+    maps: tuple[ChannelMap, ...] = ()
+    sensors: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for port, row in self.ports.items():
+            for name in row:
+                if name not in self.coordinates:
+                    raise NotFoundError("coordinate", name, self.coordinates, where=f"port {port}")
+        for element in (*self.forces, *self.frictions, *self.impulses, *self.inputs):
+            self._require_port(element.port, element.name)
+        for item in self.fields:
+            if item.body not in self.coordinates:
+                raise NotFoundError("coordinate", item.body, self.coordinates, where=f"field {item.name}")
+
+    def _require_port(self, port: str, where: str) -> None:
+        if port not in self.ports and not (self.contact and port in ("contact", "contact.slide")):
+            raise NotFoundError("port", port, self.ports, where=where)
+
+    def has_port(self, port: str) -> bool:
+        """Whether forces can act there."""
+        return port in self.ports or (self.contact is not None and port == "contact")
+
+    def with_force(self, *forces: Force) -> Mechanism:
+        """This mechanism with further forces."""
+        return replace(self, forces=(*self.forces, *forces))
+
+    def with_friction(self, *frictions: Friction) -> Mechanism:
+        """This mechanism with further friction."""
+        return replace(self, frictions=(*self.frictions, *frictions))
+
+    def with_field(self, *fields: Field) -> Mechanism:
+        """This mechanism with further uniform accelerations."""
+        return replace(self, fields=(*self.fields, *fields))
+
+    def with_impulse(self, impulse: Impulse) -> Mechanism:
+        """This mechanism with a further kick."""
+        return replace(self, impulses=(*self.impulses, impulse))
+
+    def with_map(self, *maps: ChannelMap) -> Mechanism:
+        """This mechanism with further channel maps."""
+        return replace(self, maps=(*self.maps, *maps))
+
+    def with_contact(self, change: Callable[[Contact], Contact]) -> Mechanism:
+        """This mechanism with its contact edited.
+
+        Raises:
+            InputError: there is no contact.
+        """
+        if self.contact is None:
+            raise InputError("this mechanism has no contact")
+        return replace(self, contact=change(self.contact))
+
+    def with_forces_changed(self, role: str, port: str, change: Callable[[Force], Force | None]) -> Mechanism:
+        """This mechanism with every force of a role at a port edited, or dropped where `change` returns None."""
+        forces = []
+        for force in self.forces:
+            new = change(force) if force.role == role and force.port == port else force
+            if new is not None:
+                forces.append(new)
+        return replace(self, forces=tuple(forces))
+
+    def with_mass(self, coordinate: str, mass: float) -> Mechanism:
+        """This mechanism with a coordinate's mass [kg or kg m^2] replaced."""
+        if coordinate not in self.coordinates:
+            raise NotFoundError("coordinate", coordinate, self.coordinates)
+        coordinates = dict(self.coordinates)
+        coordinates[coordinate] = replace(coordinates[coordinate], mass=mass)
+        return replace(self, coordinates=coordinates)
+
+    def with_appendage(
+        self, coordinate: Coordinate, port: str, row: Mapping[str, float], *forces: Force
+    ) -> Mechanism:
+        """This mechanism with a further coordinate, the port that carries it, and the forces that hold it."""
+        if coordinate.name in self.coordinates:
+            raise InputError("a coordinate of this name is already there", given=coordinate.name)
+        return replace(
+            self,
+            coordinates={**self.coordinates, coordinate.name: coordinate},
+            ports={**self.ports, port: dict(row)},
+            forces=(*self.forces, *forces),
+        )
+
+    def with_port_row(self, port: str, coordinate: str, coefficient: float) -> Mechanism:
+        """This mechanism with one coefficient of a port's row replaced."""
+        row = {**self.ports[port], coordinate: coefficient}
+        return replace(self, ports={**self.ports, port: row})
+
+    def angular(self, port: str) -> bool:
+        """Whether a port's displacement is an angle."""
+        row = self.ports.get(port, {})
+        return any(self.coordinates[name].angular for name in row)

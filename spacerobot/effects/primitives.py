@@ -1,0 +1,185 @@
+"""The primitives into which every effect is written, and which every backend implements.
+
+Backends know these records and nothing of effects. Ports and coordinates are named; see docs/architecture.md.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from spacerobot.effects.kernel import Kernel, ScalarLaw
+from spacerobot.support.errors import InputError
+
+MAP_ORDER = ("inertia", "low_pass", "delay", "gain", "offset")
+"""The kinds of channel maps, in the order in which a sensor applies them."""
+
+
+def _finite(what: str, *values: float) -> None:
+    for value in values:
+        if not math.isfinite(value):
+            raise InputError(f"{what} is not finite", given=value)
+
+
+@dataclass(frozen=True)
+class Coordinate:
+    """One absolute degree of freedom of the reduced mechanism.
+
+    Attributes:
+        name: "hand", "wrist", "target", "target.y", "target.yaw", "joint.NAME" or an appendage's own name.
+        mass: kg, or kg m^2 for an angle; positive.
+        angular: whether it is an angle [rad] rather than a length [m].
+        carrier: for an appendage, the body that carries it sideways and counts its weight.
+    """
+
+    name: str
+    mass: float
+    angular: bool = False
+    carrier: str | None = None
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.mass) and self.mass > 0.0):
+            raise InputError("mass must be positive and finite", given=self.mass, where=self.name)
+
+
+@dataclass(frozen=True)
+class Force:
+    """A force at a port, f = kernel(d, v, aux, p), positive along the port.
+
+    Attributes:
+        name: its line in the energy ledger, e.g. "wrist.spring".
+        port: where it acts.
+        kernel: the law.
+        p: the law's parameters, SI.
+        sense: port whose displacement and rate the law reads; `port` itself if None.
+        aux: port whose rate, or input whose value, the law reads as `aux`; None for zero.
+        role: what other effects may look for and replace: "spring", "damper", "contact" or "".
+    """
+
+    name: str
+    port: str
+    kernel: Kernel
+    p: tuple[float, ...]
+    sense: str | None = None
+    aux: str | None = None
+    role: str = ""
+
+    def __post_init__(self) -> None:
+        _finite(f"parameter of {self.name}", *self.p)
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Unilateral contact between two coordinates, with the contact point fixed in the target.
+
+    With yaw psi the penetration is d = x_B + a (cos psi - 1) - b sin psi - x_A, and the tangential
+    displacement is s = y_B + a sin psi + b (cos psi - 1), with the contact point (a, b) = (ahead, lateral) in the body.
+
+    Attributes:
+        kernel: the law; its force is negative in compression (it pushes the bodies apart along -d).
+        p: the law's parameters.
+        hold: largest tension before the surfaces part [N]; 0 for plain unilateral contact, inf never parts by force.
+        bilateral: the paper's reading: the contact ends when d returns to zero, with tension before it.
+        ahead, lateral: contact point from the centre of mass, in the target's body [m].
+    """
+
+    kernel: Kernel
+    p: tuple[float, ...]
+    hold: float = 0.0
+    bilateral: bool = False
+    ahead: float = 0.0
+    lateral: float = 0.0
+    name: str = "contact"
+
+    def __post_init__(self) -> None:
+        _finite("contact parameter", *self.p, self.ahead, self.lateral)
+        if not self.hold >= 0.0:
+            raise InputError("holding force must not be negative", given=self.hold, where="contact")
+
+
+@dataclass(frozen=True)
+class Friction:
+    """A set-valued force at a port; sticking is solved by the backend, never smoothed.
+
+    Attributes:
+        name: its line in the energy ledger.
+        port: where it acts.
+        level: `(v, normal, 0.0, p)` -> largest magnitude [N or N m] while sliding with rate v; the sign of v is
+            that of the sliding, +-1e-300 at rest; `normal` is the normal load [N] where `normal` names a contact.
+        p: parameters of the level.
+        normal: name of the contact that presses, or None.
+    """
+
+    name: str
+    port: str
+    level: ScalarLaw
+    p: tuple[float, ...]
+    normal: str | None = None
+
+    def __post_init__(self) -> None:
+        _finite(f"parameter of {self.name}", *self.p)
+
+
+@dataclass(frozen=True)
+class Field:
+    """A uniform acceleration [m/s^2] of a body along a coordinate."""
+
+    body: str
+    acceleration: float
+    name: str = "gravity"
+
+
+@dataclass(frozen=True)
+class Impulse:
+    """A known kick: momentum [N s] added at a port at a time [s]."""
+
+    port: str
+    impulse: float
+    time: float
+    name: str = "impulse"
+
+
+@dataclass(frozen=True)
+class Input:
+    """A recorded drive: force = gain * channel, acting at a port."""
+
+    name: str
+    port: str
+    channel: str
+    gain: float = 1.0
+
+
+@dataclass(frozen=True)
+class Readout:
+    """What a channel shows: "position", "velocity" or "acceleration" of a port, or the "force" of a named element."""
+
+    channel: str
+    kind: str
+    of: str
+    sign: float = 1.0
+
+
+@dataclass(frozen=True)
+class ChannelMap:
+    """What a sensor does to one channel; the maps of a channel apply in order of `rank`.
+
+    Attributes:
+        channel: which channel.
+        kind: "inertia" (F - m a of port `of`), "low_pass" (first order), "delay", "gain" or "offset".
+        value: kg, Hz, s, factor, or the channel's unit.
+        of: the port whose acceleration an "inertia" map reads.
+    """
+
+    channel: str
+    kind: str
+    value: float
+    of: str | None = None
+
+    def __post_init__(self) -> None:
+        if self.kind not in MAP_ORDER:
+            raise InputError("unknown kind of channel map", given=self.kind, valid=", ".join(MAP_ORDER))
+
+    @property
+    def rank(self) -> int:
+        """Order in which a sensor's maps apply."""
+        return MAP_ORDER.index(self.kind)

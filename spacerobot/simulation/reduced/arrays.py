@@ -1,0 +1,193 @@
+"""A mechanism as flat arrays that the compiled integrator reads; built per parameter set, so kept cheap."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from spacerobot.effects.kernel import PARAMETERS, Kernel, compiled, no_edge
+from spacerobot.effects.mechanism import Mechanism
+from spacerobot.support.errors import NotFoundError
+
+NONE = -1
+
+
+class System(NamedTuple):
+    """The arrays. n coordinates, P ports, F forces, R frictions, U inputs.
+
+    `rows` of the contact and slide ports are templates; their yaw entries depend on the state.
+    """
+
+    inverse_mass: np.ndarray  # (n,)
+    rows: np.ndarray  # (P, n)
+    geometry: np.ndarray  # (2,) contact point ahead, lateral [m]
+    special: np.ndarray  # (4,) int: contact port, slide port, yaw coordinate, contact force index
+    force_port: np.ndarray  # (F,) int
+    force_sense: np.ndarray  # (F,) int
+    force_aux: np.ndarray  # (F,) int: port whose rate is aux, or NONE
+    force_law: np.ndarray  # (F,) int into the table of laws
+    force_edge: np.ndarray  # (F,) int into the table of laws, or NONE
+    parameters: np.ndarray  # (F, PARAMETERS)
+    contact: np.ndarray  # (2,) hold [N], bilateral (0 or 1)
+    friction_port: np.ndarray  # (R,) int
+    friction_law: np.ndarray  # (R,) int
+    friction_normal: np.ndarray  # (R,) int: 1 if pressed by the contact
+    friction_parameters: np.ndarray  # (R, PARAMETERS)
+    constant: np.ndarray  # (n,) generalised force of the fields
+    input_port: np.ndarray  # (U,) int
+    input_gain: np.ndarray  # (U,)
+    impulse_time: np.ndarray  # (I,) sorted
+    impulse: np.ndarray  # (I, n) generalised momentum
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Names behind the arrays: what index a coordinate, port, force or friction has."""
+
+    coordinates: tuple[str, ...]
+    ports: tuple[str, ...]
+    forces: tuple[str, ...]
+    frictions: tuple[str, ...]
+    inputs: tuple[str, ...]
+
+    def port(self, name: str) -> int:
+        """Index of a port."""
+        if name not in self.ports:
+            raise NotFoundError("port", name, self.ports)
+        return self.ports.index(name)
+
+
+class LawTable:
+    """Every compiled law seen so far, as one typed list, so that systems hold plain indices."""
+
+    def __init__(self) -> None:
+        self._index: dict[Any, int] = {}
+        self._list: Any = None
+
+    def index(self, law: Any) -> int:
+        """The law's place in `laws`, compiling it on first use."""
+        found = self._index.get(law)
+        if found is None:
+            from numba.core import types
+            from numba.typed import List
+
+            if self._list is None:
+                floats = (types.float64, types.float64, types.float64, types.float64[::1])
+                self._list = List.empty_list(types.FunctionType(types.float64(*floats)))
+            self._list.append(compiled(law))
+            found = self._index[law] = len(self._index)
+        return found
+
+    @property
+    def laws(self) -> Any:
+        """The typed list."""
+        if self._list is None:
+            self.index(no_edge)
+        return self._list
+
+
+LAWS = LawTable()
+
+
+@functools.lru_cache(maxsize=4096)
+def _law_pair(kernel: Kernel) -> tuple[int, int]:
+    return LAWS.index(kernel.force), LAWS.index(kernel.edge) if kernel.has_edge else NONE
+
+
+def assemble(mechanism: Mechanism) -> tuple[System, Layout]:
+    """The arrays of a mechanism, and the names behind them.
+
+    Raises:
+        NotFoundError: an element names a port that is not there.
+    """
+    names = tuple(mechanism.coordinates)
+    index = {name: i for i, name in enumerate(names)}
+    mass = np.array([mechanism.coordinates[c].mass for c in names])
+    contact = mechanism.contact
+    ports = [*mechanism.ports]
+    special = np.full(4, NONE, dtype=np.int64)
+    if contact is not None:
+        ports += ["contact", "contact.slide"]
+        special[0], special[1] = len(ports) - 2, len(ports) - 1
+        special[2] = index.get("target.yaw", NONE)
+        special[3] = 0
+    rows = np.zeros((len(ports), len(names)))
+    for p, port in enumerate(mechanism.ports):
+        for coordinate, coefficient in mechanism.ports[port].items():
+            rows[p, index[coordinate]] = coefficient
+    if contact is not None:
+        rows[special[0], index["target"]] = 1.0
+        rows[special[0], index["wrist"]] = -1.0
+        if "target.y" in index:
+            rows[special[1], index["target.y"]] = 1.0
+    place = {port: i for i, port in enumerate(ports)}
+    input_names = tuple(i.name for i in mechanism.inputs)
+
+    laws: list[tuple[str, str, str, str | None, Kernel, tuple[float, ...]]] = []
+    if contact is not None:
+        laws.append((contact.name, "contact", "contact", None, contact.kernel, contact.p))
+    laws += [(f.name, f.port, f.sense or f.port, f.aux, f.kernel, f.p) for f in mechanism.forces]
+    count = len(laws)
+    force_port, sense, aux, law, edge = (np.empty(count, dtype=np.int64) for _ in range(5))
+    parameters = np.zeros((count, PARAMETERS))
+    for i, (_, port, sensed, auxiliary, kernel, p) in enumerate(laws):
+        force_port[i], sense[i] = place[port], place[sensed]
+        aux[i] = NONE if auxiliary is None else place[auxiliary]
+        law[i], edge[i] = _law_pair(kernel)
+        parameters[i, : len(p)] = p
+
+    constant = np.zeros(len(names))
+    for item in mechanism.fields:
+        constant[index[item.body]] += mechanism.coordinates[item.body].mass * item.acceleration
+    kicks = sorted(mechanism.impulses, key=lambda k: k.time)
+    friction_parameters = np.zeros((len(mechanism.frictions), PARAMETERS))
+    for i, friction in enumerate(mechanism.frictions):
+        friction_parameters[i, : len(friction.p)] = friction.p
+    system = System(
+        inverse_mass=1.0 / mass,
+        rows=rows,
+        geometry=np.array([contact.ahead, contact.lateral] if contact else [0.0, 0.0]),
+        special=special,
+        force_port=force_port,
+        force_sense=sense,
+        force_aux=aux,
+        force_law=law,
+        force_edge=edge,
+        parameters=parameters,
+        contact=np.array([contact.hold, float(contact.bilateral)] if contact else [0.0, 0.0]),
+        friction_port=np.array([place[f.port] for f in mechanism.frictions], dtype=np.int64),
+        friction_law=np.array([LAWS.index(f.level) for f in mechanism.frictions], dtype=np.int64),
+        friction_normal=np.array([f.normal is not None for f in mechanism.frictions], dtype=np.int64),
+        friction_parameters=friction_parameters,
+        constant=constant,
+        input_port=np.array([place[i.port] for i in mechanism.inputs], dtype=np.int64),
+        input_gain=np.array([i.gain for i in mechanism.inputs], dtype=float),
+        impulse_time=np.array([k.time for k in kicks], dtype=float),
+        impulse=np.array([k.impulse * rows[place[k.port]] for k in kicks]).reshape(len(kicks), len(names)),
+    )
+    layout = Layout(
+        names,
+        tuple(ports),
+        tuple(x[0] for x in laws),
+        tuple(f.name for f in mechanism.frictions),
+        input_names,
+    )
+    return system, layout
+
+
+def initial_vector(layout: Layout, values: Mapping[str, float]) -> np.ndarray:
+    """A vector over the coordinates, zero where `values` is silent, shape (n,).
+
+    Raises:
+        NotFoundError: a name that is no coordinate.
+    """
+    vector = np.zeros(len(layout.coordinates))
+    for name, value in values.items():
+        if name not in layout.coordinates:
+            raise NotFoundError("coordinate", name, layout.coordinates)
+        vector[layout.coordinates.index(name)] = value
+    return vector

@@ -1,0 +1,253 @@
+"""Events: guards bracketed inside every step, located by bisection; what mode follows. Compiled."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from spacerobot.simulation.reduced.motion import (
+    APART,
+    PRESSED,
+    RELEASED,
+    STICK,
+    TINY,
+    evaluate,
+    guards,
+    kinematics,
+    level,
+)
+from spacerobot.simulation.reduced.stepper import interpolate
+from spacerobot.support.jit import jit
+
+SUBSAMPLES = 5
+
+
+@jit
+def guard_at(
+    s: Any,
+    laws: Any,
+    t: float,
+    y: Any,
+    h: float,
+    q: Any,
+    theta: float,
+    modes: Any,
+    it: Any,
+    iu: Any,
+    w: Any,
+    temp: Any,
+    slope: Any,
+    g: Any,
+) -> None:
+    interpolate(y, h, q, theta, temp)
+    evaluate(s, laws, t + theta * h, temp, modes, it, iu, w, slope)
+    guards(s, laws, modes, w, g)
+
+
+@jit
+def find_event(
+    s: Any,
+    laws: Any,
+    t: float,
+    y: Any,
+    h: float,
+    q: Any,
+    modes: Any,
+    it: Any,
+    iu: Any,
+    w: Any,
+    temp: Any,
+    slope: Any,
+    samples: Any,
+    rates: Any,
+) -> Any:
+    """First guard to fall below zero inside the step: (index, theta), or (-1, 1.0).
+
+    Guards are sampled at SUBSAMPLES points; a dip between samples is caught by the sign of the contact's rate
+    (an extremum of the gap) and, for the others, by the vertex of the parabola through three samples.
+    """
+    count = samples.shape[1]
+    press = s.special[0]
+    for j in range(SUBSAMPLES + 1):
+        guard_at(s, laws, t, y, h, q, j / SUBSAMPLES, modes, it, iu, w, temp, slope, samples[j])
+        rates[j] = w.rate[press] if press >= 0 else 0.0
+    best_theta = 2.0
+    best = -1
+    for i in range(count):
+        lo, hi = -1.0, -1.0
+        for j in range(1, SUBSAMPLES + 1):
+            if samples[j, i] < 0.0:
+                lo, hi = (j - 1) / SUBSAMPLES, j / SUBSAMPLES
+                break
+            dip = -1.0
+            if i == 0 and press >= 0 and modes[0] != PRESSED:
+                if rates[j - 1] > 0.0 and rates[j] < 0.0:
+                    dip = _extremum(
+                        s,
+                        laws,
+                        t,
+                        y,
+                        h,
+                        q,
+                        (j - 1) / SUBSAMPLES,
+                        j / SUBSAMPLES,
+                        modes,
+                        it,
+                        iu,
+                        w,
+                        temp,
+                        slope,
+                    )
+            elif (
+                0 < j < SUBSAMPLES
+                and samples[j, i] <= samples[j - 1, i]
+                and samples[j, i] <= samples[j + 1, i]
+            ):
+                curve = samples[j - 1, i] - 2.0 * samples[j, i] + samples[j + 1, i]
+                if curve > 0.0:
+                    shift = 0.5 * (samples[j - 1, i] - samples[j + 1, i]) / curve
+                    low = samples[j, i] - 0.25 * (samples[j - 1, i] - samples[j + 1, i]) * shift
+                    if low < 0.2 * samples[j, i]:
+                        dip = (j + shift) / SUBSAMPLES
+            if dip > 0.0:
+                guard_at(s, laws, t, y, h, q, dip, modes, it, iu, w, temp, slope, samples[SUBSAMPLES + 1])
+                if samples[SUBSAMPLES + 1, i] < 0.0:
+                    lo, hi = (j - 1) / SUBSAMPLES, dip
+                    break
+        if hi < 0.0 or lo >= best_theta:
+            continue
+        for _ in range(60):
+            mid = 0.5 * (lo + hi)
+            guard_at(s, laws, t, y, h, q, mid, modes, it, iu, w, temp, slope, samples[SUBSAMPLES + 1])
+            if samples[SUBSAMPLES + 1, i] < 0.0:
+                hi = mid
+            else:
+                lo = mid
+            if hi - lo < 1e-13:
+                break
+        if hi < best_theta:
+            best_theta, best = hi, i
+    if best < 0:
+        return -1, 1.0
+    return best, best_theta
+
+
+@jit
+def _extremum(
+    s: Any,
+    laws: Any,
+    t: float,
+    y: Any,
+    h: float,
+    q: Any,
+    lo: float,
+    hi: float,
+    modes: Any,
+    it: Any,
+    iu: Any,
+    w: Any,
+    temp: Any,
+    slope: Any,
+) -> float:
+    """Where the contact's rate changes sign from positive to negative: the largest penetration in [lo, hi]."""
+    press = s.special[0]
+    for _ in range(40):
+        mid = 0.5 * (lo + hi)
+        interpolate(y, h, q, mid, temp)
+        kinematics(s, temp, w)
+        if w.rate[press] > 0.0:
+            lo = mid
+        else:
+            hi = mid
+    return 0.5 * (lo + hi)
+
+
+@jit
+def switch(
+    s: Any, laws: Any, i: int, t: float, y: Any, modes: Any, it: Any, iu: Any, w: Any, slope: Any
+) -> None:
+    """Changes mode i after its guard fell to zero at state y."""
+    n = s.inverse_mass.size
+    forces = s.force_port.size
+    evaluate(s, laws, t, y, modes, it, iu, w, slope)
+    if i == 0:
+        d = w.displacement[s.special[0]]
+        if modes[0] == APART:
+            modes[0] = PRESSED
+        elif modes[0] == PRESSED:
+            modes[0] = RELEASED if d > 1e-12 and s.contact[1] < 0.5 else APART
+        else:
+            modes[0] = PRESSED if d > 1e-12 else APART
+        return
+    if i <= forces:
+        modes[i] = -modes[i]
+        return
+    r = i - 1 - forces
+    p = s.friction_port[r]
+    if modes[i] == STICK:
+        modes[i] = -1 if w.friction[r] > 0.0 else 1
+        return
+    share = 0.0  # the sliding ended: remove the last rounding of its rate, then see whether it can stick
+    for j in range(n):
+        share += w.rows[p, j] * w.rows[p, j] * s.inverse_mass[j]
+    if share > 0.0:
+        kick = w.rate[p] / share
+        for j in range(n):
+            y[n + j] -= kick * w.rows[p, j] * s.inverse_mass[j]
+    modes[i] = STICK
+    settle(s, laws, t, y, modes, it, iu, w, slope)
+
+
+@jit
+def settle(s: Any, laws: Any, t: float, y: Any, modes: Any, it: Any, iu: Any, w: Any, slope: Any) -> None:
+    """Lets every stuck port whose friction exceeds its limit slide; repeated until consistent."""
+    base = 1 + s.force_port.size
+    for _ in range(s.friction_port.size + 1):
+        evaluate(s, laws, t, y, modes, it, iu, w, slope)
+        normal = 0.0
+        if s.special[0] >= 0:
+            normal = max(0.0, -w.force[s.special[3]])
+        worst, excess = -1, 0.0
+        for r in range(s.friction_port.size):
+            if modes[base + r] == STICK:
+                f = w.friction[r]
+                over = abs(f) - level(s, laws, r, -TINY if f > 0.0 else TINY, normal) * (1.0 + 1e-12)
+                if over > excess:
+                    worst, excess = r, over
+        if worst < 0:
+            return
+        modes[base + worst] = -1 if w.friction[worst] > 0.0 else 1
+
+
+@jit
+def start_modes(s: Any, laws: Any, t: float, y: Any, it: Any, iu: Any, w: Any, slope: Any) -> Any:
+    """Modes that fit the state y."""
+    forces = s.force_port.size
+    modes = np.zeros(1 + forces + s.friction_port.size, dtype=np.int64)
+    kinematics(s, y, w)
+    if s.special[0] >= 0:
+        d, v = w.displacement[s.special[0]], w.rate[s.special[0]]
+        if d > 0.0 or (d == 0.0 and v > 0.0):
+            modes[0] = PRESSED
+    for r in range(s.friction_port.size):
+        v = w.rate[s.friction_port[r]]
+        modes[1 + forces + r] = STICK if abs(v) < 1e-15 else (1 if v > 0.0 else -1)
+    for j in range(forces):
+        modes[1 + j] = 1
+    settle(s, laws, t, y, modes, it, iu, w, slope)
+    if modes[0] == PRESSED and -w.raw[s.special[3]] + s.contact[0] < 0.0 and s.contact[1] < 0.5:
+        modes[0] = RELEASED
+    fix_edges(s, laws, modes, w)
+    return modes
+
+
+@jit
+def fix_edges(s: Any, laws: Any, modes: Any, w: Any) -> None:
+    """Sets the sign of every edge to that of the present state."""
+    for j in range(s.force_port.size):
+        if s.force_edge[j] >= 0:
+            sense = s.force_sense[j]
+            aux = w.rate[s.force_aux[j]] if s.force_aux[j] >= 0 else 0.0
+            value = laws[s.force_edge[j]](w.displacement[sense], w.rate[sense], aux, s.parameters[j])
+            modes[1 + j] = -1 if value < 0.0 else 1

@@ -1,0 +1,190 @@
+"""The integration loop: adaptive steps, events, kicks, and the record of every step. Compiled."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from spacerobot.simulation.reduced.events import (
+    SUBSAMPLES,
+    find_event,
+    settle,
+    start_modes,
+    switch,
+)
+from spacerobot.simulation.reduced.motion import evaluate, guards
+from spacerobot.simulation.reduced.stepper import dense, error_norm, stages
+from spacerobot.support.jit import jit
+
+OK, TOO_MANY_STEPS, TOO_MANY_EVENTS, NOT_FINITE = 0, 1, 2, 3
+MAX_STEPS, MAX_EVENTS = 2_000_000, 100_000
+
+
+class Steps(NamedTuple):
+    """Every accepted step. m steps, N = 2n states, G modes."""
+
+    time: np.ndarray  # (m,)
+    length: np.ndarray  # (m,)
+    state: np.ndarray  # (m, N) at the start of the step
+    dense: np.ndarray  # (m, N, 4)
+    modes: np.ndarray  # (m, G) int
+
+
+@jit
+def _grow(a: Any, used: int) -> Any:
+    out = np.empty((2 * a.shape[0],) + a.shape[1:], dtype=a.dtype)
+    out[:used] = a[:used]
+    return out
+
+
+@jit
+def integrate(
+    s: Any,
+    laws: Any,
+    w: Any,
+    y0: Any,
+    t0: float,
+    t1: float,
+    rtol: float,
+    atol: Any,
+    h_first: float,
+    h_max: float,
+    it: Any,
+    iu: Any,
+) -> Any:
+    """Integrates from t0 to t1; returns (steps' arrays, event times, event indices, new modes, end state, status)."""
+    size = y0.size
+    y = y0.copy()
+    new, temp, slope = np.empty(size), np.empty(size), np.empty(size)
+    k = np.zeros((7, size))
+    q = np.empty((size, 4))
+    modes = start_modes(s, laws, t0, y, it, iu, w, slope)
+    count = modes.size
+    samples = np.empty((SUBSAMPLES + 2, count))
+    rates = np.empty(SUBSAMPLES + 1)
+    cap = 512
+    times, lengths = np.empty(cap), np.empty(cap)
+    states, denses = np.empty((cap, size)), np.empty((cap, size, 4))
+    kept = np.empty((cap, count), dtype=np.int64)
+    ecap = 64
+    etime, eindex, emode = np.empty(ecap), np.empty(ecap, dtype=np.int64), np.empty(ecap, dtype=np.int64)
+    m, e, kick = 0, 0, 0
+    t = t0
+    h = min(h_first, h_max)
+    status = OK
+    watched = s.special[0] >= 0 or s.friction_port.size > 0
+    for j in range(s.force_edge.size):
+        if s.force_edge[j] >= 0:
+            watched = True
+    while kick < s.impulse_time.size and s.impulse_time[kick] < t0:
+        kick += 1
+    evaluate(s, laws, t, y, modes, it, iu, w, k[0])
+    while t < t1:
+        stop = t1
+        if kick < s.impulse_time.size and s.impulse_time[kick] <= t1:
+            stop = s.impulse_time[kick]
+        if (
+            kick < s.impulse_time.size
+            and stop == s.impulse_time[kick]
+            and stop - t <= 1e-15 * max(1.0, abs(t))
+        ):
+            for i in range(s.inverse_mass.size):
+                y[s.inverse_mass.size + i] += s.inverse_mass[i] * s.impulse[kick, i]
+            kick += 1
+            contact_mode = modes[0]
+            modes = start_modes(s, laws, t, y, it, iu, w, slope)
+            modes[0] = contact_mode
+            evaluate(s, laws, t, y, modes, it, iu, w, k[0])
+            continue
+        full = min(h, h_max)
+        final = False
+        if full >= (stop - t) * (1.0 - 1e-12):
+            full, final = stop - t, True
+        stages(s, laws, t, y, full, modes, it, iu, w, k, new)
+        norm = error_norm(y, new, full, k, rtol, atol)
+        if not np.isfinite(norm):
+            if full < 1e-14:
+                status = NOT_FINITE
+                break
+            h = 0.1 * full
+            continue
+        if norm > 1.0:
+            h = full * max(0.2, 0.9 * norm**-0.2)
+            if h < 1e-15 * max(1.0, abs(t)):
+                status = TOO_MANY_STEPS
+                break
+            continue
+        grow = 5.0 if norm < 1e-10 else min(5.0, 0.9 * norm**-0.2)
+        dense(k, q)
+        hit = -1
+        if watched:
+            hit, theta = find_event(s, laws, t, y, full, q, modes, it, iu, w, temp, slope, samples, rates)
+        if hit >= 0:
+            # the interpolant is less accurate than the step: redo the step to the event and polish its length
+            part = max(theta * full, 0.0)
+            for _ in range(4):
+                stages(s, laws, t, y, part, modes, it, iu, w, k, new)
+                evaluate(s, laws, t + part, new, modes, it, iu, w, slope)
+                guards(s, laws, modes, w, samples[0])
+                value = samples[0, hit]
+                probe = max(1e-7 * full, 1e-12)
+                for i in range(size):
+                    temp[i] = new[i] + probe * slope[i]
+                evaluate(s, laws, t + part + probe, temp, modes, it, iu, w, slope)
+                guards(s, laws, modes, w, samples[1])
+                rate = (samples[1, hit] - value) / probe
+                if rate >= 0.0:
+                    break
+                change = -value / rate
+                if part + change <= 0.0 or part + change > full:
+                    break
+                part += change
+                if abs(change) < 1e-15 * max(1.0, abs(t)) or abs(change) < 1e-13 * full:
+                    break
+            stages(s, laws, t, y, part, modes, it, iu, w, k, new)
+            dense(k, q)
+        else:
+            part = full
+        if m == times.size:
+            times, lengths, states = _grow(times, m), _grow(lengths, m), _grow(states, m)
+            denses, kept = _grow(denses, m), _grow(kept, m)
+        times[m], lengths[m] = t, part
+        for i in range(size):
+            states[m, i] = y[i]
+            for c in range(4):
+                denses[m, i, c] = q[i, c]
+        for i in range(count):
+            kept[m, i] = modes[i]
+        m += 1
+        for i in range(size):
+            y[i] = new[i]
+        t = stop if final and hit < 0 else t + part
+        if hit >= 0:
+            switch(s, laws, hit, t, y, modes, it, iu, w, slope)
+            settle(s, laws, t, y, modes, it, iu, w, slope)
+            if e == etime.size:
+                etime, eindex, emode = _grow(etime, e), _grow(eindex, e), _grow(emode, e)
+            etime[e], eindex[e], emode[e] = t, hit, modes[hit]
+            e += 1
+            if e >= MAX_EVENTS:
+                status = TOO_MANY_EVENTS
+                break
+        else:
+            h = full * grow if not final else max(h, full * grow)
+        evaluate(s, laws, t, y, modes, it, iu, w, k[0])
+        if m >= MAX_STEPS:
+            status = TOO_MANY_STEPS
+            break
+    return (
+        times[:m],
+        lengths[:m],
+        states[:m],
+        denses[:m],
+        kept[:m],
+        etime[:e],
+        eindex[:e],
+        emode[:e],
+        y,
+        status,
+    )

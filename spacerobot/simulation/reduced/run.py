@@ -1,0 +1,161 @@
+"""Front door of the reduced backend: simulate a mechanism, then read states, channels, events and energies."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from spacerobot.effects.mechanism import Mechanism
+from spacerobot.simulation.events import Event
+from spacerobot.simulation.reduced.arrays import LAWS, Layout, System, assemble, initial_vector
+from spacerobot.simulation.reduced.integrate import NOT_FINITE, OK, TOO_MANY_EVENTS, Steps, integrate
+from spacerobot.simulation.reduced.motion import APART, PRESSED, RELEASED, STICK, Work, scratch
+from spacerobot.simulation.reduced.sampling import sample, work_done
+from spacerobot.support.errors import InputError, SimulationError
+
+_CONTACT_NAMES = {APART: "apart", PRESSED: "touch", RELEASED: "release"}
+_REASONS = {
+    TOO_MANY_EVENTS: "too many events (chattering)",
+    NOT_FINITE: "the state stopped being finite",
+}
+
+
+@dataclass(frozen=True)
+class Sample:
+    """States and forces at given times. T times, n coordinates."""
+
+    time: np.ndarray  # (T,) s
+    position: np.ndarray  # (T, n) m or rad
+    velocity: np.ndarray  # (T, n)
+    acceleration: np.ndarray  # (T, n)
+    force: np.ndarray  # (T, F) along the ports
+    friction: np.ndarray  # (T, R)
+
+
+@dataclass(frozen=True, eq=False)
+class ReducedRun:
+    """A finished integration of the reduced model."""
+
+    mechanism: Mechanism
+    system: System
+    layout: Layout
+    steps: Steps
+    events: tuple[Event, ...]
+    start: float
+    end: float
+    input_time: np.ndarray
+    input_value: np.ndarray
+    _work: Work
+
+    def sample(self, times: np.ndarray) -> Sample:
+        """States at `times`, shape (T,), ascending; outside the run the ends are held."""
+        y, rate, force, friction = sample(
+            self.system,
+            LAWS.laws,
+            self._work,
+            *self.steps,
+            np.ascontiguousarray(times),
+            self.input_time,
+            self.input_value,
+        )
+        n = len(self.layout.coordinates)
+        return Sample(times, y[:, :n], y[:, n:], rate[:, n:], force, friction)
+
+    def port(self, name: str, states: np.ndarray) -> np.ndarray:
+        """A port's displacement (or its rate, or acceleration) from the coordinates', shape (T,); constant rows."""
+        return np.asarray(states @ self.system.rows[self.layout.port(name)])
+
+    def contact_force(self, taken: Sample) -> np.ndarray:
+        """Contact force, positive in compression, shape (T,) [N]."""
+        return -taken.force[:, int(self.system.special[3])]
+
+    def work(self) -> dict[str, np.ndarray]:
+        """Work [J] done up to the end of every step by each element, by name; shape (m + 1,) each."""
+        table = work_done(self.system, LAWS.laws, self._work, *self.steps, self.input_time, self.input_value)
+        names = [*self.layout.forces, *self.layout.frictions]
+        out = {name: table[:, i] for i, name in enumerate(names)}
+        n = len(self.layout.coordinates)
+        for i, coordinate in enumerate(self.layout.coordinates):
+            if self.system.constant[i] != 0.0:
+                out[f"field on {coordinate}"] = table[:, len(names) + i]
+        if self.layout.inputs:
+            out["inputs"] = table[:, len(names) + n]
+        return out
+
+    def kinetic(self, states: np.ndarray) -> np.ndarray:
+        """Kinetic energy [J] of velocities shape (T, n), shape (T,)."""
+        return np.asarray(0.5 * (states**2 / self.system.inverse_mass).sum(axis=1))
+
+    def boundaries(self) -> np.ndarray:
+        """Times of all step ends, shape (m + 1,) [s]."""
+        return np.append(self.steps.time, self.end)
+
+
+def simulate(
+    mechanism: Mechanism,
+    *,
+    position: Mapping[str, float] | None = None,
+    velocity: Mapping[str, float] | None = None,
+    start: float = 0.0,
+    end: float,
+    tolerance: float = 1e-8,
+    inputs: tuple[np.ndarray, Mapping[str, np.ndarray]] | None = None,
+    max_step: float = 0.05,
+) -> ReducedRun:
+    """Integrate a mechanism from `start` to `end` [s].
+
+    Args:
+        mechanism: what there is.
+        position, velocity: initial values by coordinate [m, rad, m/s, rad/s]; zero where absent.
+        tolerance: relative error per step; absolute errors are 1e-3 of it in metres, 1e-1 in m/s.
+        inputs: times shape (T,) and recorded drives by channel, shape (T,) each, for the mechanism's inputs.
+        max_step: longest step [s].
+
+    Raises:
+        InputError: a time or tolerance that cannot be.
+        SimulationError: the integration could not be finished.
+    """
+    if not (np.isfinite(start) and np.isfinite(end) and end > start):
+        raise InputError("a simulation must end after it starts", given=(start, end))
+    if not 1e-13 <= tolerance <= 1e-1:
+        raise InputError("tolerance out of range", given=tolerance, valid="1e-13 to 0.1")
+    system, layout = assemble(mechanism)
+    y0 = np.concatenate([initial_vector(layout, position or {}), initial_vector(layout, velocity or {})])
+    n = y0.size // 2
+    if inputs is None:
+        input_time, input_value = np.zeros(1), np.zeros((len(layout.inputs), 1))
+        if layout.inputs:
+            raise InputError(
+                "the mechanism is driven by recorded inputs, which were not given", given=layout.inputs
+            )
+    else:
+        input_time = np.ascontiguousarray(inputs[0], dtype=float)
+        input_value = np.array([inputs[1][i.channel] for i in mechanism.inputs], dtype=float).reshape(
+            -1, input_time.size
+        )
+    atol = np.concatenate([np.full(n, 1e-3 * tolerance), np.full(n, 1e-1 * tolerance)])
+    work = scratch(system)
+    first = min(1e-4, max_step, end - start)
+    time, length, state, dense, modes, etime, eindex, emode, _, status = integrate(
+        system, LAWS.laws, work, y0, start, end, tolerance, atol, first, max_step, input_time, input_value
+    )
+    if status != OK:
+        raise SimulationError(
+            f"reduced model: {_REASONS.get(int(status), 'too many steps')} at t = {time[-1]:.6g} s"
+        )
+    events = tuple(
+        _event(layout, float(t), int(i), int(mode)) for t, i, mode in zip(etime, eindex, emode, strict=True)
+    )
+    steps = Steps(time, length, state, dense, modes)
+    return ReducedRun(mechanism, system, layout, steps, events, start, end, input_time, input_value, work)
+
+
+def _event(layout: Layout, time: float, index: int, mode: int) -> Event:
+    if index == 0:
+        return Event(time, "contact", _CONTACT_NAMES[mode])
+    if index <= len(layout.forces):
+        return Event(time, layout.forces[index - 1], "edge")
+    name = layout.frictions[index - 1 - len(layout.forces)]
+    return Event(time, name, "stick" if mode == STICK else "slip")

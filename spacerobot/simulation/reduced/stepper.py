@@ -1,0 +1,82 @@
+"""One Dormand-Prince 5(4) step with dense output. Compiled.
+
+Coefficients: Dormand and Prince (1980); the fourth-order interpolant is Shampine's (1986).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from spacerobot.simulation.reduced.motion import evaluate
+from spacerobot.support.jit import jit
+
+_A = np.array(
+    [
+        [0, 0, 0, 0, 0, 0],
+        [1 / 5, 0, 0, 0, 0, 0],
+        [3 / 40, 9 / 40, 0, 0, 0, 0],
+        [44 / 45, -56 / 15, 32 / 9, 0, 0, 0],
+        [19372 / 6561, -25360 / 2187, 64448 / 6561, -212 / 729, 0, 0],
+        [9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656, 0],
+        [35 / 384, 0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84],
+    ]
+)
+_C = np.array([0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1, 1])
+_E = np.array([-71 / 57600, 0, 71 / 16695, -71 / 1920, 17253 / 339200, -22 / 525, 1 / 40])
+_P = np.array(
+    [
+        [1, -8048581381 / 2820520608, 8663915743 / 2820520608, -12715105075 / 11282082432],
+        [0, 0, 0, 0],
+        [0, 131558114200 / 32700410799, -68118460800 / 10900136933, 87487479700 / 32700410799],
+        [0, -1754552775 / 470086768, 14199869525 / 1410260304, -10690763975 / 1880347072],
+        [0, 127303824393 / 49829197408, -318862633887 / 49829197408, 701980252875 / 199316789632],
+        [0, -282668133 / 205662961, 2019193451 / 616988883, -1453857185 / 822651844],
+        [0, 40617522 / 29380423, -110615467 / 29380423, 69997945 / 29380423],
+    ]
+)
+
+
+@jit
+def stages(
+    s: Any, laws: Any, t: float, y: Any, h: float, modes: Any, it: Any, iu: Any, w: Any, k: Any, temp: Any
+) -> None:
+    """Fills k[1:] from k[0]; `temp` ends as the new state."""
+    for stage in range(1, 7):
+        for i in range(y.size):
+            total = 0.0
+            for j in range(stage):
+                total += _A[stage, j] * k[j, i]
+            temp[i] = y[i] + h * total
+        evaluate(s, laws, t + _C[stage] * h, temp, modes, it, iu, w, k[stage])
+
+
+@jit
+def error_norm(y: Any, new: Any, h: float, k: Any, rtol: float, atol: Any) -> float:
+    worst = 0.0
+    for i in range(y.size):
+        e = 0.0
+        for j in range(7):
+            e += _E[j] * k[j, i]
+        scale = atol[i] + rtol * max(abs(y[i]), abs(new[i]))
+        worst = max(worst, abs(h * e) / scale)
+    return worst
+
+
+@jit
+def interpolate(y: Any, h: float, q: Any, theta: float, out: Any) -> None:
+    """State at t + theta h from the step's dense coefficients q, shape (2n, 4)."""
+    for i in range(y.size):
+        c = q[i]
+        out[i] = y[i] + h * theta * (c[0] + theta * (c[1] + theta * (c[2] + theta * c[3])))
+
+
+@jit
+def dense(k: Any, q: Any) -> None:
+    for i in range(q.shape[0]):
+        for c in range(4):
+            total = 0.0
+            for j in range(7):
+                total += k[j, i] * _P[j, c]
+            q[i, c] = total
