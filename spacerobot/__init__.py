@@ -10,7 +10,10 @@ from typing import Any
 
 __version__ = "0.1.0"
 
-_LAZY: dict[str, str] = {}
+_LAZY: dict[str, str] = {
+    "Study": "spacerobot.recordings.study",
+    "load_study": "spacerobot.recordings.study",
+}
 """Public name -> module that defines it."""
 
 __all__ = ["__version__", *_LAZY]

@@ -1,0 +1,147 @@
+"""Channels: what a recorded column measures, under one canonical name, in SI units."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+
+from spacerobot.recordings import units
+from spacerobot.support.errors import InputError, NotFoundError
+
+_LINEAR, _ANGULAR = ("length",), ("angle",)
+_BODY = r"(?:target|hand|wrist|base|body|link\.[^.]+|marker\.[^.]+)"
+
+_PATTERNS: tuple[tuple[str, tuple[str, ...]], ...] = (
+    (rf"{_BODY}\.[xyz]", _LINEAR),
+    (rf"{_BODY}\.(?:yaw|pitch|roll)", _ANGULAR),
+    (r"contact\.force", ("force",)),
+    (r"(?:target|hand|wrist|base|body)\.(?:force|effort)\.[xyz]", ("force",)),
+    (r"(?:target|hand|wrist|base|body)\.torque\.(?:[xyz]|yaw)", ("torque",)),
+    (r"joint\.[^.]+\.position", ("angle", "length")),
+    (r"joint\.[^.]+\.velocity", ("angular_velocity", "velocity")),
+    (r"joint\.[^.]+\.acceleration", ("angular_acceleration", "acceleration")),
+    (r"joint\.[^.]+\.torque", ("torque", "force")),
+    (r"joint\.[^.]+\.reference", ("angle", "length")),
+    (r"joint\.[^.]+\.voltage", ("voltage",)),
+    (r"joint\.[^.]+\.current", ("current",)),
+    (rf"{_BODY}\.position\.[xyz]", _LINEAR),
+    (rf"{_BODY}\.orientation\.[wxyz]", ("ratio",)),
+    (rf"{_BODY}\.velocity\.[xyz]", ("velocity",)),
+    (rf"{_BODY}\.velocity\.(?:yaw|pitch|roll)", ("angular_velocity",)),
+    (rf"{_BODY}\.angular_velocity\.[xyz]", ("angular_velocity",)),
+    (rf"{_BODY}\.acceleration\.[xyz]", ("acceleration",)),
+    (r"aux\.[^.]+", tuple(units.SI)),
+)
+
+EXAMPLES: tuple[str, ...] = (
+    "target.x",
+    "target.y",
+    "target.yaw",
+    "wrist.x",
+    "hand.x",
+    "contact.force",
+    "joint.NAME.position",
+    "joint.NAME.velocity",
+    "joint.NAME.torque",
+    "joint.NAME.voltage",
+    "joint.NAME.reference",
+    "base.position.x",
+    "base.yaw",
+    "base.velocity.x",
+    "base.force.x",
+    "base.torque.yaw",
+    "target.position.x",
+    "target.orientation.w",
+    "target.angular_velocity.z",
+    "body.position.x",
+    "body.velocity.x",
+    "body.orientation.w",
+    "hand.position.x",
+    "hand.force.x",
+    "link.NAME.position.x",
+    "marker.NAME.position.x",
+    "aux.NAME",
+)
+"""One name of each kind of channel, for messages and documentation. `aux.NAME` is kept but never balanced."""
+
+MOMENTS = ("before", "after", "event")
+"""When a column of an events stream was taken, relative to the event."""
+
+USES = ("output", "input")
+"""`output`: measured, to be predicted. `input`: commanded or known, drives the prediction."""
+
+
+def dimensions(name: str, *, where: str | None = None) -> tuple[str, ...]:
+    """What the channel called `name` may measure, e.g. ("angle", "length") for a joint's position.
+
+    Raises:
+        NotFoundError: no such channel.
+    """
+    for pattern, found in _PATTERNS:
+        if re.fullmatch(pattern, name):
+            return found
+    raise NotFoundError("channel", name, EXAMPLES, where=where)
+
+
+@dataclass(frozen=True)
+class ChannelSpec:
+    """How one column becomes a channel: SI value = factor(unit) * (scale * raw + offset).
+
+    Attributes:
+        column: the column's name in the file, or its index from 0 as text.
+        name: canonical channel, e.g. "target.x"; with the moment appended for events, as in
+            "body.velocity.x.before".
+        sigma: one standard deviation of the sensor's noise, SI; None where the study does not say.
+        unit: unit of `scale * raw + offset`; None for SI.
+        scale: dimensionless factor on the raw reading.
+        offset: added after `scale`, in `unit`.
+        use: "output" or "input".
+        missing: raw readings that mean "no reading".
+        moment: "before", "after" or "event" for an events stream, else None.
+    """
+
+    column: str
+    name: str
+    sigma: float | None = None
+    unit: str | None = None
+    scale: float = 1.0
+    offset: float = 0.0
+    use: str = "output"
+    missing: tuple[float, ...] = ()
+    moment: str | None = None
+    where: str | None = None
+
+    def __post_init__(self) -> None:
+        measured = dimensions(self.quantity, where=self.where)
+        if self.unit is not None:
+            units.factor(self.unit, measured, where=self.where)
+        if self.sigma is not None and not (math.isfinite(self.sigma) and self.sigma > 0):
+            raise InputError("sigma of a channel must be positive", given=self.sigma, where=self.where)
+        if not (math.isfinite(self.scale) and self.scale != 0 and math.isfinite(self.offset)):
+            raise InputError(
+                "scale and offset must be finite, and scale not zero",
+                given=f"scale {self.scale}, offset {self.offset}",
+                where=self.where,
+            )
+        if self.use not in USES:
+            raise NotFoundError("use of a channel", self.use, USES, where=self.where)
+
+    @property
+    def quantity(self) -> str:
+        """The canonical name without the moment."""
+        if self.moment is None:
+            return self.name
+        return self.name.removesuffix(f".{self.moment}")
+
+    @property
+    def factor(self) -> float:
+        """SI units per one `unit`."""
+        return 1.0 if self.unit is None else units.unit(self.unit).factor
+
+    @property
+    def si_unit(self) -> str:
+        """SI unit of the series, e.g. "m"; that of the first dimension where `unit` does not decide."""
+        measured = dimensions(self.quantity)
+        dimension = units.unit(self.unit).dimension if self.unit else measured[0]
+        return units.SI[dimension]

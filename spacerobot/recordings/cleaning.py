@@ -1,0 +1,125 @@
+"""From raw columns to rows that can be trusted: refusing what cannot be, marking what is missing."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spacerobot.recordings.stream import StreamSpec
+from spacerobot.recordings.table import Floats, RawTable
+from spacerobot.support.errors import InputError
+
+TINY, HUGE = 1e-290, 1e90
+"""Magnitudes that no sensor reports: memory that was never written to reads like this."""
+
+_FLOOD = 0.98
+
+
+def clock_times(table: RawTable, time: Floats) -> Floats:
+    """`time` with every entry finite and credible.
+
+    Raises:
+        InputError: with the first line whose time is missing or not one.
+    """
+    if len(time) == 0:
+        raise InputError("the file has no rows", where=str(table.path))
+    _refuse_garbage(table, time, "time")
+    bad = np.flatnonzero(~np.isfinite(time))
+    if len(bad):
+        raise InputError("the row has no time", where=table.at(int(bad[0])))
+    return time
+
+
+def used_values(table: RawTable, stream: StreamSpec, rows: int) -> Floats:
+    """The raw readings of the stream's channels, NaN where missing: (rows, channels).
+
+    Raises:
+        InputError: columns of different length, memory that was never written, or hardly a reading at all.
+    """
+    values = np.empty((rows, len(stream.channels)))
+    for j, channel in enumerate(stream.channels):
+        column = table.columns[table.index(channel.column, where=channel.where)].values
+        if len(column) != rows:
+            raise InputError(
+                f"column {channel.column!r} has another length than the times",
+                given=f"{len(column)} values, {rows} times",
+                where=str(table.path),
+            )
+        _refuse_garbage(table, column, f"column {channel.column!r}")
+        values[:, j] = (
+            np.where(np.isin(column, channel.missing), np.nan, column) if channel.missing else column
+        )
+        values[~np.isfinite(values[:, j]), j] = np.nan
+        lost = np.isnan(values[:, j])
+        if rows > 20 and lost.mean() > _FLOOD:
+            raise InputError(
+                f"{channel.name} is missing nearly everywhere",
+                given=f"{int(lost.sum())} of {rows} rows without a reading",
+                where=table.at(0),
+            )
+    return values
+
+
+def keep_rows(
+    table: RawTable, stream: StreamSpec, time: Floats, values: Floats
+) -> tuple[NDArray[np.int64], tuple[str, ...]]:
+    """Indices of the rows to keep, in order of time, and remarks on the others.
+
+    A row with the time and readings of the row before is a repeat and left out. One with the readings alone
+    is left out only if the stream says `repeated = "drop"`: a body at rest repeats itself honestly.
+
+    Raises:
+        InputError: time runs backwards (without `sort`), or stands still while the readings change.
+    """
+    order = np.arange(len(time), dtype=np.int64)
+    step = np.diff(time)
+    remarks: list[str] = []
+    if (step < 0).any():
+        row = int(np.argmax(step < 0)) + 1
+        if not stream.sort:
+            raise InputError(
+                "time runs backwards",
+                given=f"{time[row]:.9g} after {time[row - 1]:.9g}",
+                valid="an increasing clock, or sort = true for the stream",
+                where=table.at(row),
+            )
+        order = np.argsort(time, kind="stable").astype(np.int64)
+        time, values = time[order], values[order]
+        step = np.diff(time)
+        remarks.append("rows sorted by time")
+    same = np.all((values[1:] == values[:-1]) | (np.isnan(values[1:]) & np.isnan(values[:-1])), axis=1)
+    still = step == 0
+    conflict = still & ~same
+    if conflict.any() and stream.repeated == "keep":
+        row = int(np.argmax(conflict)) + 1
+        raise InputError(
+            "time stands still while the readings change",
+            given=f"{int(conflict.sum())} times",
+            valid='repeated = "drop" keeps the first of them',
+            where=table.at(int(order[row])),
+        )
+    drop = still | same if stream.repeated == "drop" else still
+    if drop.any():
+        remarks.append(f"{int(drop.sum())} of {len(time)} rows repeat the row before and are left out")
+    elif same.mean() > 0.02 if len(same) else False:
+        remarks.append(f"{int(same.sum())} of {len(time)} rows repeat the readings before (kept)")
+    keep = np.concatenate(([True], ~drop))
+    kept = np.diff(time[keep])
+    if len(kept) > 2:
+        gaps = kept > 3.5 * np.median(kept)
+        if gaps.any():
+            remarks.append(f"{int(gaps.sum())} gaps, the longest {kept.max():.4g} s")
+    return order[keep], tuple(remarks)
+
+
+def _refuse_garbage(table: RawTable, column: Floats, what: str) -> None:
+    magnitude = np.abs(column)
+    with np.errstate(invalid="ignore"):
+        bad = ((magnitude > 0) & (magnitude < TINY)) | (magnitude > HUGE)
+    if bad.any():
+        row = int(np.argmax(bad))
+        raise InputError(
+            f"{what} holds a number that no sensor gives: memory that was never written",
+            given=f"{column[row]:g}",
+            where=table.at(row),
+        )

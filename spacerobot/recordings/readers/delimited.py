@@ -1,0 +1,131 @@
+"""Tables of text: CSV with any usual separator, and columns set apart by blanks."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import ClassVar
+
+import numpy as np
+
+from spacerobot.recordings.readers.base import Reader
+from spacerobot.recordings.readers.layout import Layout, column_names, find_layout, is_comment, split
+from spacerobot.recordings.readers.numbers import number, reason
+from spacerobot.recordings.readers.text import read_lines
+from spacerobot.recordings.table import Column, Floats, Options, RawTable
+from spacerobot.support.errors import InputError
+
+
+class DelimitedReader(Reader):
+    """CSV: separator, decimal mark and header are found out unless the study states them."""
+
+    name: ClassVar[str] = "csv"
+    suffixes: ClassVar[tuple[str, ...]] = (".csv", ".tsv")
+
+    def claims(self, path: Path, head: bytes) -> bool:
+        """Any text may be a table."""
+        return True
+
+    def read(self, path: Path, options: Options) -> RawTable:
+        """The columns, with the names that the header gives them."""
+        lines = read_lines(path, options.compression, options.encoding)
+        layout = find_layout(lines, options.separator, options.decimal, options.header_rows)
+        names = column_names(lines, layout)
+        rows = [i for i in range(layout.first, len(lines)) if lines[i].strip() and not is_comment(lines[i])]
+        if options.rows is not None:
+            rows = rows[options.rows[0] : options.rows[1]]
+        if not rows:
+            raise InputError(
+                "the file has no rows of numbers", where=f"{path}:{min(layout.first + 1, len(lines)) or 1}"
+            )
+        if options.rows is not None:  # the chosen rows may be laid out unlike the rest of the file
+            width = len(split(lines[rows[0]], layout.separator))
+            names = names if width == layout.width else [()] * width
+        else:
+            width = layout.width
+        values = _fast(lines, rows, layout, width)
+        if values is None:
+            wanted = _wanted(names, options)
+            values = _careful(path, lines, rows, layout, width, wanted)
+        values, names, numbers = _trim_and_reshape(path, values, names, rows, options)
+        columns = tuple(Column(names[j], np.ascontiguousarray(values[:, j])) for j in range(values.shape[1]))
+        return RawTable(path, columns, numbers)
+
+
+class TextReader(DelimitedReader):
+    """Columns set apart by blanks, as logs and instrument software write them."""
+
+    name: ClassVar[str] = "text"
+    suffixes: ClassVar[tuple[str, ...]] = (".txt", ".dat", ".log", ".asc")
+
+
+def _wanted(names: Sequence[tuple[str, ...]], options: Options) -> set[int] | None:
+    if options.wanted is None or (options.reshape or 1) > 1:
+        return None
+    return {j for j, called in enumerate(names) if options.wanted & {*called, str(j)}}
+
+
+def _fast(lines: Sequence[str], rows: Sequence[int], layout: Layout, width: int) -> Floats | None:
+    """All cells at once by numpy's own parser, None where a cell needs a closer look."""
+    if layout.decimal != "." or not width:
+        return None
+    delimiter = None if layout.separator == " " else layout.separator
+    try:
+        values = np.loadtxt(
+            (lines[i] for i in rows), delimiter=delimiter, comments=None, ndmin=2, dtype=np.float64
+        )
+    except (ValueError, IndexError, OverflowError):
+        return None
+    if values.shape != (len(rows), width) or not np.isfinite(values).all():
+        return None
+    return values
+
+
+def _careful(
+    path: Path, lines: Sequence[str], rows: Sequence[int], layout: Layout, width: int, wanted: set[int] | None
+) -> Floats:
+    """Cell by cell, refusing with the line whatever is not a number in a column that is wanted."""
+    values = np.full((len(rows), width), np.nan)
+    for row, index in enumerate(rows):
+        cells = split(lines[index], layout.separator)
+        if len(cells) != width and not (len(cells) == width + 1 and not cells[-1]):
+            raise InputError(
+                "the row is ragged",
+                given=f"{len(cells)} cells",
+                valid=f"{width} cells, as in most rows",
+                where=f"{path}:{index + 1}",
+            )
+        for j, cell in enumerate(cells[:width]):
+            value = number(cell, layout.decimal)
+            if value is None:
+                if wanted is None or j in wanted:
+                    raise InputError(f"column {j}: {reason(cell)}", given=cell, where=f"{path}:{index + 1}")
+                continue
+            values[row, j] = value
+    return values
+
+
+def _trim_and_reshape(
+    path: Path, values: Floats, names: list[tuple[str, ...]], rows: Sequence[int], options: Options
+) -> tuple[Floats, list[tuple[str, ...]], np.ndarray]:
+    """Drop a last column that only a trailing separator made; fold interleaved values into rows."""
+    numbers = np.asarray(rows, dtype=np.int64) + 1
+    if values.shape[1] > 1 and not names[-1] and np.isnan(values[:, -1]).all():
+        values, names = values[:, :-1], names[:-1]
+    count = options.reshape or 1
+    if count > 1:
+        if values.shape[1] != 1:
+            raise InputError(
+                "only a file of one column can be reshaped",
+                given=f"{values.shape[1]} columns",
+                where=str(path),
+            )
+        whole, rest = divmod(len(values), count)
+        if rest:
+            raise InputError(
+                f"the values do not come in groups of {count}",
+                given=f"{len(values)} values",
+                where=f"{path}:{int(numbers[-1])}",
+            )
+        values, names, numbers = values.reshape(whole, count), [()] * count, numbers[::count]
+    return values, names, numbers

@@ -1,0 +1,73 @@
+"""A channel's samples in one trial."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spacerobot.recordings.table import Floats
+
+
+@dataclass(frozen=True)
+class Series:
+    """What one sensor said in one trial.
+
+    Attributes:
+        name: canonical channel.
+        time: (n,) s, strictly increasing; the number of the event for an events stream.
+        value: (n,) SI, NaN where not valid.
+        valid: (n,) whether there was a reading.
+        sigma: one standard deviation of the noise, SI: as the study states it, else estimated from the data.
+        sigma_stated: whether the study states it.
+        stream: name of the stream.
+        clock: name of the clock; series of one clock share it exactly.
+        unit: SI unit.
+        use: "output" or "input".
+    """
+
+    name: str
+    time: Floats
+    value: Floats
+    valid: NDArray[np.bool_]
+    sigma: float
+    sigma_stated: bool
+    stream: str
+    clock: str
+    unit: str
+    use: str = "output"
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    @property
+    def rate(self) -> float:
+        """Median samples per second, Hz; NaN for fewer than two samples."""
+        if len(self.time) < 2:
+            return float("nan")
+        return float(1.0 / np.median(np.diff(self.time)))
+
+    def good(self) -> tuple[Floats, Floats]:
+        """Times and values of the valid samples."""
+        return self.time[self.valid], self.value[self.valid]
+
+
+def estimate_noise(value: Floats) -> float:
+    """One standard deviation of white noise on a smooth signal, from third differences.
+
+    The third difference of noise alone has variance 20 sigma^2 (sum of squared binomials 1, 3, 3, 1) and takes
+    a quadratic trend away; the median absolute value (over 0.6745) does not see impacts.
+
+    Args:
+        value: (n,) samples at an even rate, NaN left out.
+
+    Returns:
+        The estimate, in the unit of `value`; NaN for fewer than 8 samples.
+    """
+    value = value[np.isfinite(value)]
+    if len(value) < 8:
+        return float("nan")
+    difference = np.abs(np.diff(value, 3)) / np.sqrt(20.0)
+    estimate = float(np.median(difference) / 0.6744897501960817)
+    return estimate if estimate > 0 else float(np.sqrt(np.mean(difference**2)))

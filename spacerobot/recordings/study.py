@@ -1,0 +1,246 @@
+"""A study: what a lab believes about its rig, and the trials it recorded."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from spacerobot.recordings.baseline import Baseline, read_baseline
+from spacerobot.recordings.dataroot import data_root, inside
+from spacerobot.recordings.document import read_document
+from spacerobot.recordings.recording import Recording, load_trial
+from spacerobot.recordings.stream import StreamSpec, read_stream
+from spacerobot.recordings.trial import _GROUPS, _KEYS, Trial, read_trials
+from spacerobot.support.errors import InputError, NotFoundError
+from spacerobot.support.resources import folder
+
+FORMAT = 1
+_TOP = ("format", "title", "data", "baseline", "streams", "trials")
+
+
+@dataclass(frozen=True)
+class Study:
+    """What a lab believes and what it recorded.
+
+    Attributes:
+        title: one line.
+        path: the study file.
+        root: folder that stream files are relative to.
+        baseline: what the lab believes.
+        streams: name -> how its files are read.
+        trials: in the order of the study.
+    """
+
+    title: str
+    path: Path
+    root: Path
+    baseline: Baseline
+    streams: Mapping[str, StreamSpec]
+    trials: tuple[Trial, ...]
+    _cache: dict[str, Recording] = field(default_factory=dict, repr=False, compare=False)
+
+    @property
+    def sigma(self) -> Mapping[str, float]:
+        """Dotted name -> relative standard deviation of the believed value (one true value a study)."""
+        return self.baseline.sigma
+
+    @property
+    def scatter(self) -> Mapping[str, float]:
+        """Dotted name -> relative standard deviation of its change between conditions."""
+        return self.baseline.scatter
+
+    def trial(self, trial: Trial | str) -> Trial:
+        """The trial with this id.
+
+        Raises:
+            NotFoundError: no such trial.
+        """
+        if isinstance(trial, Trial):
+            return trial
+        for candidate in self.trials:
+            if candidate.id == trial:
+                return candidate
+        raise NotFoundError("trial", trial, (t.id for t in self.trials), where=str(self.path))
+
+    def values(self, trial: Trial | str | None = None) -> dict[str, float]:
+        """All believed values by dotted name, SI, with the trial's overrides."""
+        found = dict(self.baseline.values)
+        if trial is not None:
+            found.update(self.trial(trial).overrides)
+        return found
+
+    def value(self, name: str, trial: Trial | str | None = None) -> float | None:
+        """The believed value called `name`, SI, with the trial's override; None where it is unknown."""
+        return self.values(trial).get(name)
+
+    def pose(self, trial: Trial | str | None = None) -> tuple[float, ...]:
+        """Joint positions from base to tip, rad, with the trial's override."""
+        own = None if trial is None else self.trial(trial).pose
+        return self.baseline.pose if own is None else own
+
+    def sigma_of(self, name: str) -> float | None:
+        """Relative deviation of a believed value; that of equivalent_damping serves the wrist's damping."""
+        if name in self.sigma:
+            return self.sigma[name]
+        return self.sigma.get("wrist.equivalent_damping") if name == "wrist.damping" else None
+
+    def condition(self, trial: Trial | str) -> str:
+        """What the trial shares with its like: its stated condition, else its target mass, else "all"."""
+        trial = self.trial(trial)
+        if trial.condition is not None:
+            return trial.condition
+        mass = self.value("target.mass", trial)
+        return "all" if mass is None else f"target.mass={mass:g}"
+
+    def conditions(self) -> dict[str, tuple[Trial, ...]]:
+        """Condition -> its trials, in order of appearance."""
+        groups: dict[str, list[Trial]] = {}
+        for trial in self.trials:
+            groups.setdefault(self.condition(trial), []).append(trial)
+        return {name: tuple(trials) for name, trials in groups.items()}
+
+    def channels(self) -> tuple[str, ...]:
+        """Every channel that any trial has, in order of the streams."""
+        used = {name for trial in self.trials for name in trial.sources}
+        return tuple(
+            dict.fromkeys(c.name for s in self.streams.values() if s.name in used for c in s.channels)
+        )
+
+    def recording(self, trial: Trial | str) -> Recording:
+        """The trial's channels, read on first use and kept.
+
+        Raises:
+            InputError: a file cannot be read; with file, line and reason.
+        """
+        trial = self.trial(trial)
+        if trial.id not in self._cache:
+            self._cache[trial.id] = load_trial(self.streams, self.root, trial)
+        return self._cache[trial.id]
+
+    def recordings(self) -> dict[str, Recording]:
+        """Trial id -> its channels, for all trials."""
+        return {trial.id: self.recording(trial) for trial in self.trials}
+
+    def file(self, relative: str, *, where: str | None = None) -> Path:
+        """A stream file inside the data root.
+
+        Raises:
+            InputError: it is missing, or outside the root once links are resolved.
+        """
+        return inside(self.root, relative, where=where, folder=None)
+
+    @property
+    def robot_file(self) -> Path | None:
+        """The URDF that the study brings along, None where the robot is named.
+
+        Raises:
+            InputError: the file is missing or outside the study's folder.
+        """
+        robot = self.baseline.robot
+        if robot is None or not robot.lower().endswith((".urdf", ".xml")):
+            return None
+        return inside(self.path.parent, robot, where=str(self.path))
+
+    @property
+    def input_hash(self) -> str:
+        """SHA-256 over the study file, its URDF and every stream file: equal hashes, equal inputs."""
+        digest = hashlib.sha256()
+        for label, path in self._inputs():
+            digest.update(f"\0{label}\0{path.stat().st_size}\0".encode())
+            with path.open("rb") as stream:
+                while block := stream.read(1 << 20):
+                    digest.update(block)
+        return digest.hexdigest()
+
+    def _inputs(self) -> list[tuple[str, Path]]:
+        found = {"study.toml": self.path}
+        if self.robot_file is not None:
+            found["robot"] = self.robot_file
+        for trial in self.trials:
+            for source in trial.sources.values():
+                for name in filter(None, (source.file, source.time_file)):
+                    path = self.file(name, where=trial.where)
+                    inner = sorted(p for p in path.rglob("*") if p.is_file()) if path.is_dir() else [path]
+                    found.update({f"data/{p.relative_to(self.root.resolve())}": p for p in inner})
+        return sorted(found.items())
+
+
+def load_study(path: str | Path, data: str | Path | None = None) -> Study:
+    """Read a study.
+
+    Args:
+        path: the study's folder, its study.toml, or the name of a bundled study.
+        data: folder that stream files are relative to; else what the study says, else its own folder.
+
+    Raises:
+        InputError: the study is missing or wrong; with file, line, what was given and what is valid.
+    """
+    file = resolve_study(path)
+    document = read_document(file)
+    document.check_keys(document.data, _TOP)
+    if document.data.get("format", FORMAT) != FORMAT or isinstance(document.data.get("format"), bool):
+        raise InputError(
+            "unknown study format",
+            given=document.data["format"],
+            valid=str(FORMAT),
+            where=document.where("format"),
+        )
+    stated = document.text(document.data, "data", "") or None
+    root = data_root(file, stated, None if data is None else Path(data), where=document.where("data"))
+    baseline = read_baseline(document)
+    streams: dict[str, StreamSpec] = {}
+    for name in document.table(document.data, "streams"):
+        if name in (*_KEYS, *_GROUPS) or not re.fullmatch(r"[\w-]{1,40}", name):
+            raise InputError(
+                "a stream cannot have this name", given=name, where=document.where("streams", name)
+            )
+        streams[name] = read_stream(document, name)
+    if not streams:
+        raise InputError(
+            "the study has no streams", valid='[streams.NAME] with time = "t" and channels', where=str(file)
+        )
+    trials = read_trials(document, streams)
+    title = document.text(document.data, "title", file.parent.name)
+    return Study(title[:300], file, root, baseline, streams, trials)
+
+
+def resolve_study(path: str | Path) -> Path:
+    """The study file that `path` means: a folder, a study.toml, or the name of a bundled study.
+
+    Raises:
+        InputError: there is none; the bundled ones are listed.
+    """
+    given = Path(path).expanduser()
+    try:
+        if given.is_dir():
+            given = given / "study.toml"
+        if given.is_file():
+            return given.resolve()
+    except (OSError, ValueError):
+        raise InputError(
+            "not a path", given=str(path), valid="a folder, a study.toml or a bundled study"
+        ) from None
+    bundled = bundled_studies()
+    name = str(path).rstrip("/")
+    if name in bundled:
+        return bundled[name]
+    if name.endswith(".toml") or "/" in name or given.name == "study.toml":
+        raise InputError(
+            "no such study",
+            given=str(path),
+            valid=f"a folder with a study.toml, or a bundled study: {', '.join(bundled)}",
+        )
+    raise NotFoundError("study", name, bundled)
+
+
+def bundled_studies() -> dict[str, Path]:
+    """Name -> study file of the studies that ship with the package."""
+    try:
+        top = folder("studies")
+    except FileNotFoundError:
+        return {}
+    found = sorted(top.glob("**/study.toml"))
+    return {str(p.parent.relative_to(top)): p for p in found}
