@@ -1,0 +1,136 @@
+"""Apparent mass of an arm whose joints are held by servos: force over acceleration, as a function of
+frequency.
+
+    m_app(w) = 1/(-w^2 n^T J (-w^2 H + i w D + K)^-1 J^T n),  K = blkdiag(0_6, K_p), D alike.
+
+w -> infinity gives the mass with joints free; w -> 0 the mass with joints locked for a free base, and
+-K_tip/w^2 for a fixed one. Below the arm's own resonance a fixed arm is a spring, its apparent mass negative:
+hence magnitude and phase.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from spacerobot.dynamics.direction import unit_directions
+from spacerobot.dynamics.regime import regime_of
+from spacerobot.dynamics.servo import Servo, servo_of
+from spacerobot.dynamics.terms import Terms, terms_of
+from spacerobot.model.robot import Robot
+from spacerobot.support.errors import InputError
+
+
+@dataclass(frozen=True, eq=False)
+class ApparentMass:
+    """Frequency response of a frame along one direction.
+
+    Attributes:
+        omega: shape (F,), [rad/s].
+        mobility: shape (F,), complex acceleration per force [1/kg].
+        free_mobility: with joints free, the limit w -> infinity [1/kg].
+        locked_mobility: with joints locked, the limit w -> 0 [1/kg]; zero for a fixed base.
+        tip_stiffness: static stiffness K_tip = 1/(n^T J K^-1 J^T n) [N/m]; zero where base, slider or a joint
+            without stiffness lets the frame go, infinite where nothing can move it.
+    """
+
+    omega: np.ndarray
+    mobility: np.ndarray
+    free_mobility: float
+    locked_mobility: float
+    tip_stiffness: float
+
+    @property
+    def mass(self) -> np.ndarray:
+        """Complex apparent mass [kg], shape (F,); infinite where the frame cannot move."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.where(self.mobility == 0.0, np.inf + 0.0j, 1.0 / self.mobility)
+
+    @property
+    def magnitude(self) -> np.ndarray:
+        """|m_app| [kg], shape (F,)."""
+        return np.abs(self.mass)
+
+    @property
+    def phase(self) -> np.ndarray:
+        """Angle of m_app [rad], shape (F,): 0 acts as a mass, +-pi as a spring, -pi/2 as a damper."""
+        return np.angle(self.mass)
+
+
+def apparent_mass(
+    robot: Robot,
+    configuration: np.ndarray,
+    direction: ArrayLike,
+    omega: ArrayLike,
+    *,
+    stiffness: ArrayLike,
+    damping: ArrayLike | None = None,
+    frame: str | None = None,
+    base: str | None = None,
+    slider: str = "free",
+) -> ApparentMass:
+    """Frequency response of servo-held joints.
+
+    Args:
+        robot: the robot.
+        configuration: shape (nq,).
+        direction: shape (3,), unit vector in world axes.
+        omega: shape (F,) or scalar, angular frequency [rad/s], positive.
+        stiffness: K_p, scalar or shape (len(chain),) [N m/rad].
+        damping: D_p alike [N m s/rad]; none if None.
+        frame: frame name; the wrist mount if None.
+        base: "fixed" or "free".
+        slider: "free" or "locked".
+
+    Raises:
+        InputError: values out of range, or a frequency that is exactly an undamped resonance.
+    """
+    n = unit_directions(direction)
+    held = servo_of(robot, stiffness, damping)
+    terms = terms_of(robot, configuration, regime_of(robot, base, "servo", slider), frame)
+    frequencies = np.atleast_1d(np.asarray(omega, dtype=float))
+    row = terms.jacobian[:3].T @ n
+    response = np.array([row @ servo_response(terms, held, w, row) for w in frequencies])
+    free = float(row @ np.linalg.solve(terms.inertia, row))
+    limp = np.concatenate([terms.base, terms.slider]).astype(int)
+    locked = 0.0
+    if len(limp):
+        locked = float(row[limp] @ np.linalg.solve(terms.inertia[np.ix_(limp, limp)], row[limp]))
+    return ApparentMass(frequencies, response, free, locked, _tip_stiffness(terms, held, row))
+
+
+def servo_response(terms: Terms, servo: Servo, omega: float, force: np.ndarray) -> np.ndarray:
+    """Complex accelerations (H - i D/w - K/w^2)^-1 f of the moving coordinates.
+
+    Args:
+        terms: H and J of what moves.
+        servo: the joints' stiffness and damping.
+        omega: [rad/s], positive.
+        force: shape (n,) or (n, m), generalised force amplitudes.
+
+    Raises:
+        InputError: a frequency that is not positive and finite, or exactly an undamped resonance.
+    """
+    if not (np.isfinite(omega) and omega > 0.0):
+        raise InputError("the frequency must be positive and finite", given=float(omega), valid="rad/s > 0")
+    stiffness, damping = servo.impedance(terms)
+    matrix = terms.inertia - np.diag(stiffness / omega**2 + 1j * damping / omega)
+    try:
+        return np.linalg.solve(matrix, force.astype(complex))
+    except np.linalg.LinAlgError:
+        raise InputError(
+            "the frequency is an undamped resonance of the servo-held arm",
+            given=f"{omega:g} rad/s",
+            valid="another frequency, or servos with damping",
+        ) from None
+
+
+def _tip_stiffness(terms: Terms, servo: Servo, row: np.ndarray) -> float:
+    if np.any(row[terms.base] != 0.0) or np.any(row[terms.slider] != 0.0):
+        return 0.0
+    moved = row[terms.arm] != 0.0
+    with np.errstate(divide="ignore"):
+        compliance = float(np.sum(row[terms.arm][moved] ** 2 / servo.stiffness[moved]))
+    return 1.0 / compliance if compliance > 0.0 else np.inf
