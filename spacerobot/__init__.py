@@ -11,6 +11,9 @@ from typing import Any
 __version__ = "0.1.0"
 
 _LAZY: dict[str, str] = {
+    "attach_wrist": "spacerobot.model.wrist",
+    "float_base": "spacerobot.model.spacecraft",
+    "load": "spacerobot.model.library",
     "Study": "spacerobot.recordings.study",
     "load_study": "spacerobot.recordings.study",
 }

@@ -25,6 +25,7 @@ class Robot:
         contact: frame at the end of the slider that touches the target, or None without a wrist.
         floating: whether the base is a free-flyer (the first joint of `model`).
         mesh_dirs: folders in which the URDF's meshes are found.
+        armature: whether rotor inertia counts (False leaves `model.armature` at zero).
     """
 
     name: str
@@ -36,16 +37,20 @@ class Robot:
     contact: str | None = None
     floating: bool = False
     mesh_dirs: tuple[Path, ...] = field(default=())
+    armature: bool = True
 
     def frame_id(self, name: str) -> int:
-        """Index of a frame.
+        """Index of a frame; a link goes before a joint of the same name.
 
         Raises:
             NotFoundError: no such frame; names the nearest.
         """
         if not self.model.existFrame(name):
             raise NotFoundError("frame", name, [f.name for f in self.model.frames])
-        return int(self.model.getFrameId(name))
+        try:
+            return int(self.model.getFrameId(name))
+        except ValueError:  # Pinocchio takes no side between a link and a joint of one name
+            return int(self.model.getFrameId(name, pin.FrameType.BODY))
 
     def joint_id(self, name: str) -> int:
         """Index of a joint in `model.joints`.
