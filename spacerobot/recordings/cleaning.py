@@ -9,21 +9,17 @@ from spacerobot.recordings.stream import StreamSpec
 from spacerobot.recordings.table import Floats, RawTable
 from spacerobot.support.errors import InputError
 
-TINY, HUGE = 1e-290, 1e90
-"""Magnitudes that no sensor reports: memory that was never written to reads like this."""
-
 _FLOOD = 0.98
 
 
 def clock_times(table: RawTable, time: Floats) -> Floats:
-    """`time` with every entry finite and credible.
+    """`time` with every entry finite.
 
     Raises:
-        InputError: with the first line whose time is missing or not one.
+        InputError: with the first line whose time is missing.
     """
     if len(time) == 0:
         raise InputError("the file has no rows", where=str(table.path))
-    _refuse_garbage(table, time, "time")
     bad = np.flatnonzero(~np.isfinite(time))
     if len(bad):
         raise InputError("the row has no time", where=table.at(int(bad[0])))
@@ -34,7 +30,7 @@ def used_values(table: RawTable, stream: StreamSpec, rows: int) -> Floats:
     """The raw readings of the stream's channels, NaN where missing: (rows, channels).
 
     Raises:
-        InputError: columns of different length, memory that was never written, or hardly a reading at all.
+        InputError: columns of different length, or hardly a reading at all.
     """
     values = np.empty((rows, len(stream.channels)))
     for j, channel in enumerate(stream.channels):
@@ -45,7 +41,6 @@ def used_values(table: RawTable, stream: StreamSpec, rows: int) -> Floats:
                 given=f"{len(column)} values, {rows} times",
                 where=str(table.path),
             )
-        _refuse_garbage(table, column, f"column {channel.column!r}")
         values[:, j] = (
             np.where(np.isin(column, channel.missing), np.nan, column) if channel.missing else column
         )
@@ -110,16 +105,3 @@ def keep_rows(
         if gaps.any():
             remarks.append(f"{int(gaps.sum())} gaps, the longest {kept.max():.4g} s")
     return order[keep], tuple(remarks)
-
-
-def _refuse_garbage(table: RawTable, column: Floats, what: str) -> None:
-    magnitude = np.abs(column)
-    with np.errstate(invalid="ignore"):
-        bad = ((magnitude > 0) & (magnitude < TINY)) | (magnitude > HUGE)
-    if bad.any():
-        row = int(np.argmax(bad))
-        raise InputError(
-            f"{what} holds a number that no sensor gives: memory that was never written",
-            given=f"{column[row]:g}",
-            where=table.at(row),
-        )

@@ -114,7 +114,11 @@ def load_trial(streams: Mapping[str, StreamSpec], root: Path, trial: Trial) -> R
                     given=f"column {channel.column}",
                     where=str(table.path),
                 )
-            value = (values[:, j] * channel.scale + channel.offset) * channel.factor
+            factor = channel.factor
+            if channel.unit is None:  # then the file's own word counts, where it gives one
+                own = table.columns[table.index(channel.column)].unit
+                factor = units.unit(own).factor if own else 1.0
+            value = (values[:, j] * channel.scale + channel.offset) * factor
             stated = channel.sigma is not None
             sigma = channel.sigma if channel.sigma is not None else estimate_noise(value)
             series[channel.name] = Series(

@@ -56,8 +56,8 @@ class Series:
 def estimate_noise(value: Floats) -> float:
     """One standard deviation of white noise on a smooth signal, from third differences.
 
-    The third difference of noise alone has variance 20 sigma^2 (sum of squared binomials 1, 3, 3, 1) and takes
-    a quadratic trend away; the median absolute value (over 0.6745) does not see impacts.
+    The third difference of noise alone has variance 20 sigma^2 (sum of squared binomials 1, 3, 3, 1) and
+    takes a quadratic trend away; the median absolute value (over 0.6745) does not see impacts.
 
     Args:
         value: (n,) samples at an even rate, NaN left out.

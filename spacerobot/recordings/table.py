@@ -47,10 +47,12 @@ class Column:
     Attributes:
         names: what the file calls it; several where the header has several lines.
         values: (rows,) raw numbers, NaN where the cell is empty.
+        unit: unit that the file itself states, None where it says nothing.
     """
 
     names: tuple[str, ...]
     values: Floats
+    unit: str | None = None
 
 
 @dataclass(frozen=True)

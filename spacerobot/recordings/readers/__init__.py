@@ -5,13 +5,27 @@ from __future__ import annotations
 from pathlib import Path
 
 from spacerobot.recordings.readers import limits
+from spacerobot.recordings.readers.bag import BagReader
 from spacerobot.recordings.readers.base import Reader
 from spacerobot.recordings.readers.delimited import DelimitedReader, TextReader
+from spacerobot.recordings.readers.garbage import refuse_garbage
+from spacerobot.recordings.readers.hdf5 import Hdf5Reader
+from spacerobot.recordings.readers.mat import MatReader
+from spacerobot.recordings.readers.motive import MotiveReader
+from spacerobot.recordings.readers.npz import NpzReader
 from spacerobot.recordings.table import Options, RawTable
 from spacerobot.support.errors import InputError, NotFoundError
 
-READERS: tuple[Reader, ...] = (TextReader(), DelimitedReader())
-"""All readers; the first whose claim fits the first bytes reads a file of unstated format."""
+READERS: tuple[Reader, ...] = (
+    BagReader(),
+    NpzReader(),
+    MatReader(),
+    Hdf5Reader(),
+    MotiveReader(),
+    TextReader(),
+    DelimitedReader(),
+)
+"""All readers, those that know their files by a mark before those that take any text."""
 
 
 def reader_for(path: Path, format: str | None = None) -> Reader:
@@ -29,6 +43,9 @@ def reader_for(path: Path, format: str | None = None) -> Reader:
     head = b"" if path.is_dir() else limits.read_head(path)
     claiming = [r for r in READERS if r.claims(path, head)]
     name = path.name.lower().removesuffix(".gz").removesuffix(".bz2").removesuffix(".xz")
+    claimed = next((r for r in claiming if not isinstance(r, DelimitedReader)), None)
+    if claimed is not None:
+        return claimed
     for reader in claiming:
         if name.endswith(reader.suffixes):
             return reader
@@ -39,7 +56,7 @@ def reader_for(path: Path, format: str | None = None) -> Reader:
             valid=", ".join(r.name for r in READERS),
             where=str(path),
         )
-    return claiming[0]
+    return claiming[-1]
 
 
 def read_table(path: Path, options: Options | None = None, format: str | None = None) -> RawTable:
@@ -48,4 +65,7 @@ def read_table(path: Path, options: Options | None = None, format: str | None = 
     Raises:
         InputError: it cannot be read; with file, line and reason.
     """
-    return reader_for(path, format).read(path, options or Options())
+    options = options or Options()
+    table = reader_for(path, format).read(path, options)
+    refuse_garbage(table, options)
+    return table

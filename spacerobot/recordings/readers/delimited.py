@@ -23,8 +23,8 @@ class DelimitedReader(Reader):
     suffixes: ClassVar[tuple[str, ...]] = (".csv", ".tsv")
 
     def claims(self, path: Path, head: bytes) -> bool:
-        """Any text may be a table."""
-        return True
+        """Any text may be a table; zero bytes without a byte-order mark are no text."""
+        return not path.is_dir()
 
     def read(self, path: Path, options: Options) -> RawTable:
         """The columns, with the names that the header gives them."""

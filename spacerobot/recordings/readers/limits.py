@@ -19,8 +19,8 @@ TEXT_LINES = 3_000_000
 LINE_CHARACTERS = 1_000_000
 """Longest line of a text."""
 
-ARRAY_VALUES = 30_000_000
-"""Most numbers in one array of a binary file (240 MB)."""
+ARRAY_VALUES = 20_000_000
+"""Most numbers that are taken from one binary file (160 MB)."""
 
 BINARY_BYTES = 1_000_000_000
 """Longest binary file that is opened."""
@@ -28,7 +28,7 @@ BINARY_BYTES = 1_000_000_000
 CHILD_SECONDS = 60.0
 """Longest time that a child process may take over one binary file."""
 
-CHILD_BYTES = 900_000_000
+CHILD_BYTES = 800_000_000
 """Most memory that a child process may add to its own while it reads."""
 
 _MAGIC = ((b"\x1f\x8b", "gz"), (b"BZh", "bz2"), (b"\xfd7zXZ\x00", "xz"))
