@@ -1,6 +1,7 @@
 """The air-bed rig (and any wrist that meets a floating body) as a mechanism: hand, wrist, target.
 
-With a finite hand mass M these are Eqs. 2 to 4 of Uyama et al. (2012); with the hand held, their limit M -> infinity.
+With a finite hand mass M these are Eqs. 2 to 4 of Uyama et al. (2012); with the hand held, their limit
+M -> infinity.
 """
 
 from __future__ import annotations
@@ -42,8 +43,8 @@ def rig(values: Mapping[str, float], *, bilateral: bool = False, lateral: bool =
     """The mechanism of a wrist and a target.
 
     Args:
-        values: by dotted name, SI; the names of DEFAULTS, which fill what is absent. A finite "hand.mass" frees the
-            hand; a "target.yaw_inertia" lets the target turn.
+        values: by dotted name, SI; the names of DEFAULTS, which fill what is absent. A finite "hand.mass" frees
+            the hand; a "target.yaw_inertia" lets the target turn.
         bilateral: contact that ends when the penetration returns to zero (the paper's reading).
         lateral: give the target its sideways coordinate too.
 

@@ -6,6 +6,27 @@ from typing import Any
 
 import numpy as np
 
+from spacerobot.effects.kernel import PARAMETERS
+from spacerobot.simulation.reduced.arrays import (
+    AUX,
+    CONTACT_FORCE,
+    EDGE,
+    FORCE,
+    FORCES,
+    FRICTION,
+    FRICTION_PORT,
+    FRICTIONS,
+    GEOMETRY,
+    MASS,
+    PARAMETER,
+    PRESS,
+    RAW,
+    SENSE,
+    W_ROWS,
+    D,
+    N,
+    V,
+)
 from spacerobot.simulation.reduced.motion import (
     APART,
     PRESSED,
@@ -25,7 +46,8 @@ SUBSAMPLES = 5
 
 @jit
 def guard_at(
-    s: Any,
+    x: Any,
+    c: Any,
     laws: Any,
     t: float,
     y: Any,
@@ -33,29 +55,29 @@ def guard_at(
     q: Any,
     theta: float,
     modes: Any,
-    it: Any,
-    iu: Any,
+    u: Any,
     w: Any,
     temp: Any,
     slope: Any,
     g: Any,
 ) -> None:
+    """Guards at t + theta h, into g."""
     interpolate(y, h, q, theta, temp)
-    evaluate(s, laws, t + theta * h, temp, modes, it, iu, w, slope)
-    guards(s, laws, modes, w, g)
+    evaluate(x, c, laws, t + theta * h, temp, modes, u, w, slope)
+    guards(x, c, laws, modes, w, g)
 
 
 @jit
 def find_event(
-    s: Any,
+    x: Any,
+    c: Any,
     laws: Any,
     t: float,
     y: Any,
     h: float,
     q: Any,
     modes: Any,
-    it: Any,
-    iu: Any,
+    u: Any,
     w: Any,
     temp: Any,
     slope: Any,
@@ -68,10 +90,10 @@ def find_event(
     (an extremum of the gap) and, for the others, by the vertex of the parabola through three samples.
     """
     count = samples.shape[1]
-    press = s.special[0]
+    press = c[PRESS]
     for j in range(SUBSAMPLES + 1):
-        guard_at(s, laws, t, y, h, q, j / SUBSAMPLES, modes, it, iu, w, temp, slope, samples[j])
-        rates[j] = w.rate[press] if press >= 0 else 0.0
+        guard_at(x, c, laws, t, y, h, q, j / SUBSAMPLES, modes, u, w, temp, slope, samples[j])
+        rates[j] = w[c[V] + press] if press >= 0 else 0.0
     best_theta = 2.0
     best = -1
     for i in range(count):
@@ -84,7 +106,8 @@ def find_event(
             if i == 0 and press >= 0 and modes[0] != PRESSED:
                 if rates[j - 1] > 0.0 and rates[j] < 0.0:
                     dip = _extremum(
-                        s,
+                        x,
+                        c,
                         laws,
                         t,
                         y,
@@ -93,8 +116,7 @@ def find_event(
                         (j - 1) / SUBSAMPLES,
                         j / SUBSAMPLES,
                         modes,
-                        it,
-                        iu,
+                        u,
                         w,
                         temp,
                         slope,
@@ -111,7 +133,7 @@ def find_event(
                     if low < 0.2 * samples[j, i]:
                         dip = (j + shift) / SUBSAMPLES
             if dip > 0.0:
-                guard_at(s, laws, t, y, h, q, dip, modes, it, iu, w, temp, slope, samples[SUBSAMPLES + 1])
+                guard_at(x, c, laws, t, y, h, q, dip, modes, u, w, temp, slope, samples[SUBSAMPLES + 1])
                 if samples[SUBSAMPLES + 1, i] < 0.0:
                     lo, hi = (j - 1) / SUBSAMPLES, dip
                     break
@@ -119,7 +141,7 @@ def find_event(
             continue
         for _ in range(60):
             mid = 0.5 * (lo + hi)
-            guard_at(s, laws, t, y, h, q, mid, modes, it, iu, w, temp, slope, samples[SUBSAMPLES + 1])
+            guard_at(x, c, laws, t, y, h, q, mid, modes, u, w, temp, slope, samples[SUBSAMPLES + 1])
             if samples[SUBSAMPLES + 1, i] < 0.0:
                 hi = mid
             else:
@@ -135,7 +157,8 @@ def find_event(
 
 @jit
 def _extremum(
-    s: Any,
+    x: Any,
+    c: Any,
     laws: Any,
     t: float,
     y: Any,
@@ -144,19 +167,18 @@ def _extremum(
     lo: float,
     hi: float,
     modes: Any,
-    it: Any,
-    iu: Any,
+    u: Any,
     w: Any,
     temp: Any,
     slope: Any,
 ) -> float:
-    """Where the contact's rate changes sign from positive to negative: the largest penetration in [lo, hi]."""
-    press = s.special[0]
+    """Where the contact's rate changes sign from positive to negative: the deepest point."""
+    press = c[PRESS]
     for _ in range(40):
         mid = 0.5 * (lo + hi)
         interpolate(y, h, q, mid, temp)
-        kinematics(s, temp, w)
-        if w.rate[press] > 0.0:
+        kinematics(x, c, temp, w)
+        if w[c[V] + press] > 0.0:
             lo = mid
         else:
             hi = mid
@@ -165,18 +187,18 @@ def _extremum(
 
 @jit
 def switch(
-    s: Any, laws: Any, i: int, t: float, y: Any, modes: Any, it: Any, iu: Any, w: Any, slope: Any
+    x: Any, c: Any, laws: Any, i: int, t: float, y: Any, modes: Any, u: Any, w: Any, slope: Any
 ) -> None:
     """Changes mode i after its guard fell to zero at state y."""
-    n = s.inverse_mass.size
-    forces = s.force_port.size
-    evaluate(s, laws, t, y, modes, it, iu, w, slope)
+    n = c[N]
+    forces = c[FORCES]
+    evaluate(x, c, laws, t, y, modes, u, w, slope)
     if i == 0:
-        d = w.displacement[s.special[0]]
+        d = w[c[D] + c[PRESS]]
         if modes[0] == APART:
             modes[0] = PRESSED
         elif modes[0] == PRESSED:
-            modes[0] = RELEASED if d > 1e-12 and s.contact[1] < 0.5 else APART
+            modes[0] = RELEASED if d > 1e-12 and x[c[GEOMETRY] + 3] < 0.5 else APART
         else:
             modes[0] = PRESSED if d > 1e-12 else APART
         return
@@ -184,70 +206,79 @@ def switch(
         modes[i] = -modes[i]
         return
     r = i - 1 - forces
-    p = s.friction_port[r]
+    p = c[c[FRICTION_PORT] + r]
     if modes[i] == STICK:
-        modes[i] = -1 if w.friction[r] > 0.0 else 1
+        modes[i] = -1 if w[c[FRICTION] + r] > 0.0 else 1
         return
     share = 0.0  # the sliding ended: remove the last rounding of its rate, then see whether it can stick
     for j in range(n):
-        share += w.rows[p, j] * w.rows[p, j] * s.inverse_mass[j]
+        share += w[c[W_ROWS] + p * n + j] * w[c[W_ROWS] + p * n + j] * x[c[MASS] + j]
     if share > 0.0:
-        kick = w.rate[p] / share
+        kick = w[c[V] + p] / share
         for j in range(n):
-            y[n + j] -= kick * w.rows[p, j] * s.inverse_mass[j]
+            y[n + j] -= kick * w[c[W_ROWS] + p * n + j] * x[c[MASS] + j]
     modes[i] = STICK
-    settle(s, laws, t, y, modes, it, iu, w, slope)
+    settle(x, c, laws, t, y, modes, u, w, slope)
 
 
 @jit
-def settle(s: Any, laws: Any, t: float, y: Any, modes: Any, it: Any, iu: Any, w: Any, slope: Any) -> None:
+def settle(x: Any, c: Any, laws: Any, t: float, y: Any, modes: Any, u: Any, w: Any, slope: Any) -> None:
     """Lets every stuck port whose friction exceeds its limit slide; repeated until consistent."""
-    base = 1 + s.force_port.size
-    for _ in range(s.friction_port.size + 1):
-        evaluate(s, laws, t, y, modes, it, iu, w, slope)
+    base = 1 + c[FORCES]
+    for _ in range(c[FRICTIONS] + 1):
+        evaluate(x, c, laws, t, y, modes, u, w, slope)
         normal = 0.0
-        if s.special[0] >= 0:
-            normal = max(0.0, -w.force[s.special[3]])
+        if c[PRESS] >= 0:
+            normal = max(0.0, -w[c[FORCE] + c[CONTACT_FORCE]])
         worst, excess = -1, 0.0
-        for r in range(s.friction_port.size):
+        for r in range(c[FRICTIONS]):
             if modes[base + r] == STICK:
-                f = w.friction[r]
-                over = abs(f) - level(s, laws, r, -TINY if f > 0.0 else TINY, normal) * (1.0 + 1e-12)
+                f = w[c[FRICTION] + r]
+                over = abs(f) - level(x, c, laws, r, -TINY if f > 0.0 else TINY, normal) * (1.0 + 1e-12)
                 if over > excess:
                     worst, excess = r, over
         if worst < 0:
             return
-        modes[base + worst] = -1 if w.friction[worst] > 0.0 else 1
+        modes[base + worst] = -1 if w[c[FRICTION] + worst] > 0.0 else 1
 
 
 @jit
-def start_modes(s: Any, laws: Any, t: float, y: Any, it: Any, iu: Any, w: Any, slope: Any) -> Any:
+def start_modes(x: Any, c: Any, laws: Any, t: float, y: Any, u: Any, w: Any, slope: Any) -> Any:
     """Modes that fit the state y."""
-    forces = s.force_port.size
-    modes = np.zeros(1 + forces + s.friction_port.size, dtype=np.int64)
-    kinematics(s, y, w)
-    if s.special[0] >= 0:
-        d, v = w.displacement[s.special[0]], w.rate[s.special[0]]
+    forces = c[FORCES]
+    modes = np.zeros(1 + forces + c[FRICTIONS], dtype=np.int64)
+    kinematics(x, c, y, w)
+    if c[PRESS] >= 0:
+        d, v = w[c[D] + c[PRESS]], w[c[V] + c[PRESS]]
         if d > 0.0 or (d == 0.0 and v > 0.0):
             modes[0] = PRESSED
-    for r in range(s.friction_port.size):
-        v = w.rate[s.friction_port[r]]
+    for r in range(c[FRICTIONS]):
+        v = w[c[V] + c[c[FRICTION_PORT] + r]]
         modes[1 + forces + r] = STICK if abs(v) < 1e-15 else (1 if v > 0.0 else -1)
     for j in range(forces):
         modes[1 + j] = 1
-    settle(s, laws, t, y, modes, it, iu, w, slope)
-    if modes[0] == PRESSED and -w.raw[s.special[3]] + s.contact[0] < 0.0 and s.contact[1] < 0.5:
+    settle(x, c, laws, t, y, modes, u, w, slope)
+    if (
+        modes[0] == PRESSED
+        and -w[c[RAW] + c[CONTACT_FORCE]] + x[c[GEOMETRY] + 2] < 0.0
+        and x[c[GEOMETRY] + 3] < 0.5
+    ):
         modes[0] = RELEASED
-    fix_edges(s, laws, modes, w)
+    fix_edges(x, c, laws, modes, w)
     return modes
 
 
 @jit
-def fix_edges(s: Any, laws: Any, modes: Any, w: Any) -> None:
+def fix_edges(x: Any, c: Any, laws: Any, modes: Any, w: Any) -> None:
     """Sets the sign of every edge to that of the present state."""
-    for j in range(s.force_port.size):
-        if s.force_edge[j] >= 0:
-            sense = s.force_sense[j]
-            aux = w.rate[s.force_aux[j]] if s.force_aux[j] >= 0 else 0.0
-            value = laws[s.force_edge[j]](w.displacement[sense], w.rate[sense], aux, s.parameters[j])
+    for j in range(c[FORCES]):
+        if c[c[EDGE] + j] >= 0:
+            sense = c[c[SENSE] + j]
+            aux = w[c[V] + c[c[AUX] + j]] if c[c[AUX] + j] >= 0 else 0.0
+            value = laws[c[c[EDGE] + j]](
+                w[c[D] + sense],
+                w[c[V] + sense],
+                aux,
+                x[c[PARAMETER] + PARAMETERS * j : c[PARAMETER] + PARAMETERS * (j + 1)],
+            )
             modes[1 + j] = -1 if value < 0.0 else 1

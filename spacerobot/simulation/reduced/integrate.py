@@ -6,6 +6,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from spacerobot.simulation.reduced.arrays import (
+    EDGE,
+    FORCES,
+    FRICTIONS,
+    KICK,
+    KICK_TIME,
+    KICKS,
+    MASS,
+    PRESS,
+    N,
+)
 from spacerobot.simulation.reduced.events import (
     SUBSAMPLES,
     find_event,
@@ -33,14 +44,15 @@ class Steps(NamedTuple):
 
 @jit
 def _grow(a: Any, used: int) -> Any:
-    out = np.empty((2 * a.shape[0],) + a.shape[1:], dtype=a.dtype)
+    out = np.empty((2 * a.shape[0], *a.shape[1:]), dtype=a.dtype)
     out[:used] = a[:used]
     return out
 
 
 @jit
 def integrate(
-    s: Any,
+    x: Any,
+    c: Any,
     laws: Any,
     w: Any,
     y0: Any,
@@ -50,16 +62,15 @@ def integrate(
     atol: Any,
     h_first: float,
     h_max: float,
-    it: Any,
-    iu: Any,
+    u: Any,
 ) -> Any:
-    """Integrates from t0 to t1; returns (steps' arrays, event times, event indices, new modes, end state, status)."""
+    """Integrates from t0 to t1; returns the steps, events (time, index, new mode), end state and status."""
     size = y0.size
     y = y0.copy()
     new, temp, slope = np.empty(size), np.empty(size), np.empty(size)
     k = np.zeros((7, size))
     q = np.empty((size, 4))
-    modes = start_modes(s, laws, t0, y, it, iu, w, slope)
+    modes = start_modes(x, c, laws, t0, y, u, w, slope)
     count = modes.size
     samples = np.empty((SUBSAMPLES + 2, count))
     rates = np.empty(SUBSAMPLES + 1)
@@ -73,35 +84,31 @@ def integrate(
     t = t0
     h = min(h_first, h_max)
     status = OK
-    watched = s.special[0] >= 0 or s.friction_port.size > 0
-    for j in range(s.force_edge.size):
-        if s.force_edge[j] >= 0:
+    watched = c[PRESS] >= 0 or c[FRICTIONS] > 0
+    for j in range(c[FORCES]):
+        if c[c[EDGE] + j] >= 0:
             watched = True
-    while kick < s.impulse_time.size and s.impulse_time[kick] < t0:
+    while kick < c[KICKS] and x[c[KICK_TIME] + kick] < t0:
         kick += 1
-    evaluate(s, laws, t, y, modes, it, iu, w, k[0])
+    evaluate(x, c, laws, t, y, modes, u, w, k[0])
     while t < t1:
         stop = t1
-        if kick < s.impulse_time.size and s.impulse_time[kick] <= t1:
-            stop = s.impulse_time[kick]
-        if (
-            kick < s.impulse_time.size
-            and stop == s.impulse_time[kick]
-            and stop - t <= 1e-15 * max(1.0, abs(t))
-        ):
-            for i in range(s.inverse_mass.size):
-                y[s.inverse_mass.size + i] += s.inverse_mass[i] * s.impulse[kick, i]
+        if kick < c[KICKS] and x[c[KICK_TIME] + kick] <= t1:
+            stop = x[c[KICK_TIME] + kick]
+        if kick < c[KICKS] and stop == x[c[KICK_TIME] + kick] and stop - t <= 1e-15 * max(1.0, abs(t)):
+            for i in range(c[N]):
+                y[c[N] + i] += x[c[MASS] + i] * x[c[KICK] + kick * c[N] + i]
             kick += 1
             contact_mode = modes[0]
-            modes = start_modes(s, laws, t, y, it, iu, w, slope)
+            modes = start_modes(x, c, laws, t, y, u, w, slope)
             modes[0] = contact_mode
-            evaluate(s, laws, t, y, modes, it, iu, w, k[0])
+            evaluate(x, c, laws, t, y, modes, u, w, k[0])
             continue
         full = min(h, h_max)
         final = False
         if full >= (stop - t) * (1.0 - 1e-12):
             full, final = stop - t, True
-        stages(s, laws, t, y, full, modes, it, iu, w, k, new)
+        stages(x, c, laws, t, y, full, modes, u, w, k, new)
         norm = error_norm(y, new, full, k, rtol, atol)
         if not np.isfinite(norm):
             if full < 1e-14:
@@ -119,20 +126,20 @@ def integrate(
         dense(k, q)
         hit = -1
         if watched:
-            hit, theta = find_event(s, laws, t, y, full, q, modes, it, iu, w, temp, slope, samples, rates)
+            hit, theta = find_event(x, c, laws, t, y, full, q, modes, u, w, temp, slope, samples, rates)
         if hit >= 0:
             # the interpolant is less accurate than the step: redo the step to the event and polish its length
             part = max(theta * full, 0.0)
             for _ in range(4):
-                stages(s, laws, t, y, part, modes, it, iu, w, k, new)
-                evaluate(s, laws, t + part, new, modes, it, iu, w, slope)
-                guards(s, laws, modes, w, samples[0])
+                stages(x, c, laws, t, y, part, modes, u, w, k, new)
+                evaluate(x, c, laws, t + part, new, modes, u, w, slope)
+                guards(x, c, laws, modes, w, samples[0])
                 value = samples[0, hit]
                 probe = max(1e-7 * full, 1e-12)
                 for i in range(size):
                     temp[i] = new[i] + probe * slope[i]
-                evaluate(s, laws, t + part + probe, temp, modes, it, iu, w, slope)
-                guards(s, laws, modes, w, samples[1])
+                evaluate(x, c, laws, t + part + probe, temp, modes, u, w, slope)
+                guards(x, c, laws, modes, w, samples[1])
                 rate = (samples[1, hit] - value) / probe
                 if rate >= 0.0:
                     break
@@ -142,7 +149,7 @@ def integrate(
                 part += change
                 if abs(change) < 1e-15 * max(1.0, abs(t)) or abs(change) < 1e-13 * full:
                     break
-            stages(s, laws, t, y, part, modes, it, iu, w, k, new)
+            stages(x, c, laws, t, y, part, modes, u, w, k, new)
             dense(k, q)
         else:
             part = full
@@ -152,8 +159,8 @@ def integrate(
         times[m], lengths[m] = t, part
         for i in range(size):
             states[m, i] = y[i]
-            for c in range(4):
-                denses[m, i, c] = q[i, c]
+            for power in range(4):
+                denses[m, i, power] = q[i, power]
         for i in range(count):
             kept[m, i] = modes[i]
         m += 1
@@ -161,8 +168,8 @@ def integrate(
             y[i] = new[i]
         t = stop if final and hit < 0 else t + part
         if hit >= 0:
-            switch(s, laws, hit, t, y, modes, it, iu, w, slope)
-            settle(s, laws, t, y, modes, it, iu, w, slope)
+            switch(x, c, laws, hit, t, y, modes, u, w, slope)
+            settle(x, c, laws, t, y, modes, u, w, slope)
             if e == etime.size:
                 etime, eindex, emode = _grow(etime, e), _grow(eindex, e), _grow(emode, e)
             etime[e], eindex[e], emode[e] = t, hit, modes[hit]
@@ -172,7 +179,7 @@ def integrate(
                 break
         else:
             h = full * grow if not final else max(h, full * grow)
-        evaluate(s, laws, t, y, modes, it, iu, w, k[0])
+        evaluate(x, c, laws, t, y, modes, u, w, k[0])
         if m >= MAX_STEPS:
             status = TOO_MANY_STEPS
             break

@@ -2,12 +2,56 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from spacerobot.simulation.reduced.arrays import System
+from spacerobot.effects.kernel import PARAMETERS
+from spacerobot.effects.laws import contact_force
+from spacerobot.simulation.reduced.arrays import (
+    AUX,
+    BIAS,
+    CONSTANT,
+    CONTACT_FORCE,
+    EDGE,
+    FORCE,
+    FORCES,
+    FRICTION,
+    FRICTION_LAW,
+    FRICTION_NORMAL,
+    FRICTION_PARAMETER,
+    FRICTION_PORT,
+    FRICTIONS,
+    GAIN,
+    GEOMETRY,
+    INPUT_PORT,
+    INPUTS,
+    LAW,
+    MASS,
+    MATRIX,
+    NATIVE_CONTACT,
+    NATIVE_DAMPER,
+    NATIVE_SPRING,
+    PARAMETER,
+    PORT,
+    PORTS,
+    PRESS,
+    RAW,
+    ROWS,
+    SENSE,
+    SLIDE,
+    STUCK,
+    TAU,
+    VECTOR,
+    W_ROWS,
+    YAW,
+    D,
+    N,
+    V,
+)
 from spacerobot.support.jit import jit
+
+native_contact = jit(contact_force)
 
 APART, PRESSED, RELEASED = 0, 1, 2
 """Contact modes: surfaces apart; force carried; overlapping on paper but the contact force has ended."""
@@ -16,220 +60,202 @@ SLIP_MINUS, STICK, SLIP_PLUS = -1, 0, 1
 TINY = 1e-300
 
 
-class Work(NamedTuple):
-    """Scratch arrays, and what the last evaluation found."""
-
-    displacement: np.ndarray  # (P,)
-    rate: np.ndarray  # (P,)
-    bias: np.ndarray  # (P,) part of a port's acceleration that comes from velocities
-    rows: np.ndarray  # (P, n)
-    tau: np.ndarray  # (n,)
-    raw: np.ndarray  # (F,) what the laws say
-    force: np.ndarray  # (F,) what acts
-    friction: np.ndarray  # (R,) friction forces, stuck or sliding
-    matrix: np.ndarray  # (R, R)
-    vector: np.ndarray  # (R,)
-    stuck: np.ndarray  # (R,) int
-
-
-def scratch(system: System) -> Work:
-    """Scratch arrays of the right sizes."""
-    ports, n = system.rows.shape
-    forces, frictions = system.force_port.size, system.friction_port.size
-    return Work(
-        np.zeros(ports),
-        np.zeros(ports),
-        np.zeros(ports),
-        system.rows.copy(),
-        np.zeros(n),
-        np.zeros(forces),
-        np.zeros(forces),
-        np.zeros(frictions),
-        np.zeros((frictions, frictions)),
-        np.zeros(frictions),
-        np.zeros(frictions, dtype=np.int64),
-    )
-
-
 @jit
-def kinematics(s: Any, y: Any, w: Any) -> None:
+def kinematics(x: Any, c: Any, y: Any, w: Any) -> None:
     """Displacements and rates of all ports at state y = (q, v)."""
-    n = s.inverse_mass.size
-    yaw = s.special[2]
-    for p in range(s.rows.shape[0]):
+    n = c[N]
+    yaw = c[YAW]
+    for p in range(c[PORTS]):
         d = 0.0
         v = 0.0
         for i in range(n):
-            r = s.rows[p, i]
+            r = x[c[ROWS] + p * n + i]
             d += r * y[i]
             v += r * y[n + i]
-        w.displacement[p] = d
-        w.rate[p] = v
-    if s.special[0] >= 0 and yaw >= 0:
-        a, b = s.geometry[0], s.geometry[1]
+        w[c[D] + p] = d
+        w[c[V] + p] = v
+    if c[PRESS] >= 0 and yaw >= 0:
+        a, b = x[c[GEOMETRY] + 0], x[c[GEOMETRY] + 1]
         sine, cosine = np.sin(y[yaw]), np.cos(y[yaw])
         across = a * sine + b * cosine
         along = a * cosine - b * sine
         spin = y[n + yaw]
-        press, slide = s.special[0], s.special[1]
-        w.displacement[press] += a * (cosine - 1.0) - b * sine
-        w.rate[press] -= across * spin
-        w.rows[press, yaw] = -across
-        w.bias[press] = -along * spin * spin
-        w.displacement[slide] += a * sine + b * (cosine - 1.0)
-        w.rate[slide] += along * spin
-        w.rows[slide, yaw] = along
-        w.bias[slide] = -across * spin * spin
+        press, slide = c[PRESS], c[SLIDE]
+        w[c[D] + press] += a * (cosine - 1.0) - b * sine
+        w[c[V] + press] -= across * spin
+        w[c[W_ROWS] + press * n + yaw] = -across
+        w[c[BIAS] + press] = -along * spin * spin
+        w[c[D] + slide] += a * sine + b * (cosine - 1.0)
+        w[c[V] + slide] += along * spin
+        w[c[W_ROWS] + slide * n + yaw] = along
+        w[c[BIAS] + slide] = -across * spin * spin
 
 
 @jit
-def drive(s: Any, t: float, input_time: Any, input_value: Any, w: Any) -> None:
+def drive(x: Any, c: Any, t: float, u: Any, w: Any) -> None:
     """Adds the recorded drives, interpolated linearly; outside the record the nearest sample holds."""
-    if s.input_port.size == 0:
+    if c[INPUTS] == 0:
         return
-    last = input_time.size - 1
-    k = np.searchsorted(input_time, t, side="right") - 1
+    n = c[N]
+    last = u.shape[1] - 1
+    k = np.searchsorted(u[0], t, side="right") - 1
     if k < 0:
         k, blend = 0, 0.0
     elif k >= last:
         k, blend = last, 0.0
     else:
-        blend = (t - input_time[k]) / (input_time[k + 1] - input_time[k])
-    for u in range(s.input_port.size):
-        value = input_value[u, k]
+        blend = (t - u[0, k]) / (u[0, k + 1] - u[0, k])
+    for j in range(c[INPUTS]):
+        value = u[1 + j, k]
         if blend > 0.0:
-            value += blend * (input_value[u, k + 1] - value)
-        p = s.input_port[u]
-        for i in range(w.tau.size):
-            w.tau[i] += w.rows[p, i] * s.input_gain[u] * value
+            value += blend * (u[1 + j, k + 1] - value)
+        p = c[c[INPUT_PORT] + j]
+        for i in range(c[N]):
+            w[c[TAU] + i] += w[c[W_ROWS] + p * n + i] * x[c[GAIN] + j] * value
 
 
 @jit
-def level(s: Any, laws: Any, r: int, v: float, normal: float) -> float:
+def level(x: Any, c: Any, laws: Any, r: int, v: float, normal: float) -> float:
     """Largest magnitude of friction r while sliding at rate v (its sign is the direction)."""
-    load = normal if s.friction_normal[r] == 1 else 1.0
-    return laws[s.friction_law[r]](v, load, 0.0, s.friction_parameters[r])
+    load = normal if c[c[FRICTION_NORMAL] + r] == 1 else 1.0
+    return laws[c[c[FRICTION_LAW] + r]](
+        v, load, 0.0, x[c[FRICTION_PARAMETER] + PARAMETERS * r : c[FRICTION_PARAMETER] + PARAMETERS * (r + 1)]
+    )
 
 
 @jit
-def evaluate(
-    s: Any, laws: Any, t: float, y: Any, modes: Any, input_time: Any, input_value: Any, w: Any, out: Any
-) -> None:
+def evaluate(x: Any, c: Any, laws: Any, t: float, y: Any, modes: Any, u: Any, w: Any, out: Any) -> None:
     """out = dy/dt; `w` keeps the forces. modes = (contact, edge signs (F), frictions (R))."""
-    n = s.inverse_mass.size
-    kinematics(s, y, w)
+    n = c[N]
+    kinematics(x, c, y, w)
     for i in range(n):
-        w.tau[i] = s.constant[i]
+        w[c[TAU] + i] = x[c[CONSTANT] + i]
     normal = 0.0
-    for j in range(s.force_port.size):
-        sense = s.force_sense[j]
-        aux = w.rate[s.force_aux[j]] if s.force_aux[j] >= 0 else 0.0
-        f = laws[s.force_law[j]](w.displacement[sense], w.rate[sense], aux, s.parameters[j])
-        w.raw[j] = f
-        if j == s.special[3]:
+    for j in range(c[FORCES]):
+        sense = c[c[SENSE] + j]
+        aux = w[c[V] + c[c[AUX] + j]] if c[c[AUX] + j] >= 0 else 0.0
+        law = c[c[LAW] + j]
+        d, v = w[c[D] + sense], w[c[V] + sense]
+        if law == NATIVE_SPRING:
+            f = -x[c[PARAMETER] + PARAMETERS * j] * d
+        elif law == NATIVE_DAMPER:
+            f = -x[c[PARAMETER] + PARAMETERS * j] * v
+        elif law == NATIVE_CONTACT:
+            f = native_contact(
+                d, v, aux, x[c[PARAMETER] + PARAMETERS * j : c[PARAMETER] + PARAMETERS * (j + 1)]
+            )
+        else:
+            f = laws[law](d, v, aux, x[c[PARAMETER] + PARAMETERS * j : c[PARAMETER] + PARAMETERS * (j + 1)])
+        w[c[RAW] + j] = f
+        if j == c[CONTACT_FORCE]:
             if modes[0] != PRESSED:
                 f = 0.0
             normal = max(0.0, -f)
-        w.force[j] = f
-        p = s.force_port[j]
+        w[c[FORCE] + j] = f
+        p = c[c[PORT] + j]
         for i in range(n):
-            w.tau[i] += w.rows[p, i] * f
-    drive(s, t, input_time, input_value, w)
-    base = 1 + s.force_port.size
+            w[c[TAU] + i] += w[c[W_ROWS] + p * n + i] * f
+    drive(x, c, t, u, w)
+    base = 1 + c[FORCES]
     stuck = 0
-    for r in range(s.friction_port.size):
+    for r in range(c[FRICTIONS]):
         m = modes[base + r]
-        p = s.friction_port[r]
+        p = c[c[FRICTION_PORT] + r]
         if m == STICK:
-            w.stuck[stuck] = r
+            w[c[STUCK] + stuck] = r
             stuck += 1
             continue
-        speed = m * max(m * w.rate[p], TINY)
-        f = -m * level(s, laws, r, speed, normal)
-        w.friction[r] = f
+        speed = m * max(m * w[c[V] + p], TINY)
+        f = -m * level(x, c, laws, r, speed, normal)
+        w[c[FRICTION] + r] = f
         for i in range(n):
-            w.tau[i] += w.rows[p, i] * f
+            w[c[TAU] + i] += w[c[W_ROWS] + p * n + i] * f
     if stuck > 0:
-        _stick(s, stuck, w)
+        _stick(x, c, stuck, w)
     for i in range(n):
         out[i] = y[n + i]
-        out[n + i] = w.tau[i] * s.inverse_mass[i]
+        out[n + i] = w[c[TAU] + i] * x[c[MASS] + i]
 
 
 @jit
-def _stick(s: Any, stuck: int, w: Any) -> None:
+def _stick(x: Any, c: Any, stuck: int, w: Any) -> None:
     """Forces that keep the stuck ports from accelerating: J M^-1 J^T f = -(J M^-1 tau + bias)."""
-    n = s.inverse_mass.size
+    n = c[N]
     for a in range(stuck):
-        pa = s.friction_port[w.stuck[a]]
-        total = w.bias[pa]
+        pa = c[c[FRICTION_PORT] + int(w[c[STUCK] + a])]
+        total = w[c[BIAS] + pa]
         for i in range(n):
-            total += w.rows[pa, i] * s.inverse_mass[i] * w.tau[i]
-        w.vector[a] = -total
+            total += w[c[W_ROWS] + pa * n + i] * x[c[MASS] + i] * w[c[TAU] + i]
+        w[c[VECTOR] + a] = -total
         for b in range(stuck):
-            pb = s.friction_port[w.stuck[b]]
+            pb = c[c[FRICTION_PORT] + int(w[c[STUCK] + b])]
             coupling = 0.0
             for i in range(n):
-                coupling += w.rows[pa, i] * s.inverse_mass[i] * w.rows[pb, i]
-            w.matrix[a, b] = coupling
+                coupling += w[c[W_ROWS] + pa * n + i] * x[c[MASS] + i] * w[c[W_ROWS] + pb * n + i]
+            w[c[MATRIX] + a * stuck + b] = coupling
     for a in range(stuck):  # elimination without pivoting: the matrix is symmetric positive semidefinite
-        pivot = w.matrix[a, a]
+        pivot = w[c[MATRIX] + a * stuck + a]
         if pivot <= 1e-14:
             continue
         for b in range(a + 1, stuck):
-            ratio = w.matrix[b, a] / pivot
-            for c in range(a, stuck):
-                w.matrix[b, c] -= ratio * w.matrix[a, c]
-            w.vector[b] -= ratio * w.vector[a]
+            ratio = w[c[MATRIX] + b * stuck + a] / pivot
+            for e in range(a, stuck):
+                w[c[MATRIX] + b * stuck + e] -= ratio * w[c[MATRIX] + a * stuck + e]
+            w[c[VECTOR] + b] -= ratio * w[c[VECTOR] + a]
     for k in range(stuck):
         a = stuck - 1 - k
-        pivot = w.matrix[a, a]
-        value = w.vector[a]
+        pivot = w[c[MATRIX] + a * stuck + a]
+        value = w[c[VECTOR] + a]
         for b in range(a + 1, stuck):
-            value -= w.matrix[a, b] * w.vector[b]
+            value -= w[c[MATRIX] + a * stuck + b] * w[c[VECTOR] + b]
         # a second friction at the same port finds a zero pivot and carries nothing; the first carries all
-        w.vector[a] = value / pivot if pivot > 1e-14 else 0.0
+        w[c[VECTOR] + a] = value / pivot if pivot > 1e-14 else 0.0
     for a in range(stuck):
-        r = w.stuck[a]
-        f = w.vector[a]
-        w.friction[r] = f
-        p = s.friction_port[r]
+        r = int(w[c[STUCK] + a])
+        f = w[c[VECTOR] + a]
+        w[c[FRICTION] + r] = f
+        p = c[c[FRICTION_PORT] + r]
         for i in range(n):
-            w.tau[i] += w.rows[p, i] * f
+            w[c[TAU] + i] += w[c[W_ROWS] + p * n + i] * f
 
 
 @jit
-def guards(s: Any, laws: Any, modes: Any, w: Any, out: Any) -> None:
+def guards(x: Any, c: Any, laws: Any, modes: Any, w: Any, out: Any) -> None:
     """One value per mode, positive while the mode holds; call after `evaluate`. Shape (1 + F + R,)."""
-    forces = s.force_port.size
+    forces = c[FORCES]
     normal = 0.0
-    if s.special[0] >= 0:
-        d = w.displacement[s.special[0]]
-        push = -w.raw[s.special[3]]
-        normal = max(0.0, -w.force[s.special[3]])
+    if c[PRESS] >= 0:
+        d = w[c[D] + c[PRESS]]
+        push = -w[c[RAW] + c[CONTACT_FORCE]]
+        normal = max(0.0, -w[c[FORCE] + c[CONTACT_FORCE]])
         if modes[0] == APART:
             out[0] = -d
         elif modes[0] == PRESSED:
-            out[0] = d if s.contact[1] > 0.5 else push + s.contact[0]
+            out[0] = d if x[c[GEOMETRY] + 3] > 0.5 else push + x[c[GEOMETRY] + 2]
         else:
             out[0] = min(d, -push)
     else:
         out[0] = 1.0
     for j in range(forces):
-        e = s.force_edge[j]
+        e = c[c[EDGE] + j]
         if e < 0:
             out[1 + j] = 1.0
             continue
-        sense = s.force_sense[j]
-        aux = w.rate[s.force_aux[j]] if s.force_aux[j] >= 0 else 0.0
-        value = laws[e](w.displacement[sense], w.rate[sense], aux, s.parameters[j])
+        sense = c[c[SENSE] + j]
+        aux = w[c[V] + c[c[AUX] + j]] if c[c[AUX] + j] >= 0 else 0.0
+        value = laws[e](
+            w[c[D] + sense],
+            w[c[V] + sense],
+            aux,
+            x[c[PARAMETER] + PARAMETERS * j : c[PARAMETER] + PARAMETERS * (j + 1)],
+        )
         out[1 + j] = modes[1 + j] * value
     base = 1 + forces
-    for r in range(s.friction_port.size):
+    for r in range(c[FRICTIONS]):
         m = modes[base + r]
         if m == STICK:
-            f = w.friction[r]
-            limit = level(s, laws, r, -TINY if f > 0.0 else TINY, normal)
+            f = w[c[FRICTION] + r]
+            limit = level(x, c, laws, r, -TINY if f > 0.0 else TINY, normal)
             out[base + r] = limit * (1.0 + 1e-12) + 1e-300 - abs(f)
         else:
-            out[base + r] = m * w.rate[s.friction_port[r]]
+            out[base + r] = m * w[c[V] + c[c[FRICTION_PORT] + r]]

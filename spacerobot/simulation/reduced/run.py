@@ -1,4 +1,4 @@
-"""Front door of the reduced backend: simulate a mechanism, then read states, channels, events and energies."""
+"""Front door of the reduced backend: simulate a mechanism, then read states, events and energies."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ import numpy as np
 
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.simulation.events import Event
-from spacerobot.simulation.reduced.arrays import LAWS, Layout, System, assemble, initial_vector
+from spacerobot.simulation.reduced.arrays import LAWS, Layout, Packed, System, assemble, initial_vector, pack
 from spacerobot.simulation.reduced.integrate import NOT_FINITE, OK, TOO_MANY_EVENTS, Steps, integrate
-from spacerobot.simulation.reduced.motion import APART, PRESSED, RELEASED, STICK, Work, scratch
+from spacerobot.simulation.reduced.motion import APART, PRESSED, RELEASED, STICK
 from spacerobot.simulation.reduced.sampling import sample, work_done
 from spacerobot.support.errors import InputError, SimulationError
 
@@ -45,26 +45,24 @@ class ReducedRun:
     events: tuple[Event, ...]
     start: float
     end: float
-    input_time: np.ndarray
-    input_value: np.ndarray
-    _work: Work
+    packed: Packed
+    drives: np.ndarray  # (1 + U, T): times, then the recorded inputs
 
     def sample(self, times: np.ndarray) -> Sample:
         """States at `times`, shape (T,), ascending; outside the run the ends are held."""
         y, rate, force, friction = sample(
-            self.system,
+            *self.packed,
             LAWS.laws,
-            self._work,
+            self.packed.work(),
             *self.steps,
-            np.ascontiguousarray(times),
-            self.input_time,
-            self.input_value,
+            np.ascontiguousarray(times, dtype=float),
+            self.drives,
         )
         n = len(self.layout.coordinates)
         return Sample(times, y[:, :n], y[:, n:], rate[:, n:], force, friction)
 
     def port(self, name: str, states: np.ndarray) -> np.ndarray:
-        """A port's displacement (or its rate, or acceleration) from the coordinates', shape (T,); constant rows."""
+        """A port's displacement, rate or acceleration from the coordinates', shape (T,); constant rows."""
         return np.asarray(states @ self.system.rows[self.layout.port(name)])
 
     def contact_force(self, taken: Sample) -> np.ndarray:
@@ -73,7 +71,7 @@ class ReducedRun:
 
     def work(self) -> dict[str, np.ndarray]:
         """Work [J] done up to the end of every step by each element, by name; shape (m + 1,) each."""
-        table = work_done(self.system, LAWS.laws, self._work, *self.steps, self.input_time, self.input_value)
+        table = work_done(*self.packed, LAWS.laws, self.packed.work(), *self.steps, self.drives)
         names = [*self.layout.forces, *self.layout.frictions]
         out = {name: table[:, i] for i, name in enumerate(names)}
         n = len(self.layout.coordinates)
@@ -125,21 +123,18 @@ def simulate(
     y0 = np.concatenate([initial_vector(layout, position or {}), initial_vector(layout, velocity or {})])
     n = y0.size // 2
     if inputs is None:
-        input_time, input_value = np.zeros(1), np.zeros((len(layout.inputs), 1))
+        drives = np.zeros((1 + len(layout.inputs), 1))
         if layout.inputs:
             raise InputError(
                 "the mechanism is driven by recorded inputs, which were not given", given=layout.inputs
             )
     else:
-        input_time = np.ascontiguousarray(inputs[0], dtype=float)
-        input_value = np.array([inputs[1][i.channel] for i in mechanism.inputs], dtype=float).reshape(
-            -1, input_time.size
-        )
+        drives = np.array([inputs[0], *(inputs[1][i.channel] for i in mechanism.inputs)], dtype=float)
     atol = np.concatenate([np.full(n, 1e-3 * tolerance), np.full(n, 1e-1 * tolerance)])
-    work = scratch(system)
+    packed = pack(system)
     first = min(1e-4, max_step, end - start)
     time, length, state, dense, modes, etime, eindex, emode, _, status = integrate(
-        system, LAWS.laws, work, y0, start, end, tolerance, atol, first, max_step, input_time, input_value
+        *packed, LAWS.laws, packed.work(), y0, start, end, tolerance, atol, first, max_step, drives
     )
     if status != OK:
         raise SimulationError(
@@ -149,7 +144,7 @@ def simulate(
         _event(layout, float(t), int(i), int(mode)) for t, i, mode in zip(etime, eindex, emode, strict=True)
     )
     steps = Steps(time, length, state, dense, modes)
-    return ReducedRun(mechanism, system, layout, steps, events, start, end, input_time, input_value, work)
+    return ReducedRun(mechanism, system, layout, steps, events, start, end, packed, drives)
 
 
 def _event(layout: Layout, time: float, index: int, mode: int) -> Event:

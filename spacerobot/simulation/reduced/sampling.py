@@ -1,4 +1,4 @@
-"""Reading a recorded integration: states, accelerations and forces at any time; work done by each element. Compiled."""
+"""Reading a recorded integration: states and forces at any time, work done by each element. Compiled."""
 
 from __future__ import annotations
 
@@ -6,6 +6,17 @@ from typing import Any
 
 import numpy as np
 
+from spacerobot.simulation.reduced.arrays import (
+    CONSTANT,
+    FORCE,
+    FORCES,
+    FRICTION,
+    FRICTION_PORT,
+    FRICTIONS,
+    PORT,
+    TAU,
+    V,
+)
 from spacerobot.simulation.reduced.motion import evaluate
 from spacerobot.simulation.reduced.stepper import interpolate
 from spacerobot.support.jit import jit
@@ -16,7 +27,8 @@ _NODES, _WEIGHTS = 0.5 * (_NODES + 1.0), 0.5 * _WEIGHTS
 
 @jit
 def sample(
-    s: Any,
+    x: Any,
+    c: Any,
     laws: Any,
     w: Any,
     time: Any,
@@ -25,8 +37,7 @@ def sample(
     dense: Any,
     modes: Any,
     at: Any,
-    it: Any,
-    iu: Any,
+    u: Any,
 ) -> Any:
     """States and forces at the times `at` (ascending), shapes (T, 2n), (T, 2n) derivative, (T, F), (T, R).
 
@@ -34,7 +45,7 @@ def sample(
     """
     size = state.shape[1]
     out, rate = np.empty((at.size, size)), np.empty((at.size, size))
-    force, friction = np.empty((at.size, w.force.size)), np.empty((at.size, w.friction.size))
+    force, friction = np.empty((at.size, c[FORCES])), np.empty((at.size, c[FRICTIONS]))
     step = 0
     last = time.size - 1
     for i in range(at.size):
@@ -46,17 +57,17 @@ def sample(
         if length[step] > 0.0:
             theta = min(max((at[i] - time[step]) / length[step], 0.0), 1.0)
         interpolate(state[step], length[step], dense[step], theta, out[i])
-        evaluate(s, laws, at[i], out[i], modes[step], it, iu, w, rate[i])
-        for j in range(w.force.size):
-            force[i, j] = w.force[j]
-        for j in range(w.friction.size):
-            friction[i, j] = w.friction[j]
+        evaluate(x, c, laws, at[i], out[i], modes[step], u, w, rate[i])
+        for j in range(c[FORCES]):
+            force[i, j] = w[c[FORCE] + j]
+        for j in range(c[FRICTIONS]):
+            friction[i, j] = w[c[FRICTION] + j]
     return out, rate, force, friction
 
 
 @jit
 def work_done(
-    s: Any, laws: Any, w: Any, time: Any, length: Any, state: Any, dense: Any, modes: Any, it: Any, iu: Any
+    x: Any, c: Any, laws: Any, w: Any, time: Any, length: Any, state: Any, dense: Any, modes: Any, u: Any
 ) -> Any:
     """Work [J] that each force and friction did up to the end of every step, shape (m + 1, F + R + n + 1).
 
@@ -64,30 +75,30 @@ def work_done(
     """
     size = state.shape[1]
     n = size // 2
-    forces, frictions = w.force.size, w.friction.size
+    forces, frictions = c[FORCES], c[FRICTIONS]
     total = np.zeros((time.size + 1, forces + frictions + n + 1))
     y, rate = np.empty(size), np.empty(size)
     for m in range(time.size):
-        for c in range(total.shape[1]):
-            total[m + 1, c] = total[m, c]
+        for column in range(total.shape[1]):
+            total[m + 1, column] = total[m, column]
         for g in range(_NODES.size):
             interpolate(state[m], length[m], dense[m], _NODES[g], y)
             t = time[m] + _NODES[g] * length[m]
-            evaluate(s, laws, t, y, modes[m], it, iu, w, rate)
+            evaluate(x, c, laws, t, y, modes[m], u, w, rate)
             dt = _WEIGHTS[g] * length[m]
             power = 0.0
             for i in range(n):
-                power += w.tau[i] * y[n + i]
+                power += w[c[TAU] + i] * y[n + i]
             for j in range(forces):
-                done = w.force[j] * w.rate[s.force_port[j]]
+                done = w[c[FORCE] + j] * w[c[V] + c[c[PORT] + j]]
                 total[m + 1, j] += done * dt
                 power -= done
             for r in range(frictions):
-                done = w.friction[r] * w.rate[s.friction_port[r]]
+                done = w[c[FRICTION] + r] * w[c[V] + c[c[FRICTION_PORT] + r]]
                 total[m + 1, forces + r] += done * dt
                 power -= done
             for i in range(n):
-                done = s.constant[i] * y[n + i]
+                done = x[c[CONSTANT] + i] * y[n + i]
                 total[m + 1, forces + frictions + i] += done * dt
                 power -= done
             total[m + 1, forces + frictions + n] += power * dt

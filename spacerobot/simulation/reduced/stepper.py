@@ -40,7 +40,7 @@ _P = np.array(
 
 @jit
 def stages(
-    s: Any, laws: Any, t: float, y: Any, h: float, modes: Any, it: Any, iu: Any, w: Any, k: Any, temp: Any
+    x: Any, c: Any, laws: Any, t: float, y: Any, h: float, modes: Any, u: Any, w: Any, k: Any, temp: Any
 ) -> None:
     """Fills k[1:] from k[0]; `temp` ends as the new state."""
     for stage in range(1, 7):
@@ -49,11 +49,12 @@ def stages(
             for j in range(stage):
                 total += _A[stage, j] * k[j, i]
             temp[i] = y[i] + h * total
-        evaluate(s, laws, t + _C[stage] * h, temp, modes, it, iu, w, k[stage])
+        evaluate(x, c, laws, t + _C[stage] * h, temp, modes, u, w, k[stage])
 
 
 @jit
 def error_norm(y: Any, new: Any, h: float, k: Any, rtol: float, atol: Any) -> float:
+    """Largest error of the step over its tolerance; at most 1 is accepted."""
     worst = 0.0
     for i in range(y.size):
         e = 0.0
@@ -74,6 +75,7 @@ def interpolate(y: Any, h: float, q: Any, theta: float, out: Any) -> None:
 
 @jit
 def dense(k: Any, q: Any) -> None:
+    """Coefficients of the interpolant, q shape (N, 4), from the stages k shape (7, N)."""
     for i in range(q.shape[0]):
         for c in range(4):
             total = 0.0
