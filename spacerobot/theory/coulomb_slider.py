@@ -2,10 +2,10 @@
 
     m x'' + c x' + k x + F sign(x') = 0,   x(0) = 0,  x'(0) = v0,   phi = F/(v0 sqrt(k m)).
 
-With a constant equivalent damping the restitution would be one number; here it falls with falling speed, and below a
-certain speed the mass does not come back at all. Both end conditions of `kelvin_voigt` apply: with "force_zero" the
-force meant is the one that decelerates the mass, spring, dashpot and friction together, for that is what a target
-that lies against a (massless) slider feels.
+With a constant equivalent damping the restitution would be one number; here it falls with falling speed, and
+below a certain speed the mass does not come back at all. Both end conditions of `kelvin_voigt` apply: with
+"force_zero" the force meant is the one that decelerates the mass, spring, dashpot and friction together, for
+that is what a target that lies against a (massless) slider feels.
 
 Source: piecewise integration of the equation above; zeta < 1.
 """
@@ -56,8 +56,8 @@ def rebound(
     """Peak, duration and restitution of a hit.
 
     Compression: t1 = theta/omega_d with theta = atan2(sqrt(1 - zeta^2), zeta + phi), and
-    X = (v0/omega0)(sqrt(1 + 2 zeta phi + phi^2) exp(-zeta theta/sqrt(1 - zeta^2)) - phi). The return from rest at X
-    ends, force_zero: after acos(zeta)/omega_d; displacement_zero: at the root of a scalar equation.
+    X = (v0/omega0)(sqrt(1 + 2 zeta phi + phi^2) exp(-zeta theta/sqrt(1 - zeta^2)) - phi). The return from
+    rest at X ends, force_zero: after acos(zeta)/omega_d; displacement_zero: at the root of a scalar equation.
 
     Args:
         mass: m, kg.

@@ -1,6 +1,7 @@
 """Eqs. 1 to 4: the equivalent mass at the hand, and three masses in a row (hand, wrist, target).
 
-All x point along the target's direction of motion and count from the first touch with the wrist at rest, so that
+All x point along the target's direction of motion and count from the first touch with the wrist at rest, so
+that
 
     wrist deflection  s = x_w - x_h   (positive pushed in),
     penetration       d = x_t - x_w   (positive in contact),
@@ -10,8 +11,8 @@ All x point along the target's direction of motion and count from the first touc
     m_w x_w'' = -k_w s - c s' - f + F           (Eq. 3)
     m_t x_t'' = -F                              (Eq. 4)
 
-with c = c_w, or c_w + c_eq where guide friction is read as damping. f is Coulomb friction of the guide, which the
-paper does not have in its equations (there c_eq stands for it); it is zero unless asked for.
+with c = c_w, or c_w + c_eq where guide friction is read as damping. f is Coulomb friction of the guide, which
+the paper does not have in its equations (there c_eq stands for it); it is zero unless asked for.
 
 Source: Uyama et al. 2012. Eqs. 2 to 4 are the paper's; Eq. 1 is reconstructed (see `equations`).
 """

@@ -1,11 +1,11 @@
 """The exact motion of Eqs. 2 to 4: matrix exponentials between events, events by root finding.
 
-Between events the three masses are a linear system with constant forces, so that the state at any time is a matrix
-exponential away; nothing is discretised. Events are found to the last digits: every extremum of every event function
-is bracketed inside its step, so that a touch shorter than a step is not stepped over.
+Between events the three masses are a linear system with constant forces, so that the state at any time is a
+matrix exponential away; nothing is discretised. Events are found to the last digits: every extremum of every
+event function is bracketed inside its step, so that a touch shorter than a step is not stepped over.
 
-The unilateral contact never pulls: F = max(0, k_c d + c_c d') while d > 0. The bilateral reading ("adhesive") keeps
-the contact spring attached, as the paper's Eq. 14 does.
+The unilateral contact never pulls: F = max(0, k_c d + c_c d') while d > 0. The bilateral reading ("adhesive")
+keeps the contact spring attached, as the paper's Eq. 14 does.
 """
 
 from __future__ import annotations
@@ -108,7 +108,8 @@ class Motion:
         """
         times = np.asarray(time, dtype=float)
         if times.size and (times.min() < 0 or times.max() > self.end * (1 + 1e-12)):
-            raise ValueError(f"times must lie in [0, {self.end!r}]; given: {times.min()!r} to {times.max()!r}")
+            given = f"{times.min()!r} to {times.max()!r}"
+            raise ValueError(f"times must lie in [0, {self.end!r}] s; given: {given}")
         rows = []
         for t in times.ravel():
             segment = self._locate(float(t))
@@ -139,8 +140,8 @@ def solve(
         hand_velocity: of hand and wrist before the touch, m/s; below the target's.
         duration: how long at most, s; the default is four half periods of the reduced system (Eq. 10).
         adhesive: the bilateral reading, in which the contact spring also pulls and never lets go.
-        stop: "duration", "release" (end of the first contact) or "returned" (wrist deflection back at zero, the end
-            condition of Eq. 14).
+        stop: "duration", "release" (end of the first contact) or "returned" (wrist deflection back at zero,
+            the end condition of Eq. 14).
 
     Returns:
         The motion.
@@ -281,7 +282,7 @@ def _at(a: Array, z: Array, row: Array, step: float, time: float) -> float:
 
 
 def _first_exit(a: Array, z: Array, row: Array, step: float) -> float | None:
-    """First time at which a function that is positive inside its mode turns negative, or None in this block."""
+    """First time at which a function that is positive inside its mode turns negative, or None."""
     if row @ z[0] <= 0 and row @ (a @ z[0]) <= 0 and row @ z[1] < 0:
         return 0.0
     return min(_exits(a, z, row, step), default=None)
@@ -290,8 +291,9 @@ def _first_exit(a: Array, z: Array, row: Array, step: float) -> float | None:
 def _exits(a: Array, z: Array, row: Array, step: float) -> list[float]:
     """All times at which the function `row` of the state falls through zero within a block.
 
-    Between two grid points the function has at most one extremum (32 points to the fastest period); where one could
-    hide a pair of crossings, its place is found from the derivative and the function is evaluated there.
+    Between two grid points the function has at most one extremum (32 points to the fastest period); where one
+    could hide a pair of crossings, its place is found from the derivative and the function is evaluated
+    there.
     """
     g, slope = z @ row, z @ (row @ a)
     before, after = g[:-1], g[1:]

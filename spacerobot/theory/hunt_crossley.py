@@ -4,8 +4,8 @@ With s = chi v0/k the restitution e depends on s alone, whatever n, k and the ma
 
     s (1 + e) = ln((1 + s)/(1 - e s)),   e = (1 + W0(-(1 + s) exp(-(1 + s))))/s.
 
-Source: Hunt and Crossley 1975, "Coefficient of restitution interpreted as damping in vibroimpact", integrated exactly
-over the velocity (their own law, and the many others in use, are approximations of this inverse).
+Source: Hunt and Crossley 1975, "Coefficient of restitution interpreted as damping in vibroimpact", integrated
+exactly over the velocity (their own law, and the many others in use, are approximations of this inverse).
 """
 
 from __future__ import annotations
@@ -38,8 +38,8 @@ def restitution(dissipation: float, stiffness: float, speed: float) -> float:
 def restitution_of(s: float) -> float:
     """e of s = chi v0/k.
 
-    Below s = 0.05 the Lambert form loses its digits to cancellation (at s = 1e-6 it gives e > 1); there the implicit
-    equation, divided by s^2 and written as a series, is solved instead: e = 1 - 2 s/3 + ...
+    Below s = 0.05 the Lambert form loses its digits to cancellation (at s = 1e-6 it gives e > 1); there the
+    implicit equation, divided by s^2 and written as a series, is solved instead: e = 1 - 2 s/3 + ...
     """
     not_negative(s=s)
     if s >= _SMALL:
@@ -60,16 +60,12 @@ def dissipation_ratio(restitution_wanted: float) -> float:
         return 0.0
     if e < 1e-300:
         return math.inf
-    high = 1.0
-    while 1.0 - e * high > 0 and _balance(high, e) < 0:
-        high *= 2.0
-    if 1.0 - e * high > 0:
-        return bracketed_root(lambda s: _balance(s, e), 0.0, high)
-    # the root lies just below s = 1/e, where the logarithm blows up: solve for the distance q = 1 - e s instead
-    root = bracketed_root(
-        lambda log_q: _balance((1.0 - math.exp(log_q)) / e, e, math.exp(log_q)), -745.0, math.log1p(-0.5 * e * high)
-    )
-    return (1.0 - math.exp(root)) / e
+    if e >= 0.05:
+        return bracketed_root(lambda s: _balance(s, e), 0.0, (1.0 - 1e-12) / e)
+    s = 1.0 / e  # there 1 - e s = (1 + s) exp(-s (1 + e)) is tiny: each fixed-point step gains digits
+    for _ in range(40):
+        s = (1.0 - (1.0 + s) * math.exp(-s * (1.0 + e))) / e
+    return s
 
 
 def dissipation_for(restitution_wanted: float, stiffness: float, speed: float) -> float:
@@ -78,9 +74,8 @@ def dissipation_for(restitution_wanted: float, stiffness: float, speed: float) -
     return dissipation_ratio(restitution_wanted) * stiffness / speed
 
 
-def _balance(s: float, e: float, remainder: float | None = None) -> float:
+def _balance(s: float, e: float) -> float:
     """(-ln(1 - e s) - e s)/s^2 - (s - ln(1 + s))/s^2; zero at the solution, rising in both arguments."""
     if max(e * s, s) < _SMALL:
         return math.fsum((e**k - (-1.0) ** k) * s ** (k - 2) / k for k in range(2, 16))
-    remainder = 1.0 - e * s if remainder is None else remainder
-    return (-math.log(remainder) - e * s - s + math.log1p(s)) / (s * s)
+    return (-math.log1p(-e * s) - e * s - s + math.log1p(s)) / (s * s)

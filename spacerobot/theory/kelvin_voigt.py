@@ -2,10 +2,10 @@
 
 m x'' + c x' + k x = 0 from x = 0 with speed v0; omega0 = sqrt(k/m), zeta = c/(2 sqrt(k m)).
 
-* "displacement_zero": the hit ends when the spring is relaxed again (Eqs. 14, 16 and 18 of Uyama et al. 2012). The
-  force pulls before that end, so it takes a bilateral contact.
-* "force_zero": it ends when the force first vanishes, as a contact that cannot pull ends (Schwager and Poeschel 2007,
-  "Coefficient of restitution and linear-dashpot model revisited", Granular Matter 9).
+* "displacement_zero": the hit ends when the spring is relaxed again (Eqs. 14, 16 and 18 of Uyama et al.
+  2012). The force pulls before that end, so it takes a bilateral contact.
+* "force_zero": it ends when the force first vanishes, as a contact that cannot pull ends (Schwager and
+  Poeschel 2007, "Coefficient of restitution and linear-dashpot model revisited", Granular Matter 9).
 
 All durations are in s, speeds in m/s, forces in N.
 """
@@ -106,8 +106,8 @@ def peak_deflection(mass: float, stiffness: float, damping: float, speed: float)
 def peak_force(mass: float, stiffness: float, damping: float, speed: float) -> float:
     """Largest force in N.
 
-    zeta < 1/2: v0 sqrt(k m) exp(-(zeta/sqrt(1 - zeta^2)) (pi/2 - 3 asin(zeta))); above that the dashpot's c v0 at the
-    first touch.
+    zeta < 1/2: v0 sqrt(k m) exp(-(zeta/sqrt(1 - zeta^2)) (pi/2 - 3 asin(zeta))); above that the dashpot's c
+    v0 at the first touch.
     """
     not_negative(speed=speed)
     zeta = damping_ratio(mass, stiffness, damping)

@@ -30,9 +30,7 @@ def expm(a: NDArray[np.float64]) -> NDArray[np.float64]:
     a4 = a2 @ a2
     a6 = a4 @ a2
     b, one = _PADE, np.eye(len(a))
-    odd = a @ (
-        a6 @ (b[13] * a6 + b[11] * a4 + b[9] * a2) + b[7] * a6 + b[5] * a4 + b[3] * a2 + b[1] * one
-    )
+    odd = a @ (a6 @ (b[13] * a6 + b[11] * a4 + b[9] * a2) + b[7] * a6 + b[5] * a4 + b[3] * a2 + b[1] * one)
     even = a6 @ (b[12] * a6 + b[10] * a4 + b[8] * a2) + b[6] * a6 + b[4] * a4 + b[2] * a2 + b[0] * one
     result = np.linalg.solve(even - odd, even + odd)
     for _ in range(squarings):

@@ -1,7 +1,7 @@
 """An undamped contact F = k d^n between a mass and a wall; n = 3/2 is Hertz.
 
-Source: energy balance; the duration is the Beta integral int_0^1 du/sqrt(1 - u^(n+1)) (Landau and Lifshitz, Theory of
-Elasticity, Sec. 9, for n = 3/2).
+Source: energy balance; the duration is the Beta integral int_0^1 du/sqrt(1 - u^(n+1)) (Landau and Lifshitz,
+Theory of Elasticity, Sec. 9, for n = 3/2).
 """
 
 from __future__ import annotations
@@ -35,7 +35,8 @@ def peak_force(mass: float, stiffness: float, speed: float, exponent: float = HE
 def contact_time(mass: float, stiffness: float, speed: float, exponent: float = HERTZ) -> float:
     """Duration in s: 2 sqrt(pi) Gamma(1 + 1/(n + 1))/Gamma(1/2 + 1/(n + 1)) x_max/v0.
 
-    For n = 3/2 that is 2.9433 x_max/v0 and falls with the speed like v0^(-1/5); only for n = 1 is it independent.
+    For n = 3/2 that is 2.9433 x_max/v0 and falls with the speed like v0^(-1/5); only for n = 1 is it
+    independent.
     """
     x_max = peak_deflection(mass, stiffness, speed, exponent)
     part = 1.0 / (exponent + 1.0)

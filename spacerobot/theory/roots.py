@@ -10,7 +10,8 @@ def bracketed_root(f: Callable[[float], float], low: float, high: float, *, iter
     """The root of `f` in [low, high], where `f` changes sign.
 
     Regula falsi with the Illinois weight, and a bisection wherever a step gained less than half: it needs no
-    derivative, never leaves the bracket, and stops when the bracket cannot shrink any further in floating point.
+    derivative, never leaves the bracket, and stops when the bracket cannot shrink any further in floating
+    point.
 
     Args:
         f: the function.

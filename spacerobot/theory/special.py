@@ -10,9 +10,9 @@ _BRANCH = -math.exp(-1.0)
 def lambert_w0(x: float) -> float:
     """The principal branch of Lambert's W: w exp(w) = x with w >= -1.
 
-    Halley's iteration from an asymptotic start (Corless et al. 1996, "On the Lambert W function", Secs. 4 and 5).
-    Next to the branch point x = -1/e, W is a square root of the distance to it: there half of the digits of x
-    are what the result can have.
+    Halley's iteration from an asymptotic start (Corless et al. 1996, "On the Lambert W function", Secs. 4 and
+    5). Next to the branch point x = -1/e, W is a square root of the distance to it: there half of the digits
+    of x are what the result can have.
 
     Args:
         x: the argument, at least -1/e.
