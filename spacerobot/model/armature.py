@@ -1,8 +1,8 @@
 """Rotor inertia in a URDF: read from and written to transmissions.
 
-URDF itself has no place for it and Pinocchio reads none, yet through a gear of 50 it decides the effective mass
-of an arm by 20 to 80 %. The tags are those of Drake (`drake:rotor_inertia`, `drake:gear_ratio` in a
-transmission's actuator), so that Drake reads the same files.
+URDF itself has no place for it and Pinocchio reads none, yet behind a gear of 50 it changes an arm's effective
+mass by 20 to 80 %. The tags are those of Drake (`drake:rotor_inertia` and `drake:gear_ratio` in the actuator of
+a transmission), so that Drake reads the same files.
 """
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ def add_rotors(root: etree._Element, rotors: Mapping[str, tuple[float, float]]) 
 
 
 def armature_vector(model: pin.Model, reflected: Mapping[str, float]) -> np.ndarray:
-    """Shape (nv,): `reflected` [kg m^2 or kg] laid out as `model.armature`; joints the model has fixed drop out."""
+    """Shape (nv,): `reflected` [kg m^2 or kg] laid out as `model.armature`."""
     armature = np.zeros(model.nv)
     for name, value in reflected.items():
         if model.existJointName(name):

@@ -1,7 +1,7 @@
 """The URDFs that are put together from parts: `python -m spacerobot.model.assemblies` writes them into urdf/.
 
-The arms pa10 and pa10c are written by hand. Everything else there comes from the functions of this layer, so that
-other programs can read the assemblies too; a test holds files and functions together.
+The arms pa10 and pa10c are written by hand. Everything else there comes from the functions of this layer, so
+that other programs can read the assemblies too; a test holds files and functions together.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ from spacerobot.support.files import write_text
 
 _WRITTEN = "Written by `python -m spacerobot.model.assemblies`; edit the parts, not this file."
 _WRIST = (
-    "wrist_slider is positive PUSHED IN (toward the arm). Slider mass 0.7 kg and all measures: this project's "
-    "WristSpec. No spring, no damper: a scene sets them."
+    "wrist_slider is positive PUSHED IN (toward the arm). Slider mass 0.7 kg and all measures: this "
+    "project's WristSpec. No spring, no damper: a scene sets them."
 )
 _ARM = "The arm's numbers and their sources: see {}.urdf; its inertias are estimates."
 _CRAFT = (
@@ -65,7 +65,8 @@ def _text(root: etree._Element, *notes: str) -> str:
         comment.getparent().remove(comment)
     etree.indent(root)
     lines = "\n".join(f"  {note}" for note in (_WRITTEN, *notes))
-    return f'<?xml version="1.0" encoding="utf-8"?>\n<!--\n{lines}\n-->\n{etree.tostring(root, encoding="unicode")}\n'
+    body = etree.tostring(root, encoding="unicode")
+    return f'<?xml version="1.0" encoding="utf-8"?>\n<!--\n{lines}\n-->\n{body}\n'
 
 
 if __name__ == "__main__":

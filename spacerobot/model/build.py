@@ -17,7 +17,7 @@ from spacerobot.model.validate import validate
 from spacerobot.support.errors import InputError, NotFoundError
 
 SLIDER, MOUNT, CONTACT = "wrist_slider", "wrist_mount", "wrist_tip"
-"""Names by which a wrist is known in a URDF: its joint, the frame it is mounted by, the frame that touches."""
+"""Names by which a wrist is known in a URDF: its joint, its mounting frame, the frame that touches."""
 
 
 def build(

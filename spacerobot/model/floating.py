@@ -14,7 +14,7 @@ WORLD = "world"
 def float_root(root: etree._Element) -> None:
     """Put the root link of a URDF on a floating joint, in place.
 
-    The joint is called `root_joint`, as Pinocchio's own free-flyer is. A root link that is itself called `world`
+    The joint is called `root_joint`, as Pinocchio's own free-flyer is. A link that is itself called `world`
     becomes `base_world`, for that name means what does not move (MuJoCo insists).
 
     Raises:

@@ -59,9 +59,10 @@ def require_possible(model: pin.Model, where: str) -> None:
     """Refuse a model with an impossible body.
 
     Raises:
-        InputError: names every link at fault.
+        InputError: names the links at fault, up to three.
     """
     faults = inertia_faults(model)
     if faults:
-        text = "; ".join(f"link {link!r}: {fault}" for link, fault in faults.items())
+        listed = [f"link {link!r}: {fault}" for link, fault in faults.items()]
+        text = "; ".join(listed[:3]) + (f"; and {len(listed) - 3} more" if len(listed) > 3 else "")
         raise InputError(f"robot has a body that cannot exist: {text}", where=where)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from spacerobot.model import examples
@@ -11,6 +12,9 @@ from spacerobot.model.build import build
 from spacerobot.model.floating import float_root
 from spacerobot.model.reading import MAX_BYTES, parse
 from spacerobot.model.robot import Robot
+from spacerobot.model.tips import Tree
+from spacerobot.model.validate import validate
+from spacerobot.model.yourdf import read_with_yourdfpy
 from spacerobot.support import resources
 from spacerobot.support.errors import InputError, NotFoundError
 
@@ -38,53 +42,64 @@ def load(
         what: name, path or URDF text.
         tip: frame at the end of the arm, or None to find it.
         package_dirs: folders that hold the packages of `package://` mesh paths; a file's own folder is added.
-        floating: True puts the root on a free-flyer, False insists on a fixed base; None keeps what the URDF or
-            the example's loader says.
+        floating: True puts the root on a free-flyer, False insists on a fixed base; None keeps what the URDF
+            or the example's loader says.
         armature: whether rotor inertia counts.
 
     Raises:
         NotFoundError: no robot of that name (names the nearest), no such file, or no frame `tip`.
         InputError: the URDF is malformed, or describes a body that cannot exist.
     """
+    source = _source(what)
+    root = parse(source.text, source.where)
+    validate(root, source.where)
+    if source.foreign:
+        read_with_yourdfpy(root, source.where)
+    if source.rotors:
+        add_rotors(root, source.rotors)
+    tree = Tree(root)
+    floats = any(tree.kind(joint) == "floating" for joint in tree.joints)
+    if floating is False and floats:
+        raise InputError("robot's URDF has a floating base", given="floating=False", where=source.where)
+    if not floats and (source.floating if floating is None else floating):
+        float_root(root)
+    return build(
+        root,
+        name=source.name,
+        tip=tip,
+        mesh_dirs=(*source.mesh_dirs, *(_folder(d) for d in package_dirs)),
+        armature=armature,
+        where=source.where,
+    )
+
+
+@dataclass(frozen=True)
+class _Source:
+    """URDF text and what is known about it before it is read."""
+
+    text: bytes
+    where: str
+    name: str | None = None
+    mesh_dirs: tuple[Path, ...] = ()
+    rotors: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    floating: bool = False
+    foreign: bool = False
+
+
+def _source(what: str | Path) -> _Source:
     if isinstance(what, str) and what.lstrip("\ufeff \t\r\n").startswith("<"):
-        where, text, folders, rotors, free = "URDF text", what.encode(), [], {}, bool(floating)
-        name = None
-    elif isinstance(what, Path) or _path_like(what):
+        return _Source(what.encode("utf-8", "replace"), "URDF text", foreign=True)
+    if isinstance(what, Path) or _path_like(what):
         path = Path(what)
-        where, text, folders, rotors, free = (
-            str(path),
-            _read(path),
-            [path.resolve().parent],
-            {},
-            bool(floating),
-        )
-        name = path.stem
-    elif what in bundled():
-        path = resources.folder("urdf") / f"{what}.urdf"
-        where, text, folders, rotors, free = str(what), path.read_bytes(), [], {}, bool(floating)
-        name = what
-    elif what in examples.names():
+        return _Source(_read(path), str(path), path.stem, (path.resolve().parent,), foreign=True)
+    if what in bundled():
+        return _Source(_read(resources.folder("urdf") / f"{what}.urdf"), what, what)
+    if what in examples.names():
         example = examples.find(what)
-        where, text, folders = f"example robot {what!r}", _read(example.urdf), [example.mesh_dir]
+        text = _read(example.urdf)
         rotors = examples.rotors(example, text.decode("utf-8"))
-        free = example.floating if floating is None else floating
-        name = what
-    else:
-        raise NotFoundError("robot", what, [*bundled(), *examples.names()])
-    mesh_dirs = tuple([*folders, *(_folder(d) for d in package_dirs)])
-    root = parse(text, where)
-    robot = None
-    if rotors:
-        add_rotors(root, rotors)
-    if free:
-        robot = build(root, name=name, tip=tip, mesh_dirs=mesh_dirs, armature=armature, where=where)
-        if not robot.floating:
-            float_root(root)
-            robot = None
-    robot = robot or build(root, name=name, tip=tip, mesh_dirs=mesh_dirs, armature=armature, where=where)
-    if floating is False and robot.floating:
-        raise InputError("robot's URDF has a floating base", given="floating=False", where=where)
-    return robot
+        return _Source(text, f"example robot {what!r}", what, (example.mesh_dir,), rotors, example.floating)
+    raise NotFoundError("robot", what, [*bundled(), *examples.names()])
 
 
 def _path_like(text: str) -> bool:
@@ -97,13 +112,12 @@ def _read(path: Path) -> bytes:
             "xacro files are programs, not URDFs", given=str(path), valid="the URDF that xacro writes"
         )
     try:
-        if path.stat().st_size > MAX_BYTES:
-            raise InputError(
-                "URDF is too large", given=f"{path.stat().st_size} bytes", valid=f"at most {MAX_BYTES}"
-            )
-        return path.read_bytes()
-    except OSError as error:
-        raise InputError(f"URDF cannot be read ({error.strerror})", given=str(path)) from None
+        if not path.is_file():
+            raise InputError("URDF file does not exist", given=str(path))
+        with path.open("rb") as stream:
+            return stream.read(MAX_BYTES + 1)
+    except (OSError, ValueError) as error:
+        raise InputError(f"URDF cannot be read ({error})", given=str(path)) from None
 
 
 def _folder(path: str | Path) -> Path:

@@ -1,4 +1,4 @@
-"""Where a URDF's meshes may lie: inside given folders, and nowhere else. Loading a model needs none of them."""
+"""Where a URDF's meshes may lie: inside given folders and nowhere else. Loading a model needs none."""
 
 from __future__ import annotations
 

@@ -34,8 +34,8 @@ class SpacecraftSpec:
     Attributes:
         mass: [kg].
         size: edges of the bus [m]; the body frame is at its centre.
-        inertia: about the centre of mass in body axes [kg m^2]: three principal moments or a (3, 3) nesting; that
-            of a uniform box if None.
+        inertia: about the centre of mass in body axes [kg m^2]: three principal moments or a (3, 3) nesting;
+            that of a uniform box if None.
         com: centre of mass in the body frame [m].
         mount: where the arm stands, in the body frame [m]; the middle of the top face (+z) if None.
         mount_rpy: roll, pitch, yaw of the arm's base in the body frame [rad].

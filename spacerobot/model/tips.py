@@ -6,21 +6,14 @@ import re
 
 from lxml import etree
 
-KNOWN_TIPS = (
-    "wrist_mount",
-    "flange",
-    "panda_hand_tcp",
-    "tool0",
-    "link_eef",
-    "j2s6s200_end_effector",
-    "gripper_frame_link",
-)
+KNOWN_TIPS = ("wrist_mount", "flange", "panda_hand_tcp", "tool0", "link_eef", "j2s6s200_end_effector")
 """Tips taken without asking, in this order."""
 
-_TIP_LIKE = re.compile(r"(^|_)(tcp|tool0|end_?effector|ee_link|eef|ee)($|_)", re.IGNORECASE)
-_FINGER = re.compile(
-    r"finger|thumb|gripper|knuckle|jaw|index|middle|ring|little|pinky|hand_\d", re.IGNORECASE
+_TIP_LIKE = re.compile(
+    r"(^|_)(tcp|tool|tool0|end_?effector|ee|eef|gripper_frame|flange)(_(link|frame))?$", re.IGNORECASE
 )
+_FINGER = re.compile(r"finger|thumb|knuckle|jaw|index|middle|ring|little|pinky", re.IGNORECASE)
+_GRIPPER = re.compile(r"gripper|hand", re.IGNORECASE)
 
 
 class Tree:
@@ -73,20 +66,27 @@ class Tree:
 def find_tip(tree: Tree) -> str:
     """The link that an arm would touch things with.
 
-    A known tip if there is one; else the end of the longest chain that uses no finger, and there the frame that
-    is called like a tip, else the one fixed furthest out.
+    A known tip if there is one. Else, among the links that no finger leads to, one that is called like a tip
+    and lies behind most of the longest chain; else the end of the longest chain, fixed furthest out.
     """
     for name in KNOWN_TIPS:
         if name in tree.links:
             return name
+    chains = {link: tree.chain(link) for link in tree.links}
     palms = [link for link in tree.links if not any(_is_finger(tree, joint) for joint in tree.path(link))]
+    if not any(chains[link] for link in palms):
+        palms = tree.links
+    longest = max(len(chains[link]) for link in palms)
 
-    def rank(link: str) -> tuple[int, bool, int]:
-        return len(tree.chain(link)), bool(_TIP_LIKE.search(link)), len(tree.path(link))
+    def rank(link: str) -> tuple[bool, int, int]:
+        named = bool(_TIP_LIKE.search(link)) and len(chains[link]) >= 0.6 * longest
+        return named, len(chains[link]), len(tree.path(link))
 
     return max(palms, key=rank)
 
 
 def _is_finger(tree: Tree, joint: str) -> bool:
+    if any(_FINGER.search(name) for name in (joint, tree.child(joint))):
+        return True
     moving = tree.kind(joint) != "fixed"
-    return moving and bool(_FINGER.search(joint) or tree.joints[joint].find("mimic") is not None)
+    return moving and bool(_GRIPPER.search(joint) or tree.joints[joint].find("mimic") is not None)

@@ -1,4 +1,4 @@
-"""What a URDF must be before a model is built from it; each fault is one error that names link or joint and line."""
+"""What a URDF must be before a model is built from it; each fault is one error with name and line."""
 
 from __future__ import annotations
 
@@ -132,11 +132,6 @@ def _joint(joint: etree._Element, links: set[str], joints: set[str], where: str)
                 raise InputError(
                     f"{key} of {owner} is negative", given=element.get(key), where=at(where, element)
                 )
-    for element in joint.findall("mimic"):
-        if element.get("joint") not in joints:
-            raise NotFoundError(
-                f"mimicked joint of {owner}", str(element.get("joint")), joints, where=at(where, element)
-            )
 
 
 def _limit(joint: etree._Element, owner: str, kind: str, where: str) -> None:

@@ -75,8 +75,8 @@ def attach_wrist(
         robot: any arm without a wrist.
         tip: link or joint whose frame carries the mount; the arm's tip if None.
         wrist: its measures; the defaults if None.
-        rotation: shape (3, 3), of the mount in the tip's frame; its z column is the slider's outward axis. The
-            tip's own z if None. `aim` finds it from a direction in the world.
+        rotation: shape (3, 3), of the mount in the tip's frame; its z column is the slider's outward axis.
+            The tip's own z if None. `aim` finds it from a direction in the world.
 
     Raises:
         InputError: the robot has a wrist, uses one of its names, or `rotation` is no rotation.
@@ -149,8 +149,8 @@ def wrist_elements(
 def aim(robot: Robot, pose: np.ndarray, approach: np.ndarray) -> Robot:
     """Turn the wrist's mount so that its outward axis points along minus `approach`.
 
-    The target comes along `approach`, the wrist points at it. The mount turns about its own origin, the shortest
-    way from the z of the frame that carries it; the result does not depend on how the wrist was aimed before.
+    The target comes along `approach`, the wrist points at it. The mount turns about its own origin, the
+    shortest way from the z of the frame that carries it, however the wrist was aimed before.
 
     Args:
         robot: an arm with a wrist, its base at the world's origin.
@@ -183,7 +183,7 @@ def aim(robot: Robot, pose: np.ndarray, approach: np.ndarray) -> Robot:
 
 
 def shortest_turn(to: np.ndarray) -> np.ndarray:
-    """Shape (3, 3): the smallest rotation that takes z to the unit vector `to`; about x if they are opposite."""
+    """Shape (3, 3): smallest rotation that takes z to the unit vector `to`; about x if opposite."""
     z = np.array([0.0, 0.0, 1.0])
     axis = np.cross(z, to)
     sine, cosine = float(np.linalg.norm(axis)), float(to[2])
