@@ -1,0 +1,160 @@
+"""Effective mass of many poses in many directions at once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from spacerobot.dynamics.direction import unit_directions
+from spacerobot.dynamics.kinematic_tree import kinematic_tree
+from spacerobot.dynamics.mobility import SINGULAR
+from spacerobot.dynamics.mobility_kernel import mobility_kernel
+from spacerobot.dynamics.regime import regime_of
+from spacerobot.model.robot import Robot
+from spacerobot.support.errors import InputError
+
+
+@dataclass(frozen=True, eq=False)
+class EffectiveMassBatch:
+    """Effective masses of N poses in K directions.
+
+    Attributes:
+        effective_mass_kg: shape (N, K); infinite where the frame cannot move along the direction.
+        mobility: shape (N, 3, 3), linear mobility G_v [1/kg], world axes.
+        directions: shape (K, 3).
+    """
+
+    effective_mass_kg: np.ndarray
+    mobility: np.ndarray
+    directions: np.ndarray
+
+
+def effective_mass_batch(
+    robot: Robot,
+    poses: ArrayLike,
+    directions: ArrayLike = (1.0, 0.0, 0.0),
+    *,
+    frame: str | None = None,
+    base: str | None = None,
+    joints: str = "free",
+    slider: str = "free",
+    others: dict[str, float] | None = None,
+    threads: int = 1,
+) -> EffectiveMassBatch:
+    """Effective mass 1/(n^T G_v n) of N poses x K directions, as `effective_mass` has it for one.
+
+    Args:
+        robot: the robot; a floating base stands at the world origin.
+        poses: shape (N, len(chain)) or (len(chain),), joint positions [rad or m].
+        directions: shape (K, 3) or (3,), unit vectors in world axes.
+        frame: frame name; the wrist mount if None.
+        base: "fixed" or "free"; free where the robot floats if None.
+        joints: "free" or "locked".
+        slider: "free" or "locked".
+        others: positions of joints outside the chain by name, the slider among them.
+        threads: how many threads share the poses; results do not depend on it.
+
+    Raises:
+        InputError: values out of range, or servo joints (see `apparent_mass`).
+        NotFoundError: no such frame or joint.
+    """
+    n = np.atleast_2d(unit_directions(directions))
+    mobility = mobility_batch(
+        robot,
+        poses,
+        frame=frame,
+        base=base,
+        joints=joints,
+        slider=slider,
+        others=others,
+        threads=threads,
+    )
+    along = np.einsum("ki,nij,kj->nk", n, mobility, n, optimize=True)
+    return EffectiveMassBatch(_masses(along, mobility), mobility, n)
+
+
+def mobility_batch(
+    robot: Robot,
+    poses: ArrayLike,
+    *,
+    frame: str | None = None,
+    base: str | None = None,
+    joints: str = "free",
+    slider: str = "free",
+    others: dict[str, float] | None = None,
+    spatial: bool = False,
+    threads: int = 1,
+) -> np.ndarray:
+    """G = J H^-1 J^T of N poses: shape (N, 3, 3), the linear block, or (N, 6, 6) if `spatial`.
+
+    Arguments and errors as for `effective_mass_batch`.
+    """
+    if joints == "servo":
+        raise InputError("servo joints have no mobility without a frequency", valid="joints free or locked")
+    if threads < 1:
+        raise InputError("threads must be at least 1", given=threads)
+    regime = regime_of(robot, base, joints, slider)
+    q = _checked_poses(robot, poses)
+    tree = kinematic_tree(robot, regime, frame, others)
+    position = float((others or {}).get(robot.slider, 0.0)) if robot.slider else 0.0
+    rows = 6 if spatial else 3
+    out = np.empty((len(q), rows, rows))
+
+    def run(part: slice) -> int:
+        bad = int(mobility_kernel(tree, q[part], position, rows, out[part]))
+        return bad if bad < 0 else bad + part.start
+
+    parts = _parts(len(q), threads)
+    if threads == 1:
+        failed = [run(part) for part in parts]
+    else:
+        with ThreadPoolExecutor(threads) as pool:
+            failed = list(pool.map(run, parts))
+    bad = [index for index in failed if index >= 0]
+    if bad:
+        raise InputError(
+            "the joint-space inertia is not positive definite",
+            given=f"pose {bad[0]}: {q[bad[0]].tolist()}",
+            valid="a mass and an inertia, or an armature, on every moving link",
+        )
+    return out
+
+
+def _checked_poses(robot: Robot, poses: ArrayLike) -> np.ndarray:
+    try:
+        q = np.atleast_2d(np.asarray(poses, dtype=float))
+    except (TypeError, ValueError):
+        raise InputError("poses are not numeric", given=type(poses).__name__) from None
+    if q.ndim != 2 or q.shape[1] != len(robot.chain):
+        raise InputError(
+            "poses have the wrong shape",
+            given=q.shape,
+            valid=f"(N, {len(robot.chain)}): {', '.join(robot.chain)}",
+        )
+    finite = np.isfinite(q).all(axis=1)
+    if not finite.all():
+        raise InputError("a pose is not finite", given=f"pose {int(np.argmin(finite))}")
+    return np.ascontiguousarray(q)
+
+
+def _masses(along: np.ndarray, mobility: np.ndarray) -> np.ndarray:
+    # The largest mobility is at most the trace, so only suspects need their eigenvalues.
+    suspect = along <= SINGULAR * np.trace(mobility, axis1=1, axis2=2)[:, None]
+    stuck = np.zeros_like(suspect)
+    rows = np.flatnonzero(suspect.any(axis=1))
+    if len(rows):
+        largest = np.linalg.eigvalsh(mobility[rows])[:, -1]
+        stuck[rows] = along[rows] <= SINGULAR * largest[:, None]
+    masses = np.full(along.shape, np.inf)
+    np.divide(1.0, along, out=masses, where=~stuck)
+    return masses
+
+
+def _parts(count: int, threads: int) -> Iterable[slice]:
+    edges = np.linspace(0, count, threads + 1).astype(int)
+    return [slice(int(a), int(b)) for a, b in pairwise(edges)]
