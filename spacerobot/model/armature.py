@@ -1,8 +1,8 @@
 """Rotor inertia in a URDF: read from and written to transmissions.
 
-URDF itself has no place for it and Pinocchio reads none, yet behind a gear of 50 it changes an arm's effective
-mass by 20 to 80 %. The tags are those of Drake (`drake:rotor_inertia` and `drake:gear_ratio` in the actuator of
-a transmission), so that Drake reads the same files.
+URDF itself has no place for it and Pinocchio reads none, yet behind a gear of 50 it changes the effective
+mass of an arm by 20 to 80 %. The tags are those of Drake (`drake:rotor_inertia` and `drake:gear_ratio` in the
+actuator of a transmission), so that Drake reads the same files.
 """
 
 from __future__ import annotations

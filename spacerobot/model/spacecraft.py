@@ -196,7 +196,7 @@ def _craft(spacecraft: SpacecraftSpec | str | Path | None) -> tuple[etree._Eleme
 
 def _draw_bus(body: etree._Element, size: tuple[float, float, float], *, panels: bool) -> None:
     x, y, z = size
-    shapes.add_shape(body, "box", size, (0, 0, 0), material="foil_gold")
+    shapes.add_shape(body, "box", (x, y, 0.9 * z), (0, 0, 0), material="foil_gold")
     shapes.add_shape(body, "box", (1.01 * x, 1.01 * y, 0.06 * z), (0, 0, 0.47 * z), material="bus_white")
     shapes.add_shape(body, "box", (1.01 * x, 1.01 * y, 0.06 * z), (0, 0, -0.47 * z), material="bus_white")
     shapes.add_shape(
