@@ -1,8 +1,8 @@
 """OptiTrack Motive's CSV export: rigid bodies and markers by name, missing frames as empty cells.
 
-Layout (format versions 1.2x): one line of settings in pairs, then one line each for the kind of thing, its name,
-its identifier, perhaps its parent, what is measured, and the axis (which starts with "Frame,Time"). Markers of a
-rigid body may carry the name of a plain marker; then the kind tells them apart
+Layout (format versions 1.2x): one line of settings in pairs, then one line each for the kind of thing, its
+name, its identifier, perhaps its parent, what is measured, and the axis (which starts with "Frame,Time").
+Markers of a rigid body may carry the name of a plain marker; then the kind tells them apart
 ("Rigid Body Marker:NAME.position.x").
 """
 

@@ -24,8 +24,8 @@ def sandboxed_arrays(
 ) -> tuple[dict[str, Floats], tuple[str, ...]]:
     """The arrays of a binary file, parsed in a child process.
 
-    The child may add `limits.CHILD_BYTES` of memory to its own and take `limits.CHILD_SECONDS`; if it crashes,
-    only it does. Results of modest size are kept, so that many trials in one file cost one child.
+    The child may add `limits.CHILD_BYTES` of memory to its own and take `limits.CHILD_SECONDS`; if it
+    crashes, only it does. Results of modest size are kept, so that many trials in one file cost one child.
 
     Args:
         path: the file, or folder for a ROS 2 bag.
