@@ -23,6 +23,7 @@ class Parameter:
         scale: a typical size; what a fit takes for one step.
         lower, upper: physical bounds.
         starts: values from which fits begin, physical sizes of small to large.
+        log: fitted on a logarithmic scale (positive numbers that may be wrong by factors).
     """
 
     name: str
@@ -32,6 +33,7 @@ class Parameter:
     lower: float
     upper: float
     starts: tuple[float, ...]
+    log: bool = False
 
     def __post_init__(self) -> None:
         if not self.lower <= self.upper or not self.scale > 0.0 or not self.starts:
@@ -62,7 +64,8 @@ class Effect(ABC):
         formula: LaTeX, printed by reports.
         source: where the formula comes from.
         parameters: its numbers.
-        replaces: baseline constants whose job was to absorb it ("wrist.equivalent_damping").
+        replaces: baseline constants whose job was to absorb it, with {where} for the place: refitted freely.
+        removes: baseline constants that its own law makes meaningless, set to zero with it.
         kind: "force", "body", "gravity", "contact" or "sensor", for grouping in reports.
     """
 
@@ -72,6 +75,7 @@ class Effect(ABC):
     source: ClassVar[str]
     parameters: ClassVar[tuple[Parameter, ...]]
     replaces: ClassVar[tuple[str, ...]] = ()
+    removes: ClassVar[tuple[str, ...]] = ()
     kind: ClassVar[str] = "force"
 
     @abstractmethod
@@ -107,6 +111,21 @@ class Effect(ABC):
                 raise InputError(f"{self.name} lacks a parameter", given=list(values), valid=", ".join(names))
             checked[parameter.name] = parameter.check(values[parameter.name], f"{self.name} at {where}")
         return self.edit(mechanism, where, checked)
+
+    def replaced(self, where: str) -> tuple[str, ...]:
+        """Names of the baseline constants that this effect, at this place, takes over from."""
+        return tuple(name.format(where=where) for name in self.replaces)
+
+
+def name_on(parameter: str, angular: bool) -> str:
+    """A parameter's name where it acts on an angle: N becomes Nm and m becomes rad."""
+    if not angular:
+        return parameter
+    words, *units = parameter.split("_")
+    return "_".join([words, *(_ANGULAR.get(u, u) for u in units)])
+
+
+_ANGULAR = {"N": "Nm", "Ns": "Nms", "Ns2": "Nms2", "m": "rad", "m2": "rad2", "m3": "rad3"}
 
 
 @dataclass(frozen=True)

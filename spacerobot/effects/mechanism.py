@@ -111,9 +111,7 @@ class Mechanism:
         coordinates[coordinate] = replace(coordinates[coordinate], mass=mass)
         return replace(self, coordinates=coordinates)
 
-    def with_appendage(
-        self, coordinate: Coordinate, port: str, row: Mapping[str, float], *forces: Force
-    ) -> Mechanism:
+    def with_appendage(self, coordinate: Coordinate, port: str, row: Mapping[str, float], *forces: Force) -> Mechanism:
         """This mechanism with a further coordinate, the port that carries it, and the forces that hold it."""
         if coordinate.name in self.coordinates:
             raise InputError("a coordinate of this name is already there", given=coordinate.name)
@@ -128,6 +126,17 @@ class Mechanism:
         """This mechanism with one coefficient of a port's row replaced."""
         row = {**self.ports[port], coordinate: coefficient}
         return replace(self, ports={**self.ports, port: row})
+
+    def with_sideways(self) -> Mechanism:
+        """This mechanism with the target free to move sideways too, as heavy as it is along."""
+        if "target.y" in self.coordinates or "target" not in self.coordinates:
+            return self
+        carried = sum(c.mass for c in self.coordinates.values() if c.carrier == "target")
+        across = Coordinate("target.y", self.coordinates["target"].mass + carried)
+        return replace(
+            self.with_appendage(across, "target.y", {"target.y": 1.0}),
+            readouts={"target.y": Readout("target.y", "position", "target.y"), **self.readouts},
+        )
 
     def angular(self, port: str) -> bool:
         """Whether a port's displacement is an angle."""

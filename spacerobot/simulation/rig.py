@@ -81,9 +81,8 @@ def rig(values: Mapping[str, float], *, bilateral: bool = False, lateral: bool =
         "target.x": Readout("target.x", "position", "target"),
         "contact.force": Readout("contact.force", "force", "contact"),
     }
-    if hand:
-        ports["hand"] = {"hand": 1.0}
-        readouts["hand.x"] = Readout("hand.x", "position", "hand")
+    ports["hand"] = {"hand": 1.0} if hand else {}
+    readouts["hand.x"] = Readout("hand.x", "position", "hand")
     for name in ("target.y", "target.yaw"):
         if name in coordinates:
             ports[name] = {name: 1.0}
@@ -96,15 +95,11 @@ def rig(values: Mapping[str, float], *, bilateral: bool = False, lateral: bool =
     return Mechanism(
         coordinates=coordinates,
         ports=ports,
-        contact=Contact(
-            CONTACT, law, bilateral=bilateral, ahead=v["target.ahead"], lateral=v["target.lateral"]
-        ),
+        contact=Contact(CONTACT, law, bilateral=bilateral, ahead=v["target.ahead"], lateral=v["target.lateral"]),
         forces=(
             Force("wrist.spring", "wrist", SPRING, (v["wrist.stiffness"],), role="spring"),
             Force("wrist.damper", "wrist", DAMPER, (v["wrist.damping"],), role="damper"),
-            Force(
-                "wrist.equivalent_damper", "wrist", DAMPER, (v["wrist.equivalent_damping"],), role="damper"
-            ),
+            Force("wrist.equivalent_damper", "wrist", DAMPER, (v["wrist.equivalent_damping"],), role="damper"),
         ),
         fields=fields,
         readouts=readouts,

@@ -1,0 +1,32 @@
+"""End stop: a stiff spring beyond the travel."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from spacerobot.effects.catalogue.backlash import KERNEL
+from spacerobot.effects.effect import Effect, Parameter, positions
+from spacerobot.effects.mechanism import Mechanism
+from spacerobot.effects.primitives import Force
+
+
+class EndStop(Effect):
+    """A stop that a guide or joint runs into, either way; the force is that of a spring with a gap."""
+
+    name = "end_stop"
+    title = "end stop"
+    formula = r"f = -k_s\,(|d| - d_s)\operatorname{sign}(d) \text{ for } |d| > d_s"
+    source = "spring beyond a gap; Nordin and Gutman (2002)"
+    parameters = (
+        Parameter("travel_m", "m", 0.01, 1e-3, 0.0, 10.0, (0.01, 0.02, 0.03)),
+        Parameter("stiffness_N_m", "N/m", 0.0, 1e4, 0.0, 1e8, (1e3, 1e4, 1e5)),
+    )
+
+    def places(self, mechanism: Mechanism) -> tuple[str, ...]:
+        """Guides and joints."""
+        return positions(mechanism, "wrist", "joint")
+
+    def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
+        """A spring that acts beyond the travel."""
+        p = (values["stiffness_N_m"], values["travel_m"])
+        return mechanism.with_force(Force(f"{self.name} at {where}", where, KERNEL, p))

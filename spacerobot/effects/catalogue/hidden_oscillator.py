@@ -1,0 +1,50 @@
+"""A hidden oscillator: part of the target's mass rides on a spring (slosh, a flexible appendage)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+
+from spacerobot.effects.effect import Effect, Parameter
+from spacerobot.effects.laws import DAMPER, SPRING
+from spacerobot.effects.mechanism import Mechanism
+from spacerobot.effects.primitives import Coordinate, Force
+
+
+class HiddenOscillator(Effect):
+    """A mass inside the target's own, on a spring and a damper."""
+
+    name = "hidden_oscillator"
+    title = "hidden oscillator"
+    formula = r"m_s (\ddot\xi + \ddot x) = -m_s (2\zeta\omega_s \dot\xi + \omega_s^2 \xi), \quad m_t \to m_t - m_s"
+    source = "Abramson (1966), NASA SP-106, equivalent mechanical model of slosh"
+    kind = "body"
+    parameters = (
+        Parameter("mass_kg", "kg", 0.0, 0.2, 0.0, 1e4, (0.5, 1.5, 0.2)),
+        Parameter("frequency_Hz", "Hz", 1.0, 0.1, 0.05, 100.0, (2.0, 0.8, 5.0), log=True),
+        Parameter("damping_ratio", "1", 0.05, 0.02, 0.0, 2.0, (0.03, 0.15)),
+    )
+
+    def places(self, mechanism: Mechanism) -> tuple[str, ...]:
+        """The target."""
+        return ("target",) if "target" in mechanism.coordinates else ()
+
+    def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
+        """The target's mass divided in two; what pulls on the target pulls on both."""
+        share = values["mass_kg"]
+        if share == 0.0:
+            return mechanism
+        total = mechanism.coordinates[where].mass
+        share = min(share, 0.98 * total)
+        omega = 2.0 * math.pi * values["frequency_Hz"]
+        inner = Coordinate(f"{where}.slosh", share, carrier=where)
+        divided = mechanism.with_mass(where, total - share).with_appendage(
+            inner,
+            inner.name,
+            {inner.name: 1.0, where: -1.0},
+            Force(f"{inner.name}.spring", inner.name, SPRING, (share * omega * omega,)),
+            Force(f"{inner.name}.damper", inner.name, DAMPER, (2.0 * values["damping_ratio"] * omega * share,)),
+        )
+        pulls = [replace(f, body=inner.name) for f in mechanism.fields if f.body == where]
+        return divided.with_field(*pulls)

@@ -1,0 +1,41 @@
+"""Stribeck friction: higher at rest than in motion, falling with speed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from spacerobot.effects.effect import Effect, Parameter, positions
+from spacerobot.effects.mechanism import Mechanism
+from spacerobot.effects.primitives import Friction
+
+
+def level(v: float, normal: float, aux: float, p: Any) -> float:
+    """p = (static, coulomb, velocity)."""
+    ratio = v / p[2]
+    return p[1] + (p[0] - p[1]) * math.exp(-ratio * ratio)
+
+
+class StribeckFriction(Effect):
+    """Dry friction that falls from a static to a sliding level."""
+
+    name = "stribeck_friction"
+    title = "Stribeck friction"
+    formula = r"|f| \le F_c + (F_s - F_c)\, e^{-(v/v_s)^2}"
+    source = "Stribeck (1902); Armstrong-Helouvry, Dupont, Canudas de Wit (1994), Eq. 4"
+    parameters = (
+        Parameter("static_force_N", "N", 0.0, 0.1, 0.0, 1e4, (0.1, 0.5, 2.0)),
+        Parameter("coulomb_force_N", "N", 0.0, 0.1, 0.0, 1e4, (0.05, 0.3, 1.0)),
+        Parameter("velocity_m_s", "m/s", 0.01, 0.01, 1e-5, 10.0, (0.01, 0.03, 0.1), log=True),
+    )
+    replaces = ("{where}.equivalent_damping",)
+
+    def places(self, mechanism: Mechanism) -> tuple[str, ...]:
+        """Guides and joints."""
+        return positions(mechanism, "wrist", "joint")
+
+    def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
+        """Friction whose level falls with speed."""
+        p = (values["static_force_N"], values["coulomb_force_N"], values["velocity_m_s"])
+        return mechanism.with_friction(Friction(f"{self.name} at {where}", where, level, p))
