@@ -14,6 +14,10 @@ _LAZY: dict[str, str] = {
     "attach_wrist": "spacerobot.model.wrist",
     "float_base": "spacerobot.model.spacecraft",
     "load": "spacerobot.model.library",
+    "effective_mass": "spacerobot.dynamics.effective_mass",
+    "effective_mass_batch": "spacerobot.dynamics.batch",
+    "apparent_mass": "spacerobot.dynamics.apparent_mass",
+    "impact": "spacerobot.dynamics.impact",
     "Study": "spacerobot.recordings.study",
     "load_study": "spacerobot.recordings.study",
 }

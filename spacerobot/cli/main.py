@@ -15,7 +15,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "robots": ("robots", "list the robots that can be loaded, or show one"),
     "mass": ("mass", "effective mass of a robot at one pose, frame and direction"),
 }
-"""Name -> (module under spacerobot.cli with `configure(parser)` and `run(args) -> int | None`, one-line help)."""
+"""Name -> (module under spacerobot.cli with `configure(parser)` and `run(args) -> int | None`, its help)."""
 
 _NEGATIVE = re.compile(r"^-(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?([, ].*)?$|^-inf$")
 

@@ -34,11 +34,7 @@ def unit_directions(direction: ArrayLike, *, where: str | None = None) -> np.nda
     if np.any(off):
         worst = vectors if vectors.ndim == 1 else vectors[int(np.argmax(off))]
         norm = float(np.linalg.norm(worst))
-        hint = (
-            f"for this direction {', '.join(f'{x:.9g}' for x in worst / norm)}"
-            if norm > 0
-            else "three numbers"
-        )
+        hint = f"for this direction {', '.join(f'{x:.9g}' for x in worst / norm)}" if norm > 0 else "three numbers"
         raise InputError(
             "direction is not a unit vector",
             given=f"{', '.join(f'{x:g}' for x in worst)} (length {norm:.9g})",

@@ -184,9 +184,7 @@ def effective_mass(
         mass, phase = _complex_mass(mobility[:3, :3], n)
         turning, _ = _complex_mass(mobility[3:, 3:], n)
         if abs(phase) > 0.5 * math.pi:
-            notes.append(
-                "below the arm's resonance the frame acts as a spring: the apparent mass is negative"
-            )
+            notes.append("below the arm's resonance the frame acts as a spring: the apparent mass is negative")
     else:
         mobility = by_inverse(terms)
         mass, phase = reciprocal(along(mobility[:3, :3], n)), 0.0
@@ -258,17 +256,13 @@ def _complex_mass(block: np.ndarray, n: np.ndarray) -> tuple[float, float]:
 def _infinity_notes(regime: Regime, mobility: np.ndarray, mass: float, turning: float) -> list[str]:
     """Why a mass is infinite or an inertia does not exist."""
     if not np.any(mobility):
-        return [
-            f"nothing can move: base {regime.base}, joints {regime.joints}; every effective mass is infinite"
-        ]
+        return [f"nothing can move: base {regime.base}, joints {regime.joints}; every effective mass is infinite"]
     notes = []
     singular = f"(mobility below {SINGULAR:g} of the largest)"
     if math.isinf(mass):
         notes.append(f"the frame cannot move along the direction {singular}: the effective mass is infinite")
     if math.isinf(turning):
-        notes.append(
-            f"the frame cannot turn about the direction {singular}: the rotational inertia is infinite"
-        )
+        notes.append(f"the frame cannot turn about the direction {singular}: the rotational inertia is infinite")
     linear, spatial = rank(mobility[:3, :3]), rank(mobility)
     if linear < 3:
         notes.append(f"the frame moves in {linear} of 3 directions here: Lambda (3x3) does not exist")

@@ -62,9 +62,7 @@ class BeltedEllipsoid:
         polar, azimuth = np.meshgrid(
             np.linspace(0.0, np.pi, rings + 1), np.linspace(0.0, 2.0 * np.pi, segments + 1), indexing="ij"
         )
-        local = np.stack(
-            [np.sin(polar) * np.cos(azimuth), np.sin(polar) * np.sin(azimuth), np.cos(polar)], axis=-1
-        )
+        local = np.stack([np.sin(polar) * np.cos(azimuth), np.sin(polar) * np.sin(azimuth), np.cos(polar)], axis=-1)
         n = local @ self.axes.T
         radius = self.radius(n.reshape(-1, 3)).reshape(n.shape[:2])
         with np.errstate(invalid="ignore"):

@@ -34,9 +34,7 @@ def base_reaction(terms: Terms, direction: np.ndarray) -> np.ndarray:
     return velocity_jump(terms, direction)[terms.base]
 
 
-def target_mobility(
-    mass: float, inertia: ArrayLike | None = None, lever: ArrayLike | None = None
-) -> np.ndarray:
+def target_mobility(mass: float, inertia: ArrayLike | None = None, lever: ArrayLike | None = None) -> np.ndarray:
     """Linear mobility of a free rigid body at a point: 1/m - [r]x I^-1 [r]x, shape (3, 3) [1/kg].
 
     Args:
@@ -75,6 +73,7 @@ class Impact:
         reduced_mass_kg: 1/(n^T (G_robot + G_target) n).
         approach_speed_m_s: speed of the target's point relative to the frame along n, before.
         restitution: separation speed over approach speed.
+        target_mass_kg: mass of the target.
         velocity_jump: shape (nv,), jump of the robot's generalised velocity; zero where locked.
         base_velocity_jump: shape (6,), its base part, linear first, base frame; zero for a fixed base.
         frame_velocity_jump: shape (6,), linear first, world axes.
@@ -86,6 +85,7 @@ class Impact:
     reduced_mass_kg: float
     approach_speed_m_s: float
     restitution: float
+    target_mass_kg: float
     velocity_jump: np.ndarray
     base_velocity_jump: np.ndarray
     frame_velocity_jump: np.ndarray
@@ -152,6 +152,7 @@ def impact(
         reduced_mass_kg=reduced,
         approach_speed_m_s=approach_speed,
         restitution=restitution,
+        target_mass_kg=target_mass,
         velocity_jump=whole,
         base_velocity_jump=impulse * jump[terms.base] if len(terms.base) else np.zeros(6),
         frame_velocity_jump=impulse * frame_jump,
@@ -173,9 +174,7 @@ def matching_mass(target_mass: float, restitution: float) -> float:
     return target_mass / restitution if restitution > 0.0 else math.inf
 
 
-def target_speed_after(
-    virtual_mass: float, target_mass: float, restitution: float, speed: float = 1.0
-) -> float:
+def target_speed_after(virtual_mass: float, target_mass: float, restitution: float, speed: float = 1.0) -> float:
     """Speed of a target that hit a hand at rest: v (m_t - e m_v)/(m_t + m_v); -e v for an infinite m_v."""
     if math.isinf(virtual_mass):
         return -restitution * speed

@@ -27,9 +27,7 @@ def frame_jacobian(robot: Robot, configuration: np.ndarray, frame: str | None = 
     """
     frame_id = robot.frame_id(frame or robot.tip)
     data = robot.model.createData()
-    return np.array(
-        pin.computeFrameJacobian(robot.model, data, configuration, frame_id, pin.LOCAL_WORLD_ALIGNED)
-    )
+    return np.array(pin.computeFrameJacobian(robot.model, data, configuration, frame_id, pin.LOCAL_WORLD_ALIGNED))
 
 
 def generalized_jacobian(robot: Robot, configuration: np.ndarray, frame: str | None = None) -> np.ndarray:

@@ -25,9 +25,7 @@ def joint_axis(model: pin.Model, joint: int) -> tuple[bool, np.ndarray]:
         turning, sliding = np.any(subspace[3:]), np.any(subspace[:3])
         if turning != sliding:
             return bool(turning), subspace[3:] if turning else subspace[:3]
-    raise InputError(
-        "joint is neither revolute nor prismatic", given=f"{model.names[joint]} ({record.shortname()})"
-    )
+    raise InputError("joint is neither revolute nor prismatic", given=f"{model.names[joint]} ({record.shortname()})")
 
 
 def angular(robot: Robot, names: Iterable[str]) -> list[bool]:

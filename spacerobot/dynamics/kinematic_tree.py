@@ -95,9 +95,7 @@ def kinematic_tree(
         joint = parents[joint]
     turned = [pin.SE3(_z_onto(axis), np.zeros(3)) for _, axis in kinds]
     before = [turned[p] if p >= 0 else pin.SE3.Identity() for p in parents]
-    placements = [
-        b.inverse() * model.jointPlacements[j] * t for b, j, t in zip(before, rows, turned, strict=True)
-    ]
+    placements = [b.inverse() * model.jointPlacements[j] * t for b, j, t in zip(before, rows, turned, strict=True)]
     bodies = [t.actInv(model.inertias[j]) for t, j in zip(turned, rows, strict=True)]
     offset = np.array(tip.placement.translation)
     if tip.parentJoint >= first:

@@ -95,7 +95,6 @@ def moving_model(robot: Robot, configuration: np.ndarray, regime: Regime) -> tup
     model = pin.buildReducedModel(robot.model, fused, configuration)
     model.gravity = pin.Motion.Zero()
     kept = [
-        configuration[jm.idx_q : jm.idx_q + jm.nq]
-        for jm in (robot.model.joints[j] for j in joints if j not in fused)
+        configuration[jm.idx_q : jm.idx_q + jm.nq] for jm in (robot.model.joints[j] for j in joints if j not in fused)
     ]
     return model, np.concatenate(kept) if kept else np.zeros(0)

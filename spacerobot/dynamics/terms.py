@@ -79,9 +79,7 @@ def checked_configuration(robot: Robot, configuration: np.ndarray) -> np.ndarray
     """
     configuration = np.asarray(configuration, dtype=float)
     if configuration.shape != (robot.model.nq,):
-        raise InputError(
-            "configuration has the wrong length", given=configuration.shape, valid=f"({robot.model.nq},)"
-        )
+        raise InputError("configuration has the wrong length", given=configuration.shape, valid=f"({robot.model.nq},)")
     if not np.isfinite(configuration).all():
         raise InputError("configuration is not finite", given=configuration.tolist())
     if robot.floating:
