@@ -1,8 +1,9 @@
-"""What the chain from Eqs. 2 to 4 to the closed forms of Eqs. 16 and 18 rests on, and what breaking each link costs.
+"""What the closed forms of Eqs. 16 and 18 rest on, and what breaking each assumption costs.
 
-The paper lists eight assumptions. Their wording is not quoted here: these are the eight that the derivation needs, in
-the order in which it needs them. `examine` breaks one at a time and says what that does to contact time and
-restitution, against the reduced model with c_w + c_eq.
+The paper lists eight assumptions. Their wording is not quoted here: these are the eight that the derivation
+needs, in the order in which it needs them. `examine` breaks one at a time and says what that does to contact
+time and restitution, against the reduced model with c_w + c_eq. The fifth is judged with the sixth and eighth
+already broken, for in the exact motion they come together.
 """
 
 from __future__ import annotations
@@ -145,9 +146,7 @@ def examine(
 
     share = 1.0 / (1.0 + OFFSET**2)
     eccentric = Reduced(table1.WRIST_MASS + target_mass * share, base.stiffness, base.damping)
-    point = Finding(
-        1, share, contact_time(eccentric) / tau - 1.0, (1 + restitution(eccentric)) * share - 1 - e
-    )
+    point = Finding(1, share, contact_time(eccentric) / tau - 1.0, (1 + restitution(eccentric)) * share - 1 - e)
 
     lumped = table1.WRIST_MASS + target_mass
     free, changed = (
@@ -171,7 +170,7 @@ def examine(
     system = table1.three_masses(spring, target_mass, equivalent_damping=equivalent_damping)
     motion = solve(system, speed)
     rebound = -float(motion.state(motion.end)[5]) / speed
-    accelerated = e * target_mass / lumped
+    accelerated = target_mass / lumped  # what is left of the speed once the wrist moves along
 
     friction = coulomb_slider.equivalent_friction(equivalent_damping, speed)
     slow = coulomb_slider.rebound(base.mass, base.stiffness, friction, 0.5 * speed, damping=spring.damping)
@@ -184,9 +183,12 @@ def examine(
         cost(3, arm / base.stiffness, series),
         Finding(4, HARDENING, hardened - 1.0, math.exp(-math.pi * zeta / math.sqrt(1.0 - zeta**2)) - e),
         Finding(
-            5, frequencies.frequency_ratio(system), motion.contact_time / tau - 1.0, rebound - accelerated
+            5,
+            frequencies.frequency_ratio(system),
+            motion.contact_time / released - 1.0,
+            rebound - accelerated * e_released,
         ),
-        Finding(6, table1.WRIST_MASS / target_mass, 0.0, accelerated - e),
+        Finding(6, table1.WRIST_MASS / target_mass, 0.0, (accelerated - 1.0) * e),
         Finding(7, phi, slow.contact_time / tau - 1.0, slow.restitution - e),
         Finding(8, 1.0 - released / tau, released / tau - 1.0, e_released - e),
     )

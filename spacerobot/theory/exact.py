@@ -194,15 +194,21 @@ class _Walker:
                 if kind == "halt":
                     state = state.copy()
                     state[4] = state[3]
-                if kind == "halt" or stuck:
+                if kind == "slip":
+                    guide, stuck = (1 if self._needed(state, touching) > 0 else -1), False
+                elif kind == "halt" or stuck:
                     guide, stuck = self._guide(state, touching)
                 if kind == "halt":
                     events[-1] = Event(time, "stick" if stuck else "reverse")
         return Motion(self.system, tuple(segments), tuple(events))
 
+    def _needed(self, state: Array, touching: bool) -> float:
+        """The friction that would hold the wrist, N."""
+        return float(self.system.holding_friction(touching) @ state[:6])
+
     def _guide(self, state: Array, touching: bool) -> tuple[int, bool]:
         """Direction of sliding and whether it sticks, for a wrist at rest in its guide."""
-        needed = float(self.system.holding_friction(touching) @ state[:6])
+        needed = self._needed(state, touching)
         if abs(needed) <= self.system.guide_friction * (1 - 1e-12):
             return 0, True
         return (1 if needed > 0 else -1), False
