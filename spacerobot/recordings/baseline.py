@@ -36,6 +36,7 @@ class Baseline:
         approach: unit vector, world axes: the target's direction of motion.
         gravity: acceleration, world axes, m/s2.
         values: dotted name -> believed value, SI. Absent means unknown: to be fitted.
+        unknown: dotted names that the study states as "unknown".
         law: contact law, one of LAWS.
         sigma: dotted name -> one standard deviation of the believed value, relative.
         scatter: dotted name -> one standard deviation of its change between conditions, relative.
@@ -49,6 +50,7 @@ class Baseline:
     approach: tuple[float, float, float] = (1.0, 0.0, 0.0)
     gravity: tuple[float, float, float] = (0.0, 0.0, 0.0)
     values: Mapping[str, float] = field(default_factory=dict)
+    unknown: frozenset[str] = frozenset()
     law: str = "kelvin_voigt"
     sigma: Mapping[str, float] = field(default_factory=dict)
     scatter: Mapping[str, float] = field(default_factory=dict)
@@ -92,6 +94,7 @@ def read_baseline(document: Document) -> Baseline:
         approach=_approach(document, table),
         gravity=_three(document, table, "gravity", (0.0, 0.0, 0.0)),
         values=read_values(document, physical, "baseline"),
+        unknown=frozenset(name for name, value in physical.items() if value == "unknown"),
         law=law,
         sigma=_relative(document, table, "sigma"),
         scatter=_relative(document, table, "scatter"),

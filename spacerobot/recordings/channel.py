@@ -98,6 +98,7 @@ class ChannelSpec:
         offset: added after `scale`, in `unit`.
         use: "output" or "input".
         missing: raw readings that mean "no reading".
+        unwrap: whether jumps of a turn are taken out of an angle.
         moment: "before", "after" or "event" for an events stream, else None.
     """
 
@@ -109,6 +110,7 @@ class ChannelSpec:
     offset: float = 0.0
     use: str = "output"
     missing: tuple[float, ...] = ()
+    unwrap: bool = False
     moment: str | None = None
     where: str | None = None
 
@@ -124,6 +126,8 @@ class ChannelSpec:
                 given=f"scale {self.scale}, offset {self.offset}",
                 where=self.where,
             )
+        if self.unwrap and "angle" not in measured:
+            raise InputError("only an angle can be unwrapped", given=self.name, where=self.where)
         if self.use not in USES:
             raise NotFoundError("use of a channel", self.use, USES, where=self.where)
 
@@ -141,7 +145,8 @@ class ChannelSpec:
 
     @property
     def si_unit(self) -> str:
-        """SI unit of the series, e.g. "m"; that of the first dimension where `unit` does not decide."""
+        """SI unit of the series, e.g. "m"; that of the first dimension where `unit` is silent, "" for aux."""
         measured = dimensions(self.quantity)
-        dimension = units.unit(self.unit).dimension if self.unit else measured[0]
-        return units.SI[dimension]
+        if self.unit is None and self.name.startswith("aux."):
+            return ""
+        return units.SI[units.unit(self.unit).dimension if self.unit else measured[0]]

@@ -72,6 +72,13 @@ class Document:
             raise InputError(f"{key!r} must be text", given=value, where=self.where(*path, key))
         return value
 
+    def flag(self, table: Mapping[str, Any], key: str, *path: str | int) -> bool:
+        """The truth value `key` of `table`, false if absent."""
+        value = table.get(key, False)
+        if not isinstance(value, bool):
+            raise InputError(f"{key!r} must be true or false", given=value, where=self.where(*path, key))
+        return value
+
     def number(self, value: object, *path: str | int) -> float:
         """`value` as a finite float."""
         if isinstance(value, bool) or not isinstance(value, int | float):

@@ -119,8 +119,12 @@ def load_trial(streams: Mapping[str, StreamSpec], root: Path, trial: Trial) -> R
                 own = table.columns[table.index(channel.column)].unit
                 factor = units.unit(own).factor if own else 1.0
             value = (values[:, j] * channel.scale + channel.offset) * factor
+            if channel.unwrap:
+                value[valid] = np.unwrap(value[valid])
             stated = channel.sigma is not None
-            sigma = channel.sigma if channel.sigma is not None else estimate_noise(value)
+            sigma = channel.sigma if channel.sigma is not None else np.nan
+            if not stated and stream.kind == "samples":
+                sigma = estimate_noise(value)
             series[channel.name] = Series(
                 channel.name,
                 time,
@@ -158,7 +162,7 @@ def _times(root: Path, trial: Trial, stream: StreamSpec, source: Source, table: 
     """The time of each row, s, in the file's own count."""
     rows = len(table.columns[table.index(stream.channels[0].column, where=stream.channels[0].where)].values)
     if stream.time is None:
-        return np.arange(rows) / (stream.rate or 1.0)
+        return stream.time_offset + np.arange(rows) / (stream.rate or 1.0)
     if source.time_file is None:
         time = table.columns[table.index(stream.time, where=stream.channels[0].where)].values
     else:
@@ -171,7 +175,7 @@ def _times(root: Path, trial: Trial, stream: StreamSpec, source: Source, table: 
             given=f"{len(time)} times, {rows} readings",
             where=str(table.path),
         )
-    return clock_times(table, time * units.unit(stream.time_unit).factor)
+    return clock_times(table, time * units.unit(stream.time_unit).factor + stream.time_offset)
 
 
 def _epochs(

@@ -19,7 +19,8 @@ class Series:
         time: (n,) s, strictly increasing; the number of the event for an events stream.
         value: (n,) SI, NaN where not valid.
         valid: (n,) whether there was a reading.
-        sigma: one standard deviation of the noise, SI: as the study states it, else estimated from the data.
+        sigma: one standard deviation of the noise, SI: as the study states it, else estimated from the data
+            (NaN for events).
         sigma_stated: whether the study states it.
         stream: name of the stream.
         clock: name of the clock; series of one clock share it exactly.

@@ -19,6 +19,7 @@ SEPARATORS = {"comma": ",", "semicolon": ";", "tab": "\t", "space": " ", "pipe":
 _KEYS = (
     "time",
     "time_unit",
+    "time_offset",
     "rate",
     "channels",
     "format",
@@ -36,7 +37,7 @@ _KEYS = (
     "sort",
     "encoding",
 )
-_CHANNEL_KEYS = ("is", "sigma", "unit", "scale", "offset", "use", "missing", "moment")
+_CHANNEL_KEYS = ("is", "sigma", "unit", "scale", "offset", "use", "missing", "moment", "unwrap")
 
 
 @dataclass(frozen=True)
@@ -48,6 +49,7 @@ class StreamSpec:
         channels: what is read from it.
         time: the time column (name, or index from 0 as text), None where `rate` gives the times.
         time_unit: unit of the time column.
+        time_offset: added to the times to bring them onto the clock, s.
         rate: samples per second where the file has no times, Hz.
         format: one of FORMATS, None to decide by the file's name and first bytes.
         variable: array of a MAT, HDF5 or npz file, or topic of a bag.
@@ -69,6 +71,7 @@ class StreamSpec:
     channels: tuple[ChannelSpec, ...]
     time: str | None = None
     time_unit: str = "s"
+    time_offset: float = 0.0
     rate: float | None = None
     format: str | None = None
     variable: str | None = None
@@ -136,9 +139,6 @@ def read_stream(document: Document, name: str) -> StreamSpec:
     time_unit = document.text(table, "time_unit", "s", *path)
     units.factor(time_unit, ("time",), where=document.where(*path, "time_unit"))
     clock = document.text(table, "clock", "shared", *path)
-    sort = table.get("sort", False)
-    if not isinstance(sort, bool):
-        raise InputError("'sort' must be true or false", given=sort, where=document.where(*path, "sort"))
     separator = document.text(table, "separator", "", *path) if "separator" in table else None
     if separator is not None:
         separator = SEPARATORS.get(separator, separator)
@@ -150,6 +150,7 @@ def read_stream(document: Document, name: str) -> StreamSpec:
         channels=_channels(document, table, kind, missing, *path),
         time=time,
         time_unit=time_unit,
+        time_offset=document.number(table.get("time_offset", 0.0), *path, "time_offset"),
         rate=rate,
         format=choice("format", FORMATS),
         variable=document.text(table, "variable", "", *path) or None,
@@ -163,7 +164,7 @@ def read_stream(document: Document, name: str) -> StreamSpec:
         kind=kind,
         missing=missing,
         repeated=choice("repeated", ("keep", "drop")) or "keep",
-        sort=sort,
+        sort=document.flag(table, "sort", *path),
         encoding=document.text(table, "encoding", "", *path) or None,
     )
 
@@ -282,6 +283,7 @@ def _channel(
         offset=number("offset", 0.0),
         use=document.text(spec, "use", "output", *path),
         missing=read_missing(document, spec["missing"], *path, "missing") if "missing" in spec else missing,
+        unwrap=document.flag(spec, "unwrap", *path),
         moment=None if moment == "event" else moment,
         where=where,
     )
