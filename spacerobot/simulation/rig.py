@@ -24,8 +24,8 @@ DEFAULTS: dict[str, float] = {
     "contact.damping": 0.0,
     "target.mass": 9.0,
     "target.yaw_inertia": math.nan,
-    "target.ahead": 0.0,
-    "target.lateral": 0.0,
+    "target.contact_point.ahead": 0.0,
+    "target.contact_point.lateral": 0.0,
     "gravity.along": 0.0,
 }
 """What a rig's values are called; a target without a yaw inertia does not turn."""
@@ -95,7 +95,7 @@ def rig(values: Mapping[str, float], *, bilateral: bool = False, lateral: bool =
     return Mechanism(
         coordinates=coordinates,
         ports=ports,
-        contact=Contact(CONTACT, law, bilateral=bilateral, ahead=v["target.ahead"], lateral=v["target.lateral"]),
+        contact=Contact(CONTACT, law, bilateral=bilateral, ahead=v["target.contact_point.ahead"], lateral=v["target.contact_point.lateral"]),
         forces=(
             Force("wrist.spring", "wrist", SPRING, (v["wrist.stiffness"],), role="spring"),
             Force("wrist.damper", "wrist", DAMPER, (v["wrist.damping"],), role="damper"),
