@@ -67,18 +67,14 @@ def read_baseline(document: Document) -> Baseline:
     for name, value in table.items():
         if name in _TABLES and not isinstance(value, dict):
             raise InputError(f"{name!r} must be a table", given=value, where=document.where("baseline", name))
-    physical = _flat(
-        document, {k: v for k, v in table.items() if k not in (*_PLAIN, "sigma", "scatter")}, "baseline"
-    )
+    physical = _flat(document, {k: v for k, v in table.items() if k not in (*_PLAIN, "sigma", "scatter")}, "baseline")
     law = physical.pop("contact.law", "kelvin_voigt")
     if law not in LAWS:
         raise NotFoundError("contact law", str(law), LAWS, where=document.where("baseline", "contact", "law"))
     stated, pose = read_pose(document, table, "baseline")
     robot = table.get("robot")
-    if robot is not None and (not isinstance(robot, str) or not robot.strip() or "\0" in robot):
-        raise InputError(
-            "robot must be a name or a URDF path", given=robot, where=document.where("baseline", "robot")
-        )
+    if robot is not None and (not isinstance(robot, str) or not robot.strip(" <") or set(robot) & set("\0\n<")):
+        raise InputError("robot must be a name or a URDF path", given=robot, where=document.where("baseline", "robot"))
     if robot is None and "body" not in table:
         raise InputError(
             "the baseline names no robot",
@@ -101,18 +97,14 @@ def read_baseline(document: Document) -> Baseline:
     )
 
 
-def read_pose(
-    document: Document, table: Mapping[str, Any], *path: str | int
-) -> tuple[bool, tuple[float, ...]]:
+def read_pose(document: Document, table: Mapping[str, Any], *path: str | int) -> tuple[bool, tuple[float, ...]]:
     """Whether `pose` (rad) or `pose_deg` is stated in `table`, and the joint positions in rad."""
     if "pose" in table and "pose_deg" in table:
         raise InputError(
             "pose and pose_deg are both given", valid="one of them", where=document.where(*path, "pose_deg")
         )
     if "pose_deg" in table:
-        return True, tuple(
-            math.radians(v) for v in document.vector(table["pose_deg"], None, *path, "pose_deg")
-        )
+        return True, tuple(math.radians(v) for v in document.vector(table["pose_deg"], None, *path, "pose_deg"))
     if "pose" not in table:
         return False, ()
     pose = document.vector(table["pose"], None, *path, "pose")

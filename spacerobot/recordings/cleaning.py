@@ -41,9 +41,7 @@ def used_values(table: RawTable, stream: StreamSpec, rows: int) -> Floats:
                 given=f"{len(column)} values, {rows} times",
                 where=str(table.path),
             )
-        values[:, j] = (
-            np.where(np.isin(column, channel.missing), np.nan, column) if channel.missing else column
-        )
+        values[:, j] = np.where(np.isin(column, channel.missing), np.nan, column) if channel.missing else column
         values[~np.isfinite(values[:, j]), j] = np.nan
         lost = np.isnan(values[:, j])
         if rows > 20 and lost.mean() > _FLOOD:

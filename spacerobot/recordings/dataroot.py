@@ -70,16 +70,12 @@ def inside(root: Path, relative: str, *, where: str | None = None, folder: bool 
         root = root.resolve()
         path = (root / relative).resolve()
         within = path.is_relative_to(root)
-        exists = within and (
-            (folder is not True and path.is_file()) or (folder is not False and path.is_dir())
-        )
+        exists = within and ((folder is not True and path.is_file()) or (folder is not False and path.is_dir()))
     except (OSError, ValueError, RuntimeError):
         within, exists = True, False
         path = root
     if not within:
-        raise InputError(
-            "the path leaves the data folder", given=relative, valid=f"inside {root}", where=where
-        )
+        raise InputError("the path leaves the data folder", given=relative, valid=f"inside {root}", where=where)
     if not exists:
         raise InputError(
             f"no such {'folder' if folder else 'file'}", given=relative, valid=f"inside {root}", where=where

@@ -178,9 +178,7 @@ def _times(root: Path, trial: Trial, stream: StreamSpec, source: Source, table: 
     return clock_times(table, time * units.unit(stream.time_unit).factor + stream.time_offset)
 
 
-def _epochs(
-    streams: Mapping[str, StreamSpec], raw: Mapping[str, tuple[RawTable, Floats, Floats]]
-) -> dict[str, float]:
+def _epochs(streams: Mapping[str, StreamSpec], raw: Mapping[str, tuple[RawTable, Floats, Floats]]) -> dict[str, float]:
     """Clock -> whole seconds to take off: the earliest start of its streams, if they count from an epoch."""
     starts: dict[str, float] = {}
     for name, (_, time, _) in raw.items():

@@ -71,4 +71,4 @@ def estimate_noise(value: Floats) -> float:
         return float("nan")
     difference = np.abs(np.diff(value, 3)) / np.sqrt(20.0)
     estimate = float(np.median(difference) / 0.6744897501960817)
-    return estimate if estimate > 0 else float(np.sqrt(np.mean(difference**2)))
+    return estimate if estimate > 0 else float(np.linalg.norm(difference) / np.sqrt(len(difference)))

@@ -228,9 +228,7 @@ def _leaves(document: Document, table: Mapping[str, Any], *path: str) -> list[tu
     found: list[tuple[str, Any]] = []
     for key, value in table.items():
         listed = isinstance(value, list) and bool(value) and all(isinstance(v, dict) for v in value)
-        if listed or (
-            isinstance(value, dict) and (not value or any(not isinstance(v, dict) for v in value.values()))
-        ):
+        if listed or (isinstance(value, dict) and (not value or any(not isinstance(v, dict) for v in value.values()))):
             found.append((key, value))
         elif isinstance(value, dict):
             found += [(f"{key}.{inner}", leaf) for inner, leaf in _leaves(document, value, *path, key)]

@@ -105,9 +105,7 @@ class Study:
     def channels(self) -> tuple[str, ...]:
         """Every channel that any trial has, in order of the streams."""
         used = {name for trial in self.trials for name in trial.sources}
-        return tuple(
-            dict.fromkeys(c.name for s in self.streams.values() if s.name in used for c in s.channels)
-        )
+        return tuple(dict.fromkeys(c.name for s in self.streams.values() if s.name in used for c in s.channels))
 
     def recording(self, trial: Trial | str) -> Recording:
         """The trial's channels, read on first use and kept.
@@ -140,9 +138,14 @@ class Study:
             InputError: the file is missing or outside the study's folder.
         """
         robot = self.baseline.robot
-        if robot is None or not robot.lower().endswith((".urdf", ".xml")):
+        if robot is None or not ("/" in robot or "\\" in robot or robot.lower().endswith((".urdf", ".xml", ".xacro"))):
             return None
         return inside(self.path.parent, robot, where=str(self.path))
+
+    @property
+    def robot_source(self) -> Path | str | None:
+        """What to load the robot from: the study's own URDF, else the robot's name, None for a free body alone."""
+        return self.robot_file or self.baseline.robot
 
     @property
     def input_hash(self) -> str:
@@ -194,9 +197,7 @@ def load_study(path: str | Path, data: str | Path | None = None) -> Study:
     streams: dict[str, StreamSpec] = {}
     for name in document.table(document.data, "streams"):
         if name in (*_KEYS, *_GROUPS) or not re.fullmatch(r"[\w-]{1,40}", name):
-            raise InputError(
-                "a stream cannot have this name", given=name, where=document.where("streams", name)
-            )
+            raise InputError("a stream cannot have this name", given=name, where=document.where("streams", name))
         streams[name] = read_stream(document, name)
     if not streams:
         raise InputError(
@@ -220,9 +221,7 @@ def resolve_study(path: str | Path) -> Path:
         if given.is_file():
             return given.resolve()
     except (OSError, ValueError):
-        raise InputError(
-            "not a path", given=str(path), valid="a folder, a study.toml or a bundled study"
-        ) from None
+        raise InputError("not a path", given=str(path), valid="a folder, a study.toml or a bundled study") from None
     bundled = bundled_studies()
     name = str(path).rstrip("/")
     if name in bundled:

@@ -78,8 +78,7 @@ class RawTable:
             for name in set(column.names):
                 taken[name] = taken.get(name, 0) + 1
         return tuple(
-            next((n for n in column.names if taken[n] == 1), str(index))
-            for index, column in enumerate(self.columns)
+            next((n for n in column.names if taken[n] == 1), str(index)) for index, column in enumerate(self.columns)
         )
 
     def index(self, name: str, *, where: str | None = None) -> int:

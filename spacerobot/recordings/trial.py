@@ -80,15 +80,11 @@ def read_trials(document: Document, streams: Mapping[str, StreamSpec]) -> tuple[
             if len(found) > _MAXIMUM_TRIALS:
                 raise InputError("too many trials", valid=f"at most {_MAXIMUM_TRIALS}", where=trial.where)
     if not found:
-        raise InputError(
-            "the study has no trials", valid='[[trials]] with id = "01"', where=str(document.path)
-        )
+        raise InputError("the study has no trials", valid='[[trials]] with id = "01"', where=str(document.path))
     return tuple(found)
 
 
-def _expand(
-    document: Document, index: int, table: Mapping[str, Any], streams: Mapping[str, StreamSpec]
-) -> list[Trial]:
+def _expand(document: Document, index: int, table: Mapping[str, Any], streams: Mapping[str, StreamSpec]) -> list[Trial]:
     """One trial, or one a number of `each = [first, last]`, with {n} or {n:03d} replaced in its texts."""
     path = ("trials", index)
     if "each" not in table:
@@ -96,9 +92,7 @@ def _expand(
     ends = table["each"]
     whole = isinstance(ends, list) and len(ends) == 2 and all(type(v) is int and v >= 0 for v in ends)
     if not whole or ends[1] < ends[0] or ends[1] - ends[0] >= _MAXIMUM_TRIALS:
-        raise InputError(
-            "'each' must be [first, last], whole numbers", given=ends, where=document.where(*path, "each")
-        )
+        raise InputError("'each' must be [first, last], whole numbers", given=ends, where=document.where(*path, "each"))
     rest = {k: v for k, v in table.items() if k != "each"}
     return [_trial(document, index, _count(rest, n), streams) for n in range(ends[0], ends[1] + 1)]
 
@@ -111,19 +105,13 @@ def _count(value: Any, n: int) -> Any:
     return _COUNTER.sub(lambda m: str(n).rjust(int(m.group(2) or 0), "0" if m.group(1) else " "), value)
 
 
-def _trial(
-    document: Document, index: int, table: Mapping[str, Any], streams: Mapping[str, StreamSpec]
-) -> Trial:
+def _trial(document: Document, index: int, table: Mapping[str, Any], streams: Mapping[str, StreamSpec]) -> Trial:
     path = ("trials", index)
     where = document.where(*path)
     identity = table.get("id")
     if type(identity) is int:
         identity = str(identity)
-    if (
-        not isinstance(identity, str)
-        or not re.fullmatch(r"[\w.+=, -]{1,80}", identity)
-        or identity.strip(". ") == ""
-    ):
+    if not isinstance(identity, str) or not re.fullmatch(r"[\w.+=, -]{1,80}", identity) or identity.strip(". ") == "":
         raise InputError(
             "a trial needs an id",
             given=identity,
@@ -141,9 +129,7 @@ def _trial(
         elif key not in _KEYS:
             raise NotFoundError("key", key, known, where=document.where(*path, key))
     if not sources:
-        raise InputError(
-            "the trial names no file", given=identity, valid=f"{' or '.join(streams)} = FILE", where=where
-        )
+        raise InputError("the trial names no file", given=identity, valid=f"{' or '.join(streams)} = FILE", where=where)
     stated, pose = read_pose(document, table, *path)
     condition = table.get("condition")
     if isinstance(condition, bool) or not isinstance(condition, str | int | float | None):

@@ -105,9 +105,7 @@ _TABLE: dict[str, dict[str, float]] = {
 }
 
 UNITS: dict[str, Unit] = {
-    name: Unit(name, dimension, factor)
-    for dimension, table in _TABLE.items()
-    for name, factor in table.items()
+    name: Unit(name, dimension, factor) for dimension, table in _TABLE.items() for name, factor in table.items()
 }
 """All known units by name. Case matters (mN is not MN); Hz counts turns when it measures a rotation."""
 

@@ -78,10 +78,7 @@ def _columns(name: str, array: Floats) -> list[Column]:
     rows, width = array.shape
     found: list[Column] = []
     if width <= _WIDEST:
-        found += [
-            Column((f"{name}[{j}]", f"{name}[:,{j}]"), np.ascontiguousarray(array[:, j]))
-            for j in range(width)
-        ]
+        found += [Column((f"{name}[{j}]", f"{name}[:,{j}]"), np.ascontiguousarray(array[:, j])) for j in range(width)]
     if rows <= _WIDEST and rows < width:
         found += [Column((f"{name}[{i},:]",), array[i]) for i in range(rows)]
     return found
@@ -92,7 +89,5 @@ def _reshaped(path: Path, array: Floats, options: Options) -> Floats:
     if count == 1:
         return array
     if not _is_vector(array) or array.size % count:
-        raise InputError(
-            f"the values do not come in groups of {count}", given=f"shape {array.shape}", where=str(path)
-        )
+        raise InputError(f"the values do not come in groups of {count}", given=f"shape {array.shape}", where=str(path))
     return array.reshape(-1, count)

@@ -74,9 +74,7 @@ def bag_arrays(path: Path, topic: str | None) -> tuple[dict[str, Floats], list[s
                 cells += 1
             row += 1
             if cells > limits.ARRAY_VALUES // 4:
-                raise InputError(
-                    "the topic holds too many numbers", valid=f"at most {limits.ARRAY_VALUES // 4}"
-                )
+                raise InputError("the topic holds too many numbers", valid=f"at most {limits.ARRAY_VALUES // 4}")
     if len(columns) < 2:
         raise InputError(f"the topic {topic} has no messages of numbers")
     for column in columns.values():

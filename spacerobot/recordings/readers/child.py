@@ -55,9 +55,7 @@ def main(source: IO[bytes], sink: IO[bytes]) -> None:
         sink.write(json.dumps({"error": error.what}).encode() + b"\n")
         return
     except MemoryError:
-        sink.write(
-            json.dumps({"error": f"needs more than {limits.CHILD_BYTES} bytes of memory"}).encode() + b"\n"
-        )
+        sink.write(json.dumps({"error": f"needs more than {limits.CHILD_BYTES} bytes of memory"}).encode() + b"\n")
         return
     except Exception as error:  # a parser of foreign formats may raise anything; the parent reports it
         reason = f"not a {request['format']} file that can be read: {type(error).__name__}: {error}"

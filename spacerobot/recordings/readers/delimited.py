@@ -71,9 +71,7 @@ def _fast(lines: Sequence[str], rows: Sequence[int], layout: Layout, width: int)
         return None
     delimiter = None if layout.separator == " " else layout.separator
     try:
-        values = np.loadtxt(
-            (lines[i] for i in rows), delimiter=delimiter, comments=None, ndmin=2, dtype=np.float64
-        )
+        values = np.loadtxt((lines[i] for i in rows), delimiter=delimiter, comments=None, ndmin=2, dtype=np.float64)
     except (ValueError, IndexError, OverflowError):
         return None
     if values.shape != (len(rows), width) or not np.isfinite(values).all():

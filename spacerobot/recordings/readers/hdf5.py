@@ -63,9 +63,7 @@ def hdf5_arrays(path: Path, *, transpose: bool = False) -> dict[str, Floats]:
             raise InputError("the file holds too many numbers", given=f"{total} by {name}")
         label = name.strip("/").replace("/", ".")
         values = np.asarray(item[()])
-        parts = (
-            {f"{label}.{f}": values[f] for f in values.dtype.names} if values.dtype.names else {label: values}
-        )
+        parts = {f"{label}.{f}": values[f] for f in values.dtype.names} if values.dtype.names else {label: values}
         for key, part in parts.items():
             numbers = as_floats(part)
             if numbers is not None:

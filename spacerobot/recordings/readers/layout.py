@@ -59,9 +59,7 @@ def split(line: str, separator: str) -> list[str]:
     return [c.strip() for c in cells]
 
 
-def find_layout(
-    lines: Sequence[str], separator: str | None, decimal: str | None, header_rows: int | None
-) -> Layout:
+def find_layout(lines: Sequence[str], separator: str | None, decimal: str | None, header_rows: int | None) -> Layout:
     """The layout under which most cells of the table's middle are numbers; of those, with most columns."""
     start = header_rows or 0
     body = [i for i in range(start, len(lines)) if lines[i].strip() and not is_comment(lines[i])]

@@ -56,9 +56,7 @@ def read_head(path: Path, count: int = 4096) -> bytes:
         return raw
 
 
-def read_bytes(
-    path: Path, limit: int = TEXT_BYTES, *, compression: str | None = None, whole: bool = True
-) -> bytes:
+def read_bytes(path: Path, limit: int = TEXT_BYTES, *, compression: str | None = None, whole: bool = True) -> bytes:
     """The file's bytes, decompressed, never more than `limit`.
 
     Args:

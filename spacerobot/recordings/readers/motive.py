@@ -40,12 +40,8 @@ class MotiveReader(Reader):
         lines = read_lines(path, options.compression, options.encoding)
         settings = _settings(lines[0]) if lines else {}
         if _SETTINGS not in settings:
-            raise InputError(
-                "not a Motive export: the first line lacks its format version", where=f"{path}:1"
-            )
-        axis = next(
-            (i for i in range(1, min(len(lines), _LAST_HEADER)) if lines[i].startswith("Frame,")), None
-        )
+            raise InputError("not a Motive export: the first line lacks its format version", where=f"{path}:1")
+        axis = next((i for i in range(1, min(len(lines), _LAST_HEADER)) if lines[i].startswith("Frame,")), None)
         if axis is None:
             raise InputError('the header line that starts with "Frame" is missing', where=f"{path}:2")
         names, measured = _columns(path, lines, axis)
@@ -68,9 +64,7 @@ class MotiveReader(Reader):
             for j, cell in enumerate(cells[: len(names)]):
                 value = number(cell)
                 if value is None:
-                    raise InputError(
-                        f"{names[j][0]}: {reason(cell)}", given=cell, where=f"{path}:{index + 1}"
-                    )
+                    raise InputError(f"{names[j][0]}: {reason(cell)}", given=cell, where=f"{path}:{index + 1}")
                 values[row, j] = value
         columns = tuple(
             Column(called, np.ascontiguousarray(values[:, j]), unit if measured[j] == "position" else None)
@@ -94,9 +88,7 @@ def _columns(path: Path, lines: list[str], axis: int) -> tuple[list[tuple[str, .
             valid="lines for kind, name, ID and quantity",
             where=f"{path}:{axis + 1}",
         )
-    kinds, things, quantities = (
-        [*row, *[""] * (len(axes) - len(row))] for row in (block[0], block[1], block[-1])
-    )
+    kinds, things, quantities = ([*row, *[""] * (len(axes) - len(row))] for row in (block[0], block[1], block[-1]))
     names: list[tuple[str, ...]] = []
     for j, letter in enumerate(axes):
         if not things[j] or j < 2:

@@ -19,9 +19,7 @@ _ROOT = str(Path(__file__).resolve().parents[3])
 _KEPT_VALUES = 4_000_000
 
 
-def sandboxed_arrays(
-    path: Path, format: str, variable: str | None = None
-) -> tuple[dict[str, Floats], tuple[str, ...]]:
+def sandboxed_arrays(path: Path, format: str, variable: str | None = None) -> tuple[dict[str, Floats], tuple[str, ...]]:
     """The arrays of a binary file, parsed in a child process.
 
     The child may add `limits.CHILD_BYTES` of memory to its own and take `limits.CHILD_SECONDS`; if it

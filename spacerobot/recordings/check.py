@@ -1,0 +1,122 @@
+"""What a study holds, and what is odd about it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from spacerobot.recordings.recording import Recording
+from spacerobot.recordings.series import Series, estimate_noise
+from spacerobot.recordings.study import Study
+from spacerobot.support.errors import InputError
+
+_EXPECTED = ("wrist.mass", "wrist.stiffness", "contact.stiffness", "target.mass")
+
+
+def check_study(study: Study) -> dict[str, Any]:
+    """Trials, channels, rates, gaps, warnings and errors of a study, ready for JSON.
+
+    A trial that cannot be read is listed with its error; the others are still checked.
+    """
+    trials: list[dict[str, Any]] = []
+    errors: list[str] = []
+    warnings: list[str] = []
+    for trial in study.trials:
+        entry: dict[str, Any] = {
+            "id": trial.id,
+            "condition": study.condition(trial),
+            "overrides": dict(trial.overrides),
+        }
+        try:
+            recording = study.recording(trial)
+        except InputError as error:
+            errors.append(f"trial {trial.id}: {error}")
+            entry |= {"error": str(error), "channels": [], "notes": []}
+        else:
+            entry |= {"channels": [_channel(s) for s in recording.values()], "notes": list(recording.notes)}
+            warnings += _remarks(study, recording)
+        trials.append(entry)
+    try:
+        digest = study.input_hash
+    except InputError as error:
+        digest = None
+        errors.append(str(error))
+    return {
+        "study": str(study.path),
+        "title": study.title,
+        "data": str(study.root),
+        "input_hash": digest,
+        "baseline": {
+            "robot": study.baseline.robot,
+            "base": study.baseline.base,
+            "joints": study.baseline.joints,
+            "values": dict(study.baseline.values),
+            "unknown": sorted(study.baseline.unknown),
+            "sigma": dict(study.sigma),
+            "scatter": dict(study.scatter),
+        },
+        "conditions": {name: [t.id for t in members] for name, members in study.conditions().items()},
+        "trials": trials,
+        "warnings": [*_believed(study), *dict.fromkeys(warnings)],
+        "errors": list(dict.fromkeys(errors)),
+    }
+
+
+def _channel(series: Series) -> dict[str, Any]:
+    step = np.diff(series.time)
+    return {
+        "name": series.name,
+        "stream": series.stream,
+        "clock": series.clock,
+        "unit": series.unit,
+        "use": series.use,
+        "samples": len(series),
+        "missing": int((~series.valid).sum()),
+        "rate_hz": series.rate,
+        "start_s": float(series.time[0]),
+        "end_s": float(series.time[-1]),
+        "longest_gap_s": float(step.max()) if len(step) else None,
+        "sigma": series.sigma,
+        "sigma_stated": series.sigma_stated,
+    }
+
+
+def _believed(study: Study) -> list[str]:
+    """Warnings about the baseline as a whole."""
+    found: list[str] = []
+    channels = study.channels()
+    if any(c.startswith(("wrist.", "contact.")) for c in channels):
+        known = {name for trial in study.trials for name in study.values(trial)}
+        absent = [name for name in _EXPECTED if name not in known]
+        if absent:
+            found.append(f"not stated, so unknown and fitted: {', '.join(absent)}")
+    if len(study.conditions()) == 1 and len(study.trials) > 1:
+        found.append("all trials share one condition: nothing can be held out by condition")
+    own = [s.name for s in study.streams.values() if s.own_clock]
+    if own:
+        found.append(f"streams on a clock of their own, whose offset is fitted: {', '.join(own)}")
+    loose = [c for c in channels if c.startswith("aux.")]
+    if loose:
+        found.append(f"channels that no balance uses: {', '.join(loose[:12])}{', ...' if len(loose) > 12 else ''}")
+    return found
+
+
+def _remarks(study: Study, recording: Recording) -> list[str]:
+    """Warnings about channels, worded so that the same one in many trials is said once."""
+    found: list[str] = []
+    for series in recording.values():
+        if series.use == "input" or series.name.startswith("aux.") or series.name.endswith(".reference"):
+            continue
+        if study.streams[series.stream].kind == "events":
+            continue
+        if not series.sigma_stated:
+            found.append(f"{series.name}: no sigma stated; its noise is estimated from the data")
+            continue
+        noise = estimate_noise(series.value)
+        if noise > 3 * series.sigma or (0 < noise < series.sigma / 3):
+            found.append(f"{series.name}: the stated sigma and the scatter of the data differ more than threefold")
+        missing = float((~series.valid).mean())
+        if missing > 0.2:
+            found.append(f"{series.name}: missing in {missing:.0%} of trial {recording.trial.id}")
+    return found

@@ -1,0 +1,120 @@
+"""What a column probably is, by its name: a first word for a study that its author then corrects."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+import numpy as np
+
+from spacerobot.recordings.table import Column, Floats, RawTable
+from spacerobot.recordings.units import UNITS
+
+_TIME = re.compile(r"^(?:t|time|times|timestamp|stamp|zeit|rt_tout|sec|secs|seconds|elapsed|clock)(?:$|[\W_])", re.I)
+_BRACKETED = re.compile(r"[\[(]\s*([^\])]+?)\s*[\])]\s*$")
+
+_RULES: tuple[tuple[str, str], ...] = (
+    (r"(target|satellite|body).*(yaw|theta|heading)|(yaw|theta|heading).*(target|satellite)", "target.yaw"),
+    (r"target.*(pos\w*)?\W*x|x\W*target", "target.x"),
+    (r"target.*(pos\w*)?\W*y|y\W*target", "target.y"),
+    (r"(wrist|slider|spring|carriage).*x|x\W*(wrist|slider|carriage)", "wrist.x"),
+    (r"hand\W*(pos\w*)?\W*x|x\W*hand", "hand.x"),
+    (r"contact\W*f|f\W*contact|contact\W*force|force\W*contact|load\W*cell|^f(orce)?(\W*(n|x))?$", "contact.force"),
+)
+"""Pattern over the lower-case name (underscores as blanks) -> channel; the first that fits."""
+
+_JOINT = re.compile(
+    r"^(?:joint\W*)?(dq|qd|qdot|tau|torque|q|pos|position|vel|velocity|effort)\W*\[?(\d{1,2})\]?$", re.I
+)
+_JOINT_KIND = {
+    "q": "position",
+    "pos": "position",
+    "position": "position",
+    "dq": "velocity",
+    "qd": "velocity",
+    "qdot": "velocity",
+    "vel": "velocity",
+    "velocity": "velocity",
+    "tau": "torque",
+    "torque": "torque",
+    "effort": "torque",
+}
+
+
+@dataclass(frozen=True)
+class Guess:
+    """What a column may be.
+
+    Attributes:
+        column: how the study names it.
+        channel: canonical channel, "aux.NAME" where the name says nothing.
+        unit: unit that the name states and that is not SI, else None.
+    """
+
+    column: str
+    channel: str
+    unit: str | None
+
+
+def is_time(column: Column) -> bool:
+    """Whether the column's name and values are those of a clock."""
+    return any(_TIME.match(name) for name in column.names) and runs_forward(column.values)
+
+
+def runs_forward(values: Floats) -> bool:
+    """Whether the values only grow, and by about the same step."""
+    if len(values) < 3 or not np.isfinite(values).all():
+        return False
+    step = np.diff(values)
+    return bool((step >= 0).all() and np.median(step) > 0 and (step < 20 * np.median(step)).mean() > 0.95)
+
+
+def find_time(table: RawTable) -> int | None:
+    """Index of the clock: by name, else the first column that runs forward in even steps of less than a second."""
+    for index, column in enumerate(table.columns):
+        if is_time(column):
+            return index
+    for index, column in enumerate(table.columns):
+        if runs_forward(column.values) and np.median(np.diff(column.values)) < 1.0:
+            return index
+    return None
+
+
+def time_unit(column: Column) -> str:
+    """ "ms", "us" or "ns" where the name says so, else "s"."""
+    text = " ".join(column.names)
+    found = re.search(r"(?:^|[\W_])(ms|msec|us|usec|ns|nsec)(?:$|[\W_])", text, re.I)
+    return {"m": "ms", "u": "us", "n": "ns"}[found.group(1)[0].lower()] if found else "s"
+
+
+def guess(name: str, stated: str | None = None) -> Guess:
+    """What the column called `name` may be.
+
+    Args:
+        name: the column's name.
+        stated: unit that the file states.
+    """
+    unit = stated or _unit(name)
+    plain = re.sub(r"[\s_.:]+", " ", _BRACKETED.sub("", name)).strip().lower()
+    joint = _JOINT.match(plain.replace(" ", ""))
+    if joint:
+        channel = f"joint.joint{int(joint.group(2))}.{_JOINT_KIND[joint.group(1).lower()]}"
+    else:
+        channel = next((c for pattern, c in _RULES if re.search(pattern, plain)), "")
+    if not channel or not _fits(channel, unit):
+        channel = f"aux.{re.sub(r'[^A-Za-z0-9_-]+', '_', name).strip('_') or 'column'}"
+    return Guess(name, channel, unit if unit and UNITS[unit].factor != 1.0 else None)
+
+
+def _unit(name: str) -> str | None:
+    bracketed = _BRACKETED.search(name)
+    if bracketed and bracketed.group(1) in UNITS:
+        return bracketed.group(1)
+    last = re.split(r"[_\s]", name.strip())[-1]
+    return last if last != name.strip() and last in UNITS else None
+
+
+def _fits(channel: str, unit: str | None) -> bool:
+    from spacerobot.recordings.channel import dimensions
+
+    return unit is None or UNITS[unit].dimension in dimensions(channel)
