@@ -21,9 +21,6 @@ _KEY = re.compile(
 )
 _PART = re.compile(r""""([^"\n]*)"|'([^'\n]*)'|([A-Za-z0-9_-]+)""")
 
-Path_ = tuple[str | int, ...]
-"""Keys from the top of the document; an array's element by its index."""
-
 
 @dataclass(frozen=True)
 class Document:
@@ -32,23 +29,20 @@ class Document:
     Attributes:
         path: the file.
         data: its tables.
-        lines: key path -> line, from 1.
+        lines: dotted key (an array's element by its index) -> line, from 1; quoted or nested makes no difference.
     """
 
     path: Path
     data: dict[str, Any]
-    lines: Mapping[Path_, int]
+    lines: Mapping[str, int]
 
     def where(self, *keys: str | int) -> str:
         """`file:line` of the key at this path, or of its nearest written ancestor."""
-        path = tuple(keys)
-        while path:
-            if path in self.lines:
-                return f"{self.path}:{self.lines[path]}"
-            dotted = path[:-1] + tuple(str(path[-1]).split("."))
+        dotted = _dotted(keys)
+        while dotted:
             if dotted in self.lines:
                 return f"{self.path}:{self.lines[dotted]}"
-            path = path[:-1]
+            dotted = dotted.rpartition(".")[0]
         return str(self.path)
 
     def check_keys(self, table: Mapping[str, Any], known: Iterable[str], *path: str | int) -> None:
@@ -132,31 +126,35 @@ def read_document(path: Path) -> Document:
     return Document(path, data, scan_lines(text))
 
 
-def scan_lines(text: str) -> dict[Path_, int]:
+def scan_lines(text: str) -> dict[str, int]:
     """Line of each header and key of a TOML text: a light scan, exact for one key a line."""
-    lines: dict[Path_, int] = {}
-    counts: dict[Path_, int] = {}
-    prefix: Path_ = ()
+    lines: dict[str, int] = {}
+    counts: dict[tuple[str | int, ...], int] = {}
+    prefix: tuple[str | int, ...] = ()
     for number, line in enumerate(text.split("\n"), start=1):
         header = _HEADER.match(line)
         if header:
             prefix = _resolve(_parts(header.group(2)), counts, new=header.group(1) == "[[")
-            lines.setdefault(prefix, number)
+            lines.setdefault(_dotted(prefix), number)
             continue
         key = _KEY.match(line)
         if key:
             parts = _parts(key.group(1))
             for end in range(1, len(parts) + 1):
-                lines.setdefault(prefix + parts[:end], number)
+                lines.setdefault(_dotted(prefix + parts[:end]), number)
     return lines
+
+
+def _dotted(keys: tuple[str | int, ...]) -> str:
+    return ".".join(map(str, keys))
 
 
 def _parts(dotted: str) -> tuple[str, ...]:
     return tuple(a or b or c for a, b, c in _PART.findall(dotted))
 
 
-def _resolve(parts: tuple[str, ...], counts: dict[Path_, int], *, new: bool) -> Path_:
-    path: Path_ = ()
+def _resolve(parts: tuple[str, ...], counts: dict[tuple[str | int, ...], int], *, new: bool) -> tuple[str | int, ...]:
+    path: tuple[str | int, ...] = ()
     for position, part in enumerate(parts):
         path += (part,)
         if new and position == len(parts) - 1:

@@ -103,7 +103,7 @@ def draft_study(folder: Path) -> str:
             table = read_table(path, Options(wanted=used))
             format_name = reader_for(path).name
         except InputError as error:
-            refused.append(f"{relative}: {str(error).removeprefix(str(path)).lstrip(': ')}")
+            refused.append(str(error).replace(str(path), relative))
             continue
         if not any(np.isfinite(c.values).sum() > 2 for c in table.columns):
             refused.append(f"{relative}: no columns of numbers")
