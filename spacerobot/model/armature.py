@@ -70,9 +70,7 @@ def add_rotors(root: etree._Element, rotors: Mapping[str, tuple[float, float]]) 
         etree.SubElement(transmission, "joint", name=name)
         actuator = etree.SubElement(transmission, "actuator", name=f"{name}_rotor_motor")
         etree.SubElement(actuator, f"{{{DRAKE}}}gear_ratio", nsmap={"drake": DRAKE}, value=repr(float(ratio)))
-        etree.SubElement(
-            actuator, f"{{{DRAKE}}}rotor_inertia", nsmap={"drake": DRAKE}, value=repr(float(inertia))
-        )
+        etree.SubElement(actuator, f"{{{DRAKE}}}rotor_inertia", nsmap={"drake": DRAKE}, value=repr(float(inertia)))
 
 
 def armature_vector(model: pin.Model, reflected: Mapping[str, float]) -> np.ndarray:

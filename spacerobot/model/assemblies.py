@@ -28,9 +28,7 @@ _WRIST = (
     "project's WristSpec. No spring, no damper: a scene sets them."
 )
 _ARM = "The arm's numbers and their sources: see {}.urdf; its inertias are estimates."
-_CRAFT = (
-    "Spacecraft: a uniform 500 kg box (this project's SpacecraftSpec, no real one); the panels carry no mass."
-)
+_CRAFT = "Spacecraft: a uniform 500 kg box (this project's SpacecraftSpec, no real one); the panels carry no mass."
 _TARGET = "Target: a uniform 9 kg box (this project's TargetSpec, no real one); the panels carry no mass."
 
 
@@ -44,9 +42,7 @@ def assemblies() -> dict[str, str]:
         "target": _text(target_element(TargetSpec()), _TARGET),
         "pa10_wrist": _text(etree.fromstring(wrist.urdf), _ARM.format("pa10"), _WRIST),
         "pa10c_wrist": _text(etree.fromstring(attach_wrist(pa10c).urdf), _ARM.format("pa10c"), _WRIST),
-        "chaser_pa10_wrist": _text(
-            etree.fromstring(float_base(wrist).urdf), _ARM.format("pa10"), _WRIST, _CRAFT
-        ),
+        "chaser_pa10_wrist": _text(etree.fromstring(float_base(wrist).urdf), _ARM.format("pa10"), _WRIST, _CRAFT),
     }
 
 

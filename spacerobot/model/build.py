@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from pathlib import Path
 
 import pinocchio as pin
@@ -51,11 +52,10 @@ def build(
     tree = Tree(root)
     text = etree.tostring(root, encoding="unicode")
     try:
-        model = pin.buildModelFromXML(text)
+        model = pin.buildModelFromXML(_mechanism(root))
     except (ValueError, RuntimeError, IndexError) as error:
-        raise InputError(
-            f"Pinocchio cannot read the URDF ({str(error).splitlines()[0]})", where=where
-        ) from None
+        reason = " ".join(str(error).split()) or "no reason given"
+        raise InputError(f"Pinocchio cannot read the URDF ({reason})", where=where) from None
     require_possible(model, where)
     if armature:
         model.armature = armature_vector(model, reflected)
@@ -88,6 +88,16 @@ def rebuild(robot: Robot, root: etree._Element, *, name: str | None = None, tip:
         armature=robot.armature,
         where=name or robot.name,
     )
+
+
+def _mechanism(root: etree._Element) -> str:
+    """The URDF without what a model does not need: shapes, transmissions and other programs' extensions."""
+    bare = etree.Element("robot", name=str(root.get("name") or "robot"))
+    for part in root.iterchildren("link", "joint"):
+        kept = ("inertial",) if part.tag == "link" else ("parent", "child", "origin", "axis", "limit", "dynamics")
+        element = etree.SubElement(bare, part.tag, dict(part.attrib))
+        element.extend(copy.deepcopy(child) for child in part.iterchildren(*kept))
+    return etree.tostring(bare, encoding="unicode")
 
 
 def _has_wrist(tree: Tree, where: str) -> bool:

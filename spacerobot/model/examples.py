@@ -56,13 +56,9 @@ def find(name: str) -> Example:
 
     loader = _table()[name]
     if not loader.urdf_filename:
-        raise InputError(
-            f"example robot {name!r} is an SDF with closed loops", valid="a URDF, which is a tree"
-        )
+        raise InputError(f"example robot {name!r} is an SDF with closed loops", valid="a URDF, which is a tree")
     if name == "talos_legs":
-        raise InputError(
-            f"example robot {name!r} has no URDF: its loader cuts it from another", valid="talos"
-        )
+        raise InputError(f"example robot {name!r} has no URDF: its loader cuts it from another", valid="talos")
     base = Path(getModelPath(loader.path))
     folder = base / loader.path
     rotors = folder / loader.srdf_subpath / loader.srdf_filename if loader.has_rotor_parameters else None
@@ -85,9 +81,7 @@ def rotors(example: Example, urdf: str) -> dict[str, tuple[float, float]]:
     for index in range(1, model.njoints):
         joint = model.joints[index]
         if joint.nv == 1:
-            inertia, ratio = (
-                float(np.ravel(v)[joint.idx_v]) for v in (model.rotorInertia, model.rotorGearRatio)
-            )
+            inertia, ratio = (float(np.ravel(v)[joint.idx_v]) for v in (model.rotorInertia, model.rotorGearRatio))
             if inertia > 0:
                 found[model.names[index]] = (inertia, ratio)
     return found

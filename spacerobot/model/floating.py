@@ -27,9 +27,7 @@ def float_root(root: etree._Element) -> None:
         raise InputError("robot has a joint of the name that its floating base needs", given=ROOT_JOINT)
     base = tree.root
     if WORLD in tree.links:
-        renamed = next(
-            n for n in ("base_world", *(f"base_world_{i}" for i in range(99))) if n not in tree.links
-        )
+        renamed = next(n for n in ("base_world", *(f"base_world_{i}" for i in range(99))) if n not in tree.links)
         rename_link(root, WORLD, renamed)
         base = renamed if base == WORLD else base
     joint = etree.Element("joint", name=ROOT_JOINT, type="floating")

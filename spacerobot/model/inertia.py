@@ -24,9 +24,7 @@ def inertia_fault(mass: float, inertia: np.ndarray) -> str | None:
         return f"mass {mass:.6g} kg is not positive"
     low, middle, high = np.linalg.eigvalsh(0.5 * (inertia + inertia.T))
     if low <= 0:
-        return (
-            f"inertia is not positive definite (principal moments {low:.6g}, {middle:.6g}, {high:.6g} kg m^2)"
-        )
+        return f"inertia is not positive definite (principal moments {low:.6g}, {middle:.6g}, {high:.6g} kg m^2)"
     if low + middle < high * (1 - TRIANGLE_TOLERANCE):
         return (
             f"inertia breaks the triangle inequality by {1 - (low + middle) / high:.3g} "

@@ -108,9 +108,7 @@ def _path_like(text: str) -> bool:
 
 def _read(path: Path) -> bytes:
     if path.suffix.lower() == ".xacro":
-        raise InputError(
-            "xacro files are programs, not URDFs", given=str(path), valid="the URDF that xacro writes"
-        )
+        raise InputError("xacro files are programs, not URDFs", given=str(path), valid="the URDF that xacro writes")
     try:
         if not path.is_file():
             raise InputError("URDF file does not exist", given=str(path))

@@ -58,9 +58,7 @@ def _split(filename: str) -> tuple[str, str]:
     scheme, separator, rest = filename.partition("://")
     if not separator:
         return "", filename
-    return scheme.lower(), unquote(rest).lstrip("/") if scheme.lower() in ("package", "model") else unquote(
-        rest
-    )
+    return scheme.lower(), unquote(rest).lstrip("/") if scheme.lower() in ("package", "model") else unquote(rest)
 
 
 def _fault(filename: str, mesh_dirs: Sequence[Path]) -> str | None:

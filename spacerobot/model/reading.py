@@ -32,16 +32,12 @@ def parse(text: str | bytes, where: str = "URDF text") -> etree._Element:
         InputError: too large, not UTF-8, has a document type or entities, is not well-formed, or is no URDF.
     """
     if len(text) > MAX_BYTES:
-        raise InputError(
-            "URDF is too large", given=f"{len(text)} bytes", valid=f"at most {MAX_BYTES}", where=where
-        )
+        raise InputError("URDF is too large", given=f"{len(text)} bytes", valid=f"at most {MAX_BYTES}", where=where)
     if isinstance(text, bytes):
         try:
             text = text.decode("utf-8-sig")
         except UnicodeDecodeError as error:
-            raise InputError(
-                f"URDF is not UTF-8 ({error.reason} at byte {error.start})", where=where
-            ) from None
+            raise InputError(f"URDF is not UTF-8 ({error.reason} at byte {error.start})", where=where) from None
     text = text.lstrip("\ufeff")
     if "\0" in text:
         raise InputError("URDF holds a NUL character", where=where)
@@ -56,9 +52,7 @@ def parse(text: str | bytes, where: str = "URDF text") -> etree._Element:
         )
     encoding = _ENCODING.match(text)
     if encoding and encoding.group(1).lower() not in {"utf-8", "utf8", "ascii", "us-ascii"}:
-        raise InputError(
-            "URDF encoding is not supported", given=encoding.group(1), valid="utf-8", where=where
-        )
+        raise InputError("URDF encoding is not supported", given=encoding.group(1), valid="utf-8", where=where)
     parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False, huge_tree=False)
     try:
         root = etree.fromstring(text.strip().encode("utf-8"), parser)
@@ -68,9 +62,7 @@ def parse(text: str | bytes, where: str = "URDF text") -> etree._Element:
         raise InputError(f"URDF is not well-formed XML ({message})", where=f"{where}, line {line}") from None
     if root.tag != "robot":
         hint = "; run xacro first" if "xacro" in str(root.tag) else ""
-        raise InputError(
-            f"not a URDF{hint}", given=f"<{root.tag}>", valid="a <robot> element at the top", where=where
-        )
+        raise InputError(f"not a URDF{hint}", given=f"<{root.tag}>", valid="a <robot> element at the top", where=where)
     return root
 
 

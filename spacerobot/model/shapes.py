@@ -20,9 +20,7 @@ def text(values: float | Sequence[float] | np.ndarray) -> str:
     return " ".join(f"{v:.0f}" if v == int(v) and abs(v) < 1e6 else repr(float(v)) for v in plain)
 
 
-def origin(
-    parent: etree._Element, xyz: Sequence[float] | np.ndarray, rpy: Sequence[float] | np.ndarray
-) -> None:
+def origin(parent: etree._Element, xyz: Sequence[float] | np.ndarray, rpy: Sequence[float] | np.ndarray) -> None:
     """An `<origin>` under `parent`: translation [m] and roll, pitch, yaw [rad]."""
     element = etree.SubElement(parent, "origin", xyz=text(xyz))
     if np.any(np.asarray(rpy) != 0):

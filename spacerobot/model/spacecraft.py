@@ -53,9 +53,7 @@ class SpacecraftSpec:
     def __post_init__(self) -> None:
         _triples(self, "size", "com", "mount", "mount_rpy")
         if min(self.size) <= 0:
-            raise InputError(
-                "spacecraft size is not positive", given=self.size, valid="three positive lengths"
-            )
+            raise InputError("spacecraft size is not positive", given=self.size, valid="three positive lengths")
         fault = inertia_fault(self.mass, self.inertia_matrix())
         if fault:
             raise InputError(f"spacecraft cannot exist: {fault}")
@@ -105,9 +103,7 @@ def spacecraft_body(spec: SpacecraftSpec) -> etree._Element:
     mount = spec.mount if spec.mount is not None else (0.0, 0.0, spec.size[2] / 2)
     root.append(body)
     root.append(shapes.link(ARM_MOUNT))
-    root.append(
-        shapes.joint("arm_mount_joint", "fixed", "spacecraft", ARM_MOUNT, xyz=mount, rpy=spec.mount_rpy)
-    )
+    root.append(shapes.joint("arm_mount_joint", "fixed", "spacecraft", ARM_MOUNT, xyz=mount, rpy=spec.mount_rpy))
     return root
 
 
@@ -199,9 +195,7 @@ def _draw_bus(body: etree._Element, size: tuple[float, float, float], *, panels:
     shapes.add_shape(body, "box", (x, y, 0.9 * z), (0, 0, 0), material="foil_gold")
     shapes.add_shape(body, "box", (1.01 * x, 1.01 * y, 0.06 * z), (0, 0, 0.47 * z), material="bus_white")
     shapes.add_shape(body, "box", (1.01 * x, 1.01 * y, 0.06 * z), (0, 0, -0.47 * z), material="bus_white")
-    shapes.add_shape(
-        body, "cylinder", (0.16 * y, 0.12 * x), (-0.56 * x, 0, 0), rpy=shapes.ALONG_X, material="bus_dark"
-    )
+    shapes.add_shape(body, "cylinder", (0.16 * y, 0.12 * x), (-0.56 * x, 0, 0), rpy=shapes.ALONG_X, material="bus_dark")
     shapes.add_shape(body, "box", size, (0, 0, 0))
     if panels:
         for side in (-1, 1):
@@ -215,9 +209,7 @@ def _draw_bus(body: etree._Element, size: tuple[float, float, float], *, panels:
             )
             for i in range(3):
                 centre = side * (1.05 + 0.54 * i) * y
-                shapes.add_shape(
-                    body, "box", (0.8 * x, 0.5 * y, 0.02 * z), (0, centre, 0), material="panel_blue"
-                )
+                shapes.add_shape(body, "box", (0.8 * x, 0.5 * y, 0.02 * z), (0, centre, 0), material="panel_blue")
 
 
 def _triples(spec: object, *names: str) -> None:

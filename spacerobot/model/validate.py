@@ -12,12 +12,7 @@ from spacerobot.support.errors import InputError, NotFoundError
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 MAX_LINKS = 1000
 
-_SIZES = {
-    "box": ("size", 3),
-    "cylinder": ("radius length", 1),
-    "sphere": ("radius", 1),
-    "capsule": ("radius length", 1),
-}
+_SIZES = {"box": ("size", 3), "cylinder": ("radius length", 1), "sphere": ("radius", 1)}
 
 
 def validate(root: etree._Element, where: str) -> None:
@@ -30,9 +25,7 @@ def validate(root: etree._Element, where: str) -> None:
     if not links:
         raise InputError("robot has no link", where=at(where, root))
     if len(links) > MAX_LINKS:
-        raise InputError(
-            "robot has too many links", given=len(links), valid=f"at most {MAX_LINKS}", where=where
-        )
+        raise InputError("robot has too many links", given=len(links), valid=f"at most {MAX_LINKS}", where=where)
     link_names = _unique(links, "link", where)
     joint_names = _unique(joints, "joint", where)
     for link in links:
@@ -83,8 +76,10 @@ def _link(link: etree._Element, where: str) -> None:
         geometry = shape.find("geometry")
         if geometry is None:
             raise InputError(f"{shape.tag} of {owner} has no geometry", where=at(where, shape))
-        for element in geometry.iterchildren("box", "cylinder", "sphere", "capsule", "mesh"):
-            _shape(element, owner, where)
+        shapes = list(geometry.iterchildren("*"))
+        if len(shapes) != 1:
+            raise InputError(f"geometry of {owner} is not one shape", given=len(shapes), where=at(where, geometry))
+        _shape(shapes[0], owner, where)
 
 
 def _shape(element: etree._Element, owner: str, where: str) -> None:
@@ -95,6 +90,9 @@ def _shape(element: etree._Element, owner: str, where: str) -> None:
         if element.get("scale") is not None and len(element.get("scale", "").split()) != 1:
             numbers(element.get("scale", ""), 3, f"scale of {what}", spot)
         return
+    if element.tag not in _SIZES:
+        valid = ", ".join((*_SIZES, "mesh"))
+        raise InputError(f"{owner} has an unknown shape", given=element.tag, valid=valid, where=spot)
     keys, count = _SIZES[element.tag]
     for key in keys.split():
         for value in numbers(element.get(key) or "", count, f"{key} of {what}", spot):
@@ -106,9 +104,7 @@ def _joint(joint: etree._Element, links: set[str], joints: set[str], where: str)
     owner, spot = f"joint {joint.get('name')!r}", at(where, joint)
     kind = joint.get("type")
     if kind not in JOINT_TYPES:
-        raise InputError(
-            f"{owner} has an unknown type", given=str(kind), valid=", ".join(JOINT_TYPES), where=spot
-        )
+        raise InputError(f"{owner} has an unknown type", given=str(kind), valid=", ".join(JOINT_TYPES), where=spot)
     for end in ("parent", "child"):
         element = joint.find(end)
         name = None if element is None else element.get("link")
@@ -124,14 +120,11 @@ def _joint(joint: etree._Element, links: set[str], joints: set[str], where: str)
             raise InputError(f"axis of {owner} is zero", given=axis.get("xyz"), where=at(where, axis))
     _limit(joint, owner, kind, where)
     for element in joint.findall("dynamics"):
+        if element.get("damping") is None and element.get("friction") is None:
+            raise InputError(f"dynamics of {owner} has neither damping nor friction", where=at(where, element))
         for key in ("damping", "friction"):
-            if (
-                element.get(key) is not None
-                and number(element.get(key), f"{key} of {owner}", at(where, element)) < 0
-            ):
-                raise InputError(
-                    f"{key} of {owner} is negative", given=element.get(key), where=at(where, element)
-                )
+            if element.get(key) is not None and number(element.get(key), f"{key} of {owner}", at(where, element)) < 0:
+                raise InputError(f"{key} of {owner} is negative", given=element.get(key), where=at(where, element))
 
 
 def _limit(joint: etree._Element, owner: str, kind: str, where: str) -> None:
@@ -147,23 +140,15 @@ def _limit(joint: etree._Element, owner: str, kind: str, where: str) -> None:
         if _bound(limit.get(key), f"{key} limit of {owner}", spot) < 0:
             raise InputError(f"{key} limit of {owner} is negative", given=limit.get(key), where=spot)
     if kind in ("revolute", "prismatic"):
-        lower, upper = (
-            _bound(limit.get(key, "0"), f"{key} limit of {owner}", spot) for key in ("lower", "upper")
-        )
+        lower, upper = (_bound(limit.get(key, "0"), f"{key} limit of {owner}", spot) for key in ("lower", "upper"))
         if lower > upper:
-            raise InputError(
-                f"limits of {owner} are swapped", given=f"lower {lower}, upper {upper}", where=spot
-            )
+            raise InputError(f"limits of {owner} are swapped", given=f"lower {lower}, upper {upper}", where=spot)
 
 
 def _bound(text: str | None, what: str, where: str) -> float:
     """A limit: as `number`, but 1e16 and the like stand for "none" in published URDFs."""
     try:
-        value = (
-            float(text)
-            if text is not None and not text.strip().lower().startswith(("nan", "inf", "-inf"))
-            else 0.0
-        )
+        value = float(text) if text is not None and not text.strip().lower().startswith(("nan", "inf", "-inf")) else 0.0
     except ValueError:
         value = 0.0
     return value if 1e9 < abs(value) < 1e300 else number(text, what, where)
@@ -197,6 +182,4 @@ def _tree(links: list[etree._Element], joints: list[etree._Element], where: str)
             seen.add(link)
     roots = [name for name in names if name not in parent]
     if len(roots) != 1:
-        raise InputError(
-            "robot has more than one root link", given=", ".join(roots), valid="one tree", where=where
-        )
+        raise InputError("robot has more than one root link", given=", ".join(roots), valid="one tree", where=where)

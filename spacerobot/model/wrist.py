@@ -55,9 +55,7 @@ class WristSpec:
         if not (np.isfinite(self.mount_mass) and self.mount_mass >= 0):
             raise InputError("wrist mount_mass is negative", given=self.mount_mass, valid="zero or more")
         if self.travel >= self.length:
-            raise InputError(
-                "wrist travel exceeds its length", given=self.travel, valid=f"below {self.length} m"
-            )
+            raise InputError("wrist travel exceeds its length", given=self.travel, valid=f"below {self.length} m")
         if 2 * self.tip_radius >= self.length:
             raise InputError("wrist tip is longer than the wrist", given=self.tip_radius)
 
@@ -98,9 +96,7 @@ def attach_wrist(
     return rebuild(robot, root, name=f"{robot.name}_wrist")
 
 
-def wrist_elements(
-    wrist: WristSpec, parent: str, rpy: np.ndarray | tuple[float, ...]
-) -> list[etree._Element]:
+def wrist_elements(wrist: WristSpec, parent: str, rpy: np.ndarray | tuple[float, ...]) -> list[etree._Element]:
     """Links and joints of a wrist whose mount sits on link `parent`, turned by roll, pitch, yaw [rad]."""
     radius, housing = 1.6 * wrist.tip_radius, 0.4 * wrist.length
     mount = shapes.link(
@@ -120,15 +116,11 @@ def wrist_elements(
         com=(0, 0, wrist.length / 2),
         inertia=shapes.solid_cylinder(wrist.mass, 0.6 * wrist.tip_radius, wrist.length),
     )
-    shapes.add_shape(
-        slider, "cylinder", (0.5 * wrist.tip_radius, rod), (0, 0, rod / 2), material="wrist_steel"
-    )
+    shapes.add_shape(slider, "cylinder", (0.5 * wrist.tip_radius, rod), (0, 0, rod / 2), material="wrist_steel")
     coils, start = 6, housing + 0.01
     for i in range(coils):
         z = start + (rod - wrist.tip_radius - start) * (i + 0.5) / coils
-        shapes.add_shape(
-            slider, "cylinder", (0.85 * wrist.tip_radius, 0.004), (0, 0, z), material="wrist_spring"
-        )
+        shapes.add_shape(slider, "cylinder", (0.85 * wrist.tip_radius, 0.004), (0, 0, z), material="wrist_spring")
     shapes.add_shape(slider, "sphere", (wrist.tip_radius,), (0, 0, rod), material="wrist_tip")
     shapes.add_shape(slider, "sphere", (wrist.tip_radius,), (0, 0, rod))
 
@@ -163,11 +155,7 @@ def aim(robot: Robot, pose: np.ndarray, approach: np.ndarray) -> Robot:
     if robot.slider is None:
         raise InputError("robot has no wrist to aim", given=robot.name, valid="attach_wrist(robot) first")
     direction = np.asarray(approach, dtype=float)
-    if (
-        direction.shape != (3,)
-        or not np.isfinite(direction).all()
-        or abs(np.linalg.norm(direction) - 1) > 1e-6
-    ):
+    if direction.shape != (3,) or not np.isfinite(direction).all() or abs(np.linalg.norm(direction) - 1) > 1e-6:
         raise InputError("approach is not a unit vector", given=approach, valid="three numbers of length 1")
     root = parse(robot.urdf, robot.name)
     tree = Tree(root)
@@ -194,10 +182,6 @@ def shortest_turn(to: np.ndarray) -> np.ndarray:
 
 def _rotation(matrix: np.ndarray) -> np.ndarray:
     matrix = np.asarray(matrix, dtype=float)
-    if (
-        matrix.shape != (3, 3)
-        or not np.allclose(matrix @ matrix.T, np.eye(3), atol=1e-9)
-        or np.linalg.det(matrix) < 0
-    ):
+    if matrix.shape != (3, 3) or not np.allclose(matrix @ matrix.T, np.eye(3), atol=1e-9) or np.linalg.det(matrix) < 0:
         raise InputError("mount rotation is not a rotation matrix", given=matrix.tolist())
     return matrix

@@ -66,17 +66,13 @@ def _lumped(root: ET.Element, link: str) -> tuple[float, np.ndarray, np.ndarray]
         )
         mass, com = float(inertial.find("mass").get("value")), place.translation
         first = mass * com
-        second = place.rotation @ about @ place.rotation.T + mass * (
-            com @ com * np.eye(3) - np.outer(com, com)
-        )
+        second = place.rotation @ about @ place.rotation.T + mass * (com @ com * np.eye(3) - np.outer(com, com))
     for joint in root.findall("joint"):
         if joint.get("type") == "fixed" and joint.find("parent").get("link") == link:
             m, f, s = _lumped(root, joint.find("child").get("link"))
             if m > 0:
                 place, com = _matrix(joint), f / m
-                central = (
-                    place.rotation @ (s - m * (com @ com * np.eye(3) - np.outer(com, com))) @ place.rotation.T
-                )
+                central = place.rotation @ (s - m * (com @ com * np.eye(3) - np.outer(com, com))) @ place.rotation.T
                 com = place.act(com)
                 mass, first = mass + m, first + m * com
                 second = second + central + m * (com @ com * np.eye(3) - np.outer(com, com))

@@ -25,9 +25,7 @@ def test_bundled_names() -> None:
 def test_every_assembly_has_the_same_chain_and_rotors(name: str) -> None:
     robot = load(name)
     assert robot.chain == ("S1", "S2", "S3", "E1", "E2", "W1", "W2")
-    assert (robot.slider, robot.contact) == (
-        ("wrist_slider", "wrist_tip") if "wrist" in name else (None, None)
-    )
+    assert (robot.slider, robot.contact) == (("wrist_slider", "wrist_tip") if "wrist" in name else (None, None))
     assert robot.tip == ("wrist_mount" if "wrist" in name else "flange")
     assert robot.floating == ("chaser" in name)
     armature = [robot.model.armature[robot.velocity_index(joint)] for joint in robot.chain]

@@ -32,9 +32,7 @@ def test_axes_alternate_z_and_y_and_meet_on_one_line(name: str) -> None:
 
 def test_effective_mass_of_the_bare_arm_at_the_flange() -> None:
     robot = load("pa10")
-    assert effective_masses(robot, robot.configuration(POSE), "flange") == pytest.approx(
-        [7.53, 2.28, 1.48], abs=5e-3
-    )
+    assert effective_masses(robot, robot.configuration(POSE), "flange") == pytest.approx([7.53, 2.28, 1.48], abs=5e-3)
 
 
 def test_without_rotors_the_effective_mass_is_another() -> None:
@@ -74,9 +72,7 @@ def test_gravity_torques_equal_the_sum_over_the_listed_centres_of_mass() -> None
     assert -torque[[1, 3, 5]] == pytest.approx(9.81 * np.array([shoulder, elbow, wrist]), rel=1e-12)
 
 
-@pytest.mark.parametrize(
-    "name", ["pa10", "pa10c", "pa10_wrist", "chaser_pa10_wrist", "chaser", "target", "wrist"]
-)
+@pytest.mark.parametrize("name", ["pa10", "pa10c", "pa10_wrist", "chaser_pa10_wrist", "chaser", "target", "wrist"])
 def test_every_body_can_be_seen_and_touched(name: str) -> None:
     root = etree.fromstring(load(name).urdf)
     materials = {m.get("name") for m in root.findall("material")}
@@ -91,9 +87,7 @@ def test_every_body_can_be_seen_and_touched(name: str) -> None:
 def test_the_file_says_where_its_numbers_come_from(name: str) -> None:
     text = load(name).urdf
     for source in ("OpenHRP", "Choreonoid", "MBDyn", "HuMAns", "ROS2", "[estimate]"):
-        assert source in "".join(
-            c.text for c in etree.fromstring(text).xpath("//comment()")
-        ) or source in _head(name)
+        assert source in "".join(c.text for c in etree.fromstring(text).xpath("//comment()")) or source in _head(name)
 
 
 def _head(name: str) -> str:
