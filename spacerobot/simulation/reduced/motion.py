@@ -49,7 +49,7 @@ from spacerobot.simulation.reduced.arrays import (
     N,
     V,
 )
-from spacerobot.support.jit import jit
+from spacerobot.support.jit import inlined, jit
 
 native_contact = jit(contact_force)
 
@@ -123,13 +123,14 @@ def level(x: Any, c: Any, laws: Any, r: int, v: float, normal: float) -> float:
     )
 
 
-@jit
-def evaluate(x: Any, c: Any, laws: Any, t: float, y: Any, modes: Any, u: Any, w: Any, out: Any) -> None:
-    """out = dy/dt; `w` keeps the forces. modes = (contact, edge signs (F), frictions (R))."""
+@inlined
+def act(x: Any, c: Any, laws: Any, t: float, modes: Any, u: Any, w: Any) -> int:
+    """Adds what acts at the ports to TAU, from their displacements and rates; returns how many frictions stick.
+
+    Fills RAW, FORCE, FRICTION (of the sliding) and STUCK (which are not). modes = (contact, edge signs (F),
+    frictions (R)).
+    """
     n = c[N]
-    kinematics(x, c, y, w)
-    for i in range(n):
-        w[c[TAU] + i] = x[c[CONSTANT] + i]
     normal = 0.0
     for j in range(c[FORCES]):
         sense = c[c[SENSE] + j]
@@ -170,6 +171,17 @@ def evaluate(x: Any, c: Any, laws: Any, t: float, y: Any, modes: Any, u: Any, w:
         w[c[FRICTION] + r] = f
         for i in range(n):
             w[c[TAU] + i] += w[c[W_ROWS] + p * n + i] * f
+    return stuck
+
+
+@jit
+def evaluate(x: Any, c: Any, laws: Any, t: float, y: Any, modes: Any, u: Any, w: Any, out: Any) -> None:
+    """out = dy/dt; `w` keeps the forces. modes = (contact, edge signs (F), frictions (R))."""
+    n = c[N]
+    kinematics(x, c, y, w)
+    for i in range(n):
+        w[c[TAU] + i] = x[c[CONSTANT] + i]
+    stuck = act(x, c, laws, t, modes, u, w)
     if stuck > 0:
         _stick(x, c, stuck, w)
     for i in range(n):
