@@ -41,6 +41,8 @@ def _unique(elements: Iterable[etree._Element], kind: str, where: str) -> set[st
         name = element.get("name")
         if not name or not name.strip():
             raise InputError(f"{kind} has no name", where=at(where, element))
+        if not name.isprintable():
+            raise InputError(f"name of a {kind} has unprintable characters", given=name, where=at(where, element))
         if name in names:
             raise InputError(f"two {kind}s have the same name", given=name, where=at(where, element))
         names.add(name)

@@ -107,6 +107,7 @@ EDITS = {
     "two joints of a name": ('joint name="end"', 'joint name="turn"', "two joints have the same name"),
     "link without name": ('<link name="tip"/>', "<link/>", "link has no name"),
     "link with a blank name": ('<link name="tip"/>', '<link name=" "/>', "link has no name"),
+    "link with a line break": ('<link name="tip"/>', '<link name="t&#10;ip"/>', "unprintable"),
     "joint without name": ('joint name="end" ', "joint ", "joint has no name"),
     "unknown joint type": ('type="revolute"', 'type="screw"', "joint 'turn' has an unknown type.*prismatic"),
     "no joint type": (' type="revolute"', "", "joint 'turn' has an unknown type"),
