@@ -16,11 +16,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from spacerobot.dynamics.direction import unit_directions
+from spacerobot.dynamics.mobility import SINGULAR
+from spacerobot.dynamics.operational import along
 from spacerobot.dynamics.regime import regime_of
 from spacerobot.dynamics.servo import Servo, servo_of
 from spacerobot.dynamics.terms import Terms, terms_of
 from spacerobot.model.robot import Robot
 from spacerobot.support.errors import InputError
+
+RESONANT = 1e-12
+"""Smallest singular value of the scaled impedance below which an answer would be rounding error."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,7 +34,7 @@ class ApparentMass:
 
     Attributes:
         omega: shape (F,), [rad/s].
-        mobility: shape (F,), complex acceleration per force [1/kg].
+        mobility: shape (F,), complex acceleration per force [1/kg]; zero where below SINGULAR of the largest.
         free_mobility: with joints free, the limit w -> infinity [1/kg].
         locked_mobility: with joints locked, the limit w -> 0 [1/kg]; zero for a fixed base.
         tip_stiffness: static stiffness K_tip = 1/(n^T J K^-1 J^T n) [N/m]; zero where base, slider or a joint
@@ -91,14 +96,16 @@ def apparent_mass(
     held = servo_of(robot, stiffness, damping)
     terms = terms_of(robot, configuration, regime_of(robot, base, "servo", slider), frame)
     frequencies = np.atleast_1d(np.asarray(omega, dtype=float))
-    row = terms.jacobian[:3].T @ n
-    response = np.array([row @ servo_response(terms, held, w, row) for w in frequencies])
-    free = float(row @ np.linalg.solve(terms.inertia, row))
+    rows = terms.jacobian[:3]
+    response = np.array([_along(rows @ servo_response(terms, held, w, rows.T), n) for w in frequencies])
     limp = np.concatenate([terms.base, terms.slider]).astype(int)
-    locked = 0.0
-    if len(limp):
-        locked = float(row[limp] @ np.linalg.solve(terms.inertia[np.ix_(limp, limp)], row[limp]))
-    return ApparentMass(frequencies, response, free, locked, _tip_stiffness(terms, held, row))
+    return ApparentMass(
+        omega=frequencies,
+        mobility=response,
+        free_mobility=along(rows @ np.linalg.solve(terms.inertia, rows.T), n),
+        locked_mobility=along(rows[:, limp] @ np.linalg.solve(terms.inertia[np.ix_(limp, limp)], rows[:, limp].T), n),
+        tip_stiffness=_tip_stiffness(terms, held, rows.T @ n),
+    )
 
 
 def servo_response(terms: Terms, servo: Servo, omega: float, force: np.ndarray) -> np.ndarray:
@@ -117,14 +124,21 @@ def servo_response(terms: Terms, servo: Servo, omega: float, force: np.ndarray) 
         raise InputError("the frequency must be positive and finite", given=float(omega), valid="rad/s > 0")
     stiffness, damping = servo.impedance(terms)
     matrix = terms.inertia - np.diag(stiffness / omega**2 + 1j * damping / omega)
-    try:
-        return np.linalg.solve(matrix, force.astype(complex))
-    except np.linalg.LinAlgError:
+    size = np.sqrt(np.diag(terms.inertia) + stiffness / omega**2 + damping / omega)
+    scaled = matrix / np.outer(size, size)
+    if len(size) and np.linalg.svd(scaled, compute_uv=False)[-1] < RESONANT:
         raise InputError(
             "the frequency is an undamped resonance of the servo-held arm",
             given=f"{omega:g} rad/s",
             valid="another frequency, or servos with damping",
-        ) from None
+        )
+    scale = size if force.ndim == 1 else size[:, None]
+    return np.linalg.solve(scaled, force / scale) / scale
+
+
+def _along(block: np.ndarray, n: np.ndarray) -> complex:
+    value = complex(n @ block @ n)
+    return value if abs(value) > SINGULAR * float(np.linalg.norm(block, 2)) else 0.0j
 
 
 def _tip_stiffness(terms: Terms, servo: Servo, row: np.ndarray) -> float:

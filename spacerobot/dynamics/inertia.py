@@ -19,7 +19,8 @@ def joint_space_inertia(robot: Robot, configuration: np.ndarray) -> np.ndarray:
     Returns:
         shape (nv, nv), symmetric; units of the kinetic energy per velocity squared (kg, kg m, kg m^2).
     """
-    return np.array(pin.crba(robot.model, robot.model.createData(), configuration))
+    nv = robot.model.nv
+    return np.array(pin.crba(robot.model, robot.model.createData(), configuration)).reshape(nv, nv)
 
 
 def cholesky(inertia: np.ndarray) -> np.ndarray:

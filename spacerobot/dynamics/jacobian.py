@@ -27,7 +27,8 @@ def frame_jacobian(robot: Robot, configuration: np.ndarray, frame: str | None = 
     """
     frame_id = robot.frame_id(frame or robot.tip)
     data = robot.model.createData()
-    return np.array(pin.computeFrameJacobian(robot.model, data, configuration, frame_id, pin.LOCAL_WORLD_ALIGNED))
+    jacobian = pin.computeFrameJacobian(robot.model, data, configuration, frame_id, pin.LOCAL_WORLD_ALIGNED)
+    return np.array(jacobian).reshape(6, robot.model.nv)  # one joint's comes as a vector
 
 
 def generalized_jacobian(robot: Robot, configuration: np.ndarray, frame: str | None = None) -> np.ndarray:
