@@ -60,7 +60,7 @@ def effective_mass_batch(
         threads: how many threads share the poses; results do not depend on it.
 
     Raises:
-        InputError: values out of range, or servo joints (see `apparent_mass`).
+        InputError: values out of range, or servo joints (see `apparent_mass_batch`).
         NotFoundError: no such frame or joint.
     """
     n = np.atleast_2d(unit_directions(directions))
@@ -99,7 +99,7 @@ def mobility_batch(
     if threads < 1:
         raise InputError("threads must be at least 1", given=threads)
     regime = regime_of(robot, base, joints, slider)
-    q = _checked_poses(robot, poses)
+    q = checked_poses(robot, poses)
     tree = kinematic_tree(robot, regime, frame, others)
     position = float((others or {}).get(robot.slider, 0.0)) if robot.slider else 0.0
     rows = 6 if spatial else 3
@@ -125,7 +125,12 @@ def mobility_batch(
     return out
 
 
-def _checked_poses(robot: Robot, poses: ArrayLike) -> np.ndarray:
+def checked_poses(robot: Robot, poses: ArrayLike) -> np.ndarray:
+    """Poses as a contiguous array of shape (N, len(chain)).
+
+    Raises:
+        InputError: not numeric, of another shape, or not finite.
+    """
     try:
         q = np.atleast_2d(np.asarray(poses, dtype=float))
     except (TypeError, ValueError):

@@ -6,12 +6,14 @@ import numpy as np
 import pytest
 
 from spacerobot.dynamics.apparent_mass import apparent_mass
+from spacerobot.dynamics.apparent_mass_batch import apparent_mass_batch
 from spacerobot.dynamics.contact_frequency import contact_frequency, reduced_mass
 from spacerobot.dynamics.effective_mass import effective_mass
 from spacerobot.dynamics.inertia import joint_space_inertia
 from spacerobot.dynamics.jacobian import frame_jacobian
+from spacerobot.model.library import load
 from spacerobot.support.errors import InputError
-from tests.dynamics.support import DEFAULT, directions, robot
+from tests.dynamics.support import DEFAULT, ROD, directions, poses, robot
 
 K = [1e5, 1e5, 5e4, 5e4, 2e4, 2e4, 1e4]
 D = [200.0, 200.0, 100.0, 100.0, 20.0, 20.0, 5.0]
@@ -122,13 +124,35 @@ def test_a_singular_direction_stays_infinite() -> None:
     assert math.isinf(response.magnitude[0])
 
 
-def test_an_undamped_resonance_is_an_error() -> None:
-    from spacerobot.model.library import load
-    from tests.dynamics.support import ROD
+@pytest.mark.parametrize("name", ["pa10_wrist", "chaser_pa10_wrist", "panda"])
+def test_many_poses_are_as_one(name: str) -> None:
+    model = robot(name)
+    q, n = poses(model, 4), directions(3)
+    batch = apparent_mass_batch(model, q, n, 40.0, stiffness=K, damping=D)
+    for pose, values, sizes, angles in zip(q, batch.mobility, batch.magnitude, batch.phase, strict=True):
+        for direction, value, size, angle in zip(n, values, sizes, angles, strict=True):
+            one = apparent_mass(model, model.configuration(pose), direction, 40.0, stiffness=K, damping=D)
+            assert value == pytest.approx(one.mobility[0], rel=1e-9)
+            assert size == pytest.approx(one.magnitude[0], rel=1e-9)
+            assert angle == pytest.approx(one.phase[0], abs=1e-9)
 
+
+def test_many_poses_singular_or_resonant() -> None:
+    arm = robot("pa10")
+    stretched = apparent_mass_batch(arm, [np.zeros(7), np.full(7, 0.3)], np.eye(3), 5.0, stiffness=K)
+    assert np.isinf(stretched.magnitude[0, 2])
+    assert np.isfinite(stretched.magnitude[1]).all()
+    rod = load(ROD, tip="tip")
+    with pytest.raises(InputError, match="pose 0"):
+        apparent_mass_batch(rod, [[0.3]], X, 10.0, stiffness=18.0)
+    with pytest.raises(InputError, match="positive"):
+        apparent_mass_batch(rod, [[0.3]], X, 0.0, stiffness=18.0)
+
+
+def test_an_undamped_resonance_is_an_error() -> None:
     rod = load(ROD, tip="tip")
     with pytest.raises(InputError, match="resonance"):
-        apparent_mass(rod, [0.0], [0.0, 1.0, 0.0], 10.0, stiffness=joint_space_inertia(rod, np.zeros(1))[0, 0] * 100.0)
+        apparent_mass(rod, [0.0], [0.0, 1.0, 0.0], 10.0, stiffness=18.0)
 
 
 def test_contact_frequency_gives_up_honestly() -> None:
