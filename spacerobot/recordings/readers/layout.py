@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import re
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -22,6 +23,7 @@ _CANDIDATES = (
     (" ", ","),
 )
 _SAMPLE = 25
+_WORD = re.compile(r"(?!nan|inf)[a-z]{2}", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
@@ -67,12 +69,15 @@ def find_layout(lines: Sequence[str], separator: str | None, decimal: str | None
         return Layout(separator or ",", decimal or ".", (), len(lines), 0, ())
     half = len(body) // 2 if header_rows is None else 0
     sample = [lines[i] for i in body[half : half + _SAMPLE]]
+    sample = [line for line in sample if not _WORD.search(line)] or sample
     best: tuple[tuple[float, int], str, str, int, tuple[bool, ...]] | None = None
     for sep, mark in _CANDIDATES:
         if (separator is not None and sep != separator) or (decimal is not None and mark != decimal):
             continue
         rows = [split(line, sep) for line in sample]
         width, agreeing = Counter(map(len, rows)).most_common(1)[0]
+        if width == 1 and mark == "," and decimal is None:
+            continue  # "1,5" alone is two columns, unless the study says otherwise
         kept = [r for r in rows if len(r) == width]
         numeric = tuple(
             sum(number(r[j], mark) is not None for r in kept) >= 0.9 * len(kept)
