@@ -11,13 +11,8 @@ from lxml import etree
 
 from spacerobot.model import shapes
 from spacerobot.model.library import load
-from spacerobot.model.spacecraft import (
-    SpacecraftSpec,
-    TargetSpec,
-    float_base,
-    spacecraft_body,
-    target_element,
-)
+from spacerobot.model.spacecraft import SpacecraftSpec, float_base, spacecraft_body
+from spacerobot.model.target import TargetSpec, target_element
 from spacerobot.model.wrist import COLOURS, WristSpec, attach_wrist, wrist_elements
 from spacerobot.support import resources
 from spacerobot.support.files import write_text

@@ -1,16 +1,17 @@
-"""Spacecraft under arms, and free-flying targets: boxes with solar panels, or URDFs of the user's own."""
+"""Spacecraft under arms: a box with solar panels, or a URDF of the user's own."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from lxml import etree
 
 from spacerobot.model import shapes
-from spacerobot.model.build import build, rebuild
-from spacerobot.model.floating import ROOT_JOINT, float_root
+from spacerobot.model.build import rebuild
+from spacerobot.model.bus import COLOURS, draw_bus, inertia_matrix, require_number, require_triples
+from spacerobot.model.floating import float_root
 from spacerobot.model.inertia import inertia_fault
 from spacerobot.model.library import load
 from spacerobot.model.reading import parse
@@ -19,12 +20,6 @@ from spacerobot.model.tips import Tree
 from spacerobot.support.errors import InputError, NotFoundError
 
 ARM_MOUNT = "arm_mount"
-COLOURS = {
-    "foil_gold": "0.80 0.62 0.25 1",
-    "bus_white": "0.90 0.90 0.92 1",
-    "panel_blue": "0.08 0.14 0.42 1",
-    "bus_dark": "0.18 0.19 0.22 1",
-}
 
 
 @dataclass(frozen=True)
@@ -51,7 +46,8 @@ class SpacecraftSpec:
     panels: bool = True
 
     def __post_init__(self) -> None:
-        _triples(self, "size", "com", "mount", "mount_rpy")
+        require_number(self, "mass")
+        require_triples(self, "size", "com", "mount", "mount_rpy")
         if min(self.size) <= 0:
             raise InputError("spacecraft size is not positive", given=self.size, valid="three positive lengths")
         fault = inertia_fault(self.mass, self.inertia_matrix())
@@ -60,38 +56,7 @@ class SpacecraftSpec:
 
     def inertia_matrix(self) -> np.ndarray:
         """Shape (3, 3), about the centre of mass, body axes [kg m^2]."""
-        return _inertia(self.inertia, self.mass, self.size, "spacecraft")
-
-
-@dataclass(frozen=True)
-class TargetSpec:
-    """A free-flying target body; its body frame is at the centre of mass.
-
-    Attributes:
-        mass: [kg].
-        size: edges of the body [m].
-        inertia: as in `SpacecraftSpec`.
-        contact: the point that gets touched, in the body frame [m]; the middle of the +x face if None.
-        panels: whether solar panels are drawn.
-    """
-
-    mass: float = 9.0
-    size: tuple[float, float, float] = (0.30, 0.30, 0.30)
-    inertia: tuple[float, ...] | tuple[tuple[float, ...], ...] | None = None
-    contact: tuple[float, float, float] | None = None
-    panels: bool = True
-
-    def __post_init__(self) -> None:
-        _triples(self, "size", "contact")
-        if min(self.size) <= 0:
-            raise InputError("target size is not positive", given=self.size, valid="three positive lengths")
-        fault = inertia_fault(self.mass, self.inertia_matrix())
-        if fault:
-            raise InputError(f"target cannot exist: {fault}")
-
-    def inertia_matrix(self) -> np.ndarray:
-        """Shape (3, 3), about the centre of mass, body axes [kg m^2]."""
-        return _inertia(self.inertia, self.mass, self.size, "target")
+        return inertia_matrix(self.inertia, self.mass, self.size, "spacecraft")
 
 
 def spacecraft_body(spec: SpacecraftSpec) -> etree._Element:
@@ -99,31 +64,12 @@ def spacecraft_body(spec: SpacecraftSpec) -> etree._Element:
     root = etree.Element("robot", name="chaser")
     shapes.add_materials(root, COLOURS)
     body = shapes.link("spacecraft", mass=spec.mass, com=spec.com, inertia=spec.inertia_matrix())
-    _draw_bus(body, spec.size, panels=spec.panels)
+    draw_bus(body, spec.size, panels=spec.panels)
     mount = spec.mount if spec.mount is not None else (0.0, 0.0, spec.size[2] / 2)
     root.append(body)
     root.append(shapes.link(ARM_MOUNT))
     root.append(shapes.joint("arm_mount_joint", "fixed", "spacecraft", ARM_MOUNT, xyz=mount, rpy=spec.mount_rpy))
     return root
-
-
-def target_element(spec: TargetSpec) -> etree._Element:
-    """A target as a floating `<robot>` element with the links `target` and `target_contact`."""
-    root = etree.Element("robot", name="target")
-    shapes.add_materials(root, COLOURS)
-    body = shapes.link("target", mass=spec.mass, inertia=spec.inertia_matrix())
-    _draw_bus(body, spec.size, panels=spec.panels)
-    contact = spec.contact if spec.contact is not None else (spec.size[0] / 2, 0.0, 0.0)
-    root.append(body)
-    root.append(shapes.link("target_contact"))
-    root.append(shapes.joint("target_contact_joint", "fixed", "target", "target_contact", xyz=contact))
-    float_root(root)
-    return root
-
-
-def target_body(spec: TargetSpec | None = None) -> Robot:
-    """A free-flying target as a floating robot without joints; its tip is the frame `target_contact`."""
-    return build(target_element(spec or TargetSpec()), name="target", tip="target_contact", where="target")
 
 
 def float_base(
@@ -171,7 +117,7 @@ def float_base(
     etree.indent(craft)
     name = f"{label}_{robot.name}"
     craft.set("name", name)
-    merged = Robot(**{**robot.__dict__, "mesh_dirs": (*robot.mesh_dirs, *folders)})
+    merged = replace(robot, mesh_dirs=(*robot.mesh_dirs, *folders))
     return rebuild(merged, craft, name=name, tip=None if robot.slider else robot.tip)
 
 
@@ -188,54 +134,3 @@ def _craft(spacecraft: SpacecraftSpec | str | Path | None) -> tuple[etree._Eleme
         root.remove(next(link for link in root.findall("link") if link.get("name") == tree.parent(floating)))
         root.remove(tree.joints[floating])
     return root, loaded.name, loaded.mesh_dirs
-
-
-def _draw_bus(body: etree._Element, size: tuple[float, float, float], *, panels: bool) -> None:
-    x, y, z = size
-    shapes.add_shape(body, "box", (x, y, 0.9 * z), (0, 0, 0), material="foil_gold")
-    shapes.add_shape(body, "box", (1.01 * x, 1.01 * y, 0.06 * z), (0, 0, 0.47 * z), material="bus_white")
-    shapes.add_shape(body, "box", (1.01 * x, 1.01 * y, 0.06 * z), (0, 0, -0.47 * z), material="bus_white")
-    shapes.add_shape(body, "cylinder", (0.16 * y, 0.12 * x), (-0.56 * x, 0, 0), rpy=shapes.ALONG_X, material="bus_dark")
-    shapes.add_shape(body, "box", size, (0, 0, 0))
-    if panels:
-        for side in (-1, 1):
-            shapes.add_shape(
-                body,
-                "cylinder",
-                (0.025 * y, 0.3 * y),
-                (0, side * 0.65 * y, 0),
-                rpy=shapes.ALONG_Y,
-                material="bus_dark",
-            )
-            for i in range(3):
-                centre = side * (1.05 + 0.54 * i) * y
-                shapes.add_shape(body, "box", (0.8 * x, 0.5 * y, 0.02 * z), (0, centre, 0), material="panel_blue")
-
-
-def _triples(spec: object, *names: str) -> None:
-    for name in names:
-        value = getattr(spec, name)
-        if value is not None and (np.shape(value) != (3,) or not np.all(np.isfinite(value))):
-            raise InputError(f"{name} is not three finite numbers", given=value)
-
-
-def _inertia(given: object, mass: float, size: tuple[float, float, float], what: str) -> np.ndarray:
-    if given is None:
-        return shapes.solid_box(mass, size)
-    matrix = np.asarray(given, dtype=float)
-    if matrix.shape == (3,):
-        matrix = np.diag(matrix)
-    if matrix.shape != (3, 3) or not np.allclose(matrix, matrix.T):
-        raise InputError(f"{what} inertia is neither three moments nor a symmetric matrix", given=given)
-    return matrix
-
-
-__all__ = [
-    "ROOT_JOINT",
-    "SpacecraftSpec",
-    "TargetSpec",
-    "float_base",
-    "spacecraft_body",
-    "target_body",
-    "target_element",
-]

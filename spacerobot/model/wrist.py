@@ -15,6 +15,7 @@ from lxml import etree
 
 from spacerobot.model import shapes
 from spacerobot.model.build import CONTACT, MOUNT, SLIDER, rebuild
+from spacerobot.model.bus import require_number
 from spacerobot.model.reading import parse
 from spacerobot.model.robot import Robot
 from spacerobot.model.tips import Tree
@@ -48,11 +49,12 @@ class WristSpec:
     mount_mass: float = 0.0
 
     def __post_init__(self) -> None:
+        require_number(self, "mass", "length", "travel", "tip_radius", "mount_mass")
         for name in ("mass", "length", "travel", "tip_radius"):
             value = getattr(self, name)
-            if not (np.isfinite(value) and value > 0):
+            if value <= 0:
                 raise InputError(f"wrist {name} is not positive", given=value, valid="a positive number")
-        if not (np.isfinite(self.mount_mass) and self.mount_mass >= 0):
+        if self.mount_mass < 0:
             raise InputError("wrist mount_mass is negative", given=self.mount_mass, valid="zero or more")
         if self.travel >= self.length:
             raise InputError("wrist travel exceeds its length", given=self.travel, valid=f"below {self.length} m")

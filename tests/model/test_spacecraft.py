@@ -9,7 +9,8 @@ import pytest
 
 from spacerobot.model.describe import total_mass
 from spacerobot.model.library import load
-from spacerobot.model.spacecraft import SpacecraftSpec, TargetSpec, float_base, target_body
+from spacerobot.model.spacecraft import SpacecraftSpec, float_base
+from spacerobot.model.target import TargetSpec, target_body
 from spacerobot.model.wrist import attach_wrist
 from spacerobot.support.errors import InputError, NotFoundError
 from tests.model.laws import ARMS, joint_inertia, placement, random_pose
@@ -114,7 +115,13 @@ def test_target() -> None:
         ({"mass": -1.0}, "mass"),
         ({"mass": 0.0}, "mass"),
         ({"mass": float("nan")}, "finite"),
+        ({"mass": "1"}, "mass"),
         ({"size": (1.0, 1.0)}, "size"),
+        ({"size": 1.0}, "size"),
+        ({"size": ("a", "b", "c")}, "size"),
+        ({"size": (1.0, 1.0, float("nan"))}, "size"),
+        ({"inertia": "big"}, "inertia"),
+        ({"inertia": ((1.0,), (1.0, 2.0))}, "inertia"),
         ({"size": (1.0, 0.0, 1.0)}, "size"),
         ({"inertia": (1.0, 1.0, 3.0)}, "triangle"),
         ({"inertia": (1.0, -1.0, 1.0)}, "positive definite"),
