@@ -14,6 +14,7 @@ from spacerobot.support.errors import SpacerobotError
 COMMANDS: dict[str, tuple[str, str]] = {
     "robots": ("robots", "list the robots that can be loaded, or show one"),
     "mass": ("mass", "effective mass of a robot at one pose, frame and direction"),
+    "paper": ("paper", "Table 1, Figs. 5 and 6 and the equations of the paper, checked"),
     "study": ("study", "write a first study file from a folder of recordings, or check one"),
 }
 """Name -> (module under spacerobot.cli with `configure(parser)` and `run(args) -> int | None`, its help)."""
