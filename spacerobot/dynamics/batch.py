@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from spacerobot.dynamics.direction import unit_directions
 from spacerobot.dynamics.kinematic_tree import kinematic_tree
 from spacerobot.dynamics.mobility import SINGULAR
-from spacerobot.dynamics.mobility_kernel import mobility_kernel
+from spacerobot.dynamics.mobility_kernel import mass_kernel, mobility_kernel
 from spacerobot.dynamics.regime import regime_of
 from spacerobot.model.robot import Robot
 from spacerobot.support.errors import InputError
@@ -74,8 +74,7 @@ def effective_mass_batch(
         others=others,
         threads=threads,
     )
-    along = np.einsum("ki,nij,kj->nk", n, mobility, n, optimize=True)
-    return EffectiveMassBatch(_masses(along, mobility), mobility, n)
+    return EffectiveMassBatch(_masses(mobility, n), mobility, n)
 
 
 def mobility_batch(
@@ -147,16 +146,14 @@ def checked_poses(robot: Robot, poses: ArrayLike) -> np.ndarray:
     return np.ascontiguousarray(q)
 
 
-def _masses(along: np.ndarray, mobility: np.ndarray) -> np.ndarray:
-    # The largest mobility is at most the trace, so only suspects need their eigenvalues.
-    suspect = along <= SINGULAR * np.trace(mobility, axis1=1, axis2=2)[:, None]
-    stuck = np.zeros_like(suspect)
-    rows = np.flatnonzero(suspect.any(axis=1))
-    if len(rows):
-        largest = np.linalg.eigvalsh(mobility[rows])[:, -1]
-        stuck[rows] = along[rows] <= SINGULAR * largest[:, None]
-    masses = np.full(along.shape, np.inf)
-    np.divide(1.0, along, out=masses, where=~stuck)
+def _masses(mobility: np.ndarray, directions: np.ndarray) -> np.ndarray:
+    masses = np.empty((len(mobility), len(directions)))
+    if mass_kernel(mobility, directions, SINGULAR, masses):
+        rows, columns = np.nonzero(masses < 0.0)
+        g, n = mobility[rows], directions[columns]
+        along = np.einsum("si,sij,sj->s", n, g, n)
+        moving = along > SINGULAR * np.linalg.eigvalsh(g)[:, -1]
+        masses[rows, columns] = np.divide(1.0, along, out=np.full(len(along), np.inf), where=moving)
     return masses
 
 

@@ -59,6 +59,35 @@ def mobility_kernel(tree: Any, poses: np.ndarray, slider: float, rows: int, out:
 
 
 @jit
+def mass_kernel(mobility: np.ndarray, directions: np.ndarray, singular: float, out: np.ndarray) -> int:
+    """Fill `out`, shape (N, K), with 1/(n^T G n), or -1 where that is too near zero to tell without eigenvalues.
+
+    Args:
+        mobility: shape (N, 3, 3).
+        directions: shape (K, 3).
+        singular: part of the trace, which bounds the largest eigenvalue, below which a mobility is suspect.
+        out: written.
+
+    Returns:
+        number of suspects.
+    """
+    suspects = 0
+    for k in range(mobility.shape[0]):
+        g = mobility[k]
+        bound = singular * (g[0, 0] + g[1, 1] + g[2, 2])
+        for d in range(directions.shape[0]):
+            x, y, z = directions[d, 0], directions[d, 1], directions[d, 2]
+            value = x * x * g[0, 0] + y * y * g[1, 1] + z * z * g[2, 2]
+            value += 2.0 * (x * y * g[0, 1] + x * z * g[0, 2] + y * z * g[1, 2])
+            if value > bound:
+                out[k, d] = 1.0 / value
+            else:
+                out[k, d] = -1.0
+                suspects += 1
+    return suspects
+
+
+@jit
 def _rotate(matrices, j, x, y, z):  # type: ignore[no-untyped-def]
     r = matrices[j]
     return (
