@@ -1,0 +1,74 @@
+"""A study's recordings as the fits read them: per trial, blocks of channels that share times."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from spacerobot.recordings.study import Study
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """Channels of one stream in one trial that share their times. C channels, T times."""
+
+    stream: str
+    channels: tuple[str, ...]
+    time: np.ndarray  # (T,) s
+    value: np.ndarray  # (C, T) SI, zero where not valid
+    weight: np.ndarray  # (C, T) 1/sigma, zero where not valid
+
+
+@dataclass(frozen=True, eq=False)
+class TrialData:
+    """One trial as a fit reads it."""
+
+    id: str
+    condition: str
+    overrides: Mapping[str, float]
+    blocks: tuple[Block, ...]
+    start: float
+    end: float
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """All channels, in block order."""
+        return tuple(c for b in self.blocks for c in b.channels)
+
+    @property
+    def samples(self) -> int:
+        """Number of valid samples."""
+        return int(sum((b.weight > 0.0).sum() for b in self.blocks))
+
+    def channel(self, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Times, values and weights of one channel, valid samples only."""
+        for block in self.blocks:
+            if name in block.channels:
+                i = block.channels.index(name)
+                good = block.weight[i] > 0.0
+                return block.time[good], block.value[i][good], block.weight[i][good]
+        raise KeyError(name)
+
+
+def trial_data(study: Study) -> tuple[TrialData, ...]:
+    """Every trial's output channels, grouped by stream and times."""
+    out = []
+    for trial in study.trials:
+        recording = study.recording(trial)
+        groups: dict[tuple[str, bytes], list[str]] = {}
+        for name in recording:
+            series = recording[name]
+            if series.use == "output":
+                groups.setdefault((series.stream, series.time.tobytes()), []).append(name)
+        blocks = []
+        for (stream, _), names in groups.items():
+            time = recording[names[0]].time
+            value = np.array([np.where(recording[n].valid, recording[n].value, 0.0) for n in names])
+            weight = np.array([recording[n].valid / recording[n].sigma for n in names])
+            blocks.append(Block(stream, tuple(names), time, value, weight))
+        begin = min(b.time[0] for b in blocks)
+        end = max(b.time[-1] for b in blocks)
+        out.append(TrialData(trial.id, study.condition(trial), trial.overrides, tuple(blocks), begin, end))
+    return tuple(out)

@@ -1,0 +1,297 @@
+"""Output-error fit of a hypothesis to all trials: block Gauss-Newton with the trials' own initial values eliminated."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from spacerobot.diagnosis.data import TrialData
+from spacerobot.diagnosis.hypothesis import Hypothesis
+from spacerobot.diagnosis.rig_model import RigModel, onset_masks
+from spacerobot.support.errors import SimulationError
+
+DIFFERENCE = 0.02
+"""Finite-difference step in units of a parameter's scale."""
+
+TEMPERATURES = (100.0, 10.0, 3.0)
+"""Stages of a fit whose start is far off: the data's weight is divided by these in turn."""
+
+SETTLED = 0.05
+"""A fit has converged when a step is predicted to lower chi-squared by less than this."""
+
+
+@dataclass(frozen=True, eq=False)
+class TrialFit:
+    """Where one trial stands in a fit. S kept samples, N own initial values."""
+
+    initial: np.ndarray  # (N,)
+    residual: np.ndarray  # (S,) predicted minus measured, in sensor sigmas, zero where masked
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A hypothesis at its best parameters.
+
+    Attributes:
+        hypothesis: which.
+        z: free parameters, shape (G,).
+        trials: per trial, by id.
+        chi2: sum of squared weighted residuals.
+        prior: sum of squares of the parameters with a prior.
+        samples: number of samples that count.
+        covariance: of z, shape (G, G), initial values marginalised; None before it is known.
+        converged: whether the last step was negligible.
+        iterations: Gauss-Newton steps taken.
+    """
+
+    hypothesis: Hypothesis
+    z: np.ndarray
+    trials: Mapping[str, TrialFit]
+    chi2: float
+    prior: float
+    samples: int
+    covariance: np.ndarray | None
+    converged: bool
+    iterations: int
+
+    @property
+    def cost(self) -> float:
+        """chi-squared plus prior."""
+        return self.chi2 + self.prior
+
+    def values(self) -> dict[str, float]:
+        """Physical values of the free parameters."""
+        return self.hypothesis.values(self.z)
+
+    def initials(self) -> dict[str, np.ndarray]:
+        """Initial values by trial, for a warm start."""
+        return {name: t.initial for name, t in self.trials.items()}
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """Where a descent stands: parameters, weighted residuals before masking, and which samples count."""
+
+    z: np.ndarray
+    own: dict[str, np.ndarray]
+    raw: dict[str, np.ndarray]  # (S,) per trial
+    keep: dict[str, np.ndarray]  # (S,) bool per trial
+
+    def chi2(self, keep: Mapping[str, np.ndarray] | None = None) -> float:
+        """Sum of squares of the residuals that count, here or under another state's masks."""
+        masks = keep or self.keep
+        return float(sum(np.square(r[masks[name]]).sum() for name, r in self.raw.items()))
+
+    @property
+    def samples(self) -> int:
+        """Number of samples that count."""
+        return int(sum(k.sum() for k in self.keep.values()))
+
+
+class Fitter:
+    """Fits hypotheses to the trials of one model."""
+
+    def __init__(self, model: RigModel, trials: Sequence[TrialData], *, threads: int = 1) -> None:
+        self.model = model
+        self.trials = tuple(trials)
+        self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
+        self._scales = {t.id: np.array([n.scale for n in model.nuisances(t)]) for t in trials}
+
+    def _map(self, work: Callable[[TrialData], Any]) -> dict[str, Any]:
+        results = map(work, self.trials) if self._pool is None else self._pool.map(work, self.trials)
+        return dict(zip((t.id for t in self.trials), results, strict=True))
+
+    def residual(
+        self, hypothesis: Hypothesis, z: np.ndarray, trial: TrialData, initial: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Weighted residual of one trial, predicted minus measured, and which samples count, shape (S,) each."""
+        mechanism = self.model.trial_mechanism(hypothesis, z, trial)
+        prediction = self.model.predict(mechanism, trial, initial)
+        parts = [((p - b.value) * b.weight).ravel() for p, b in zip(prediction.blocks, trial.blocks, strict=True)]
+        masks = onset_masks(mechanism, trial, prediction.touches)
+        keep = [(m & (b.weight > 0.0)).ravel() for m, b in zip(masks, trial.blocks, strict=True)]
+        return np.concatenate(parts), np.concatenate(keep)
+
+    def guess(self) -> dict[str, np.ndarray]:
+        """First initial values of every trial, from its free approach."""
+        return {t.id: np.array([n.guess for n in self.model.nuisances(t)]) for t in self.trials}
+
+    def state(self, hypothesis: Hypothesis, z: np.ndarray, own: Mapping[str, np.ndarray]) -> State | None:
+        """Residuals of all trials at these parameters, or None where they cannot be simulated."""
+        try:
+            rows = self._map(lambda t: self.residual(hypothesis, z, t, own[t.id]))
+        except SimulationError:
+            return None
+        return State(z, dict(own), {k: r[0] for k, r in rows.items()}, {k: r[1] for k, r in rows.items()})
+
+    def jacobian(self, hypothesis: Hypothesis, state: State, trial: TrialData) -> np.ndarray:
+        """Derivatives of one trial's residual, shape (S, G + N), by one-sided differences into the bounds."""
+        low, high = hypothesis.bounds()
+        z, initial, base = state.z, state.own[trial.id], state.raw[trial.id]
+        scales = self._scales[trial.id]
+        columns = np.zeros((base.size, z.size + scales.size))
+        for g, free in enumerate(hypothesis.free):
+            if free.kind == "scatter" and not free.key.startswith(f"{trial.condition}|"):
+                continue
+            step = DIFFERENCE if z[g] + DIFFERENCE <= high[g] else -DIFFERENCE
+            if z[g] + step < low[g]:
+                continue
+            moved = z.copy()
+            moved[g] += step
+            columns[:, g] = (self.residual(hypothesis, moved, trial, initial)[0] - base) / step
+        for n, scale in enumerate(scales):
+            moved = initial.copy()
+            moved[n] += DIFFERENCE * scale
+            columns[:, z.size + n] = (self.residual(hypothesis, z, trial, moved)[0] - base) / DIFFERENCE
+        return columns
+
+    def fit(
+        self,
+        hypothesis: Hypothesis,
+        *,
+        warm: Mapping[str, float] | None = None,
+        initials: Mapping[str, np.ndarray] | None = None,
+        max_iterations: int = 40,
+    ) -> Fit:
+        """The best parameters near a start.
+
+        While the misfit is large the data are tempered: their weight against the priors is lowered, so that values
+        the data hardly speak of stay where they are believed until the large things are right.
+
+        Args:
+            hypothesis: what to fit; its free parameters' centres are the start.
+            warm: start values by key instead.
+            initials: start of the trials' initial values.
+            max_iterations: of Gauss-Newton, over all temperatures.
+
+        Raises:
+            SimulationError: the start cannot be simulated.
+        """
+        state = self.state(hypothesis, hypothesis.start(warm), initials or self.guess())
+        if state is None:
+            raise SimulationError("the start of a fit cannot be simulated")
+        level = state.chi2() / max(state.samples, 1)
+        stages = [t for t in TEMPERATURES if t < 0.7 * level]
+        used = 0
+        for temperature in [*stages, 1.0]:
+            budget = max_iterations - used if temperature == 1.0 else 4
+            state, iterations, converged, system = self._descend(hypothesis, state, temperature, budget)
+            used += iterations
+        prior = np.array([f.prior for f in hypothesis.free], dtype=float)
+        covariance = None if system is None else system.covariance()
+        trials = {
+            t.id: TrialFit(state.own[t.id], np.where(state.keep[t.id], state.raw[t.id], 0.0)) for t in self.trials
+        }
+        return Fit(
+            hypothesis,
+            state.z,
+            trials,
+            state.chi2(),
+            float(prior @ state.z**2),
+            state.samples,
+            covariance,
+            converged,
+            used,
+        )
+
+    def _descend(
+        self, hypothesis: Hypothesis, state: State, temperature: float, max_iterations: int
+    ) -> tuple[State, int, bool, Normal | None]:
+        low, high = hypothesis.bounds()
+        prior = temperature * np.array([f.prior for f in hypothesis.free], dtype=float)
+        damping, converged, iterations = 1e-4, False, 0
+        system = None
+        while iterations < max_iterations and not converged:
+            iterations += 1
+            system = self._normal(hypothesis, state, prior)
+            accepted = False
+            for _ in range(10):
+                dz, dn, promised = system.step(damping, state.z, low, high)
+                if promised < SETTLED * temperature:
+                    converged = True
+                    break
+                own = {t.id: state.own[t.id] + s * self._scales[t.id] for t, s in zip(self.trials, dn, strict=True)}
+                new = self.state(hypothesis, np.clip(state.z + dz, low, high), own)
+                if new is not None:
+                    # both under the old masks, else a touch that moves would pay for itself
+                    fall = state.chi2() - new.chi2(state.keep) + float(prior @ (state.z**2 - new.z**2))
+                    if fall > 0.0:
+                        damping = max(damping * (0.2 if fall > 0.7 * promised else 1.0), 1e-9)
+                        converged = fall < SETTLED * temperature
+                        state, accepted = new, True
+                        break
+                damping = max(10.0 * damping, 1e-3)
+            if not accepted:
+                break
+        return state, iterations, converged, system
+
+    def _normal(self, hypothesis: Hypothesis, state: State, prior: np.ndarray) -> Normal:
+        blocks = self._map(lambda t: self.jacobian(hypothesis, state, t)[state.keep[t.id]])
+        rows = [state.raw[t.id][state.keep[t.id]] for t in self.trials]
+        return Normal.build(list(blocks.values()), rows, state.z, prior)
+
+
+@dataclass(frozen=True, eq=False)
+class Normal:
+    """Normal equations with the trials' own parameters eliminated (a Schur complement)."""
+
+    reduced: np.ndarray  # (G, G)
+    gradient: np.ndarray  # (G,)
+    own: list[tuple[np.ndarray, np.ndarray, np.ndarray]]  # per trial (N, N), (N, G), (N,)
+    full: np.ndarray  # (G, G) not reduced
+
+    @classmethod
+    def build(
+        cls, jacobians: Sequence[np.ndarray], residuals: Sequence[np.ndarray], z: np.ndarray, prior: np.ndarray
+    ) -> Normal:
+        """From the trials' Jacobians, shape (S, G + N) each, and residuals."""
+        count = z.size
+        full = np.diag(prior).astype(float)
+        gradient = prior * z
+        schur = full.copy()
+        right = gradient.copy()
+        own = []
+        for jacobian, residual in zip(jacobians, residuals, strict=True):
+            a = jacobian.T @ jacobian
+            b = jacobian.T @ residual
+            inner = a[count:, count:] + 1e-9 * np.eye(a.shape[0] - count)
+            cross, tail = a[count:, :count], b[count:]
+            solved = np.linalg.solve(inner, np.column_stack([cross, tail]))
+            schur += a[:count, :count] - cross.T @ solved[:, :count]
+            right = right + b[:count] - cross.T @ solved[:, count]
+            full += a[:count, :count]
+            own.append((inner, cross, tail))
+        return cls(schur, right, own, full)
+
+    def covariance(self) -> np.ndarray:
+        """Covariance of the global parameters, shape (G, G)."""
+        return np.linalg.pinv(self.reduced, hermitian=True)
+
+    def step(
+        self, damping: float, z: np.ndarray, low: np.ndarray, high: np.ndarray
+    ) -> tuple[np.ndarray, list[np.ndarray], float]:
+        """Damped step within bounds: global part, own parts (in scales), and the promised fall of the cost."""
+        free = np.ones(z.size, dtype=bool)
+        dz = np.zeros(z.size)
+        for _ in range(z.size + 1):
+            index = np.flatnonzero(free)
+            a = self.reduced[np.ix_(index, index)]
+            a = a + damping * np.diag(np.maximum(np.diag(a), 1e-8))
+            dz[:] = 0.0
+            dz[index] = -np.linalg.lstsq(a, self.gradient[index], rcond=1e-13)[0]
+            out = free & (((z + dz < low) & (z <= low + 1e-12)) | ((z + dz > high) & (z >= high - 1e-12)))
+            if not out.any():
+                break
+            free &= ~out
+        dz = np.clip(z + dz, low, high) - z
+        largest = np.abs(dz).max(initial=0.0)
+        if largest > 20.0:
+            dz *= 20.0 / largest
+        dn = [-np.linalg.solve(inner, tail + cross @ dz) for inner, cross, tail in self.own]
+        profile = float(sum(t @ np.linalg.solve(i, t) for i, _, t in self.own))
+        promised = -(2.0 * self.gradient @ dz + dz @ self.reduced @ dz) + profile
+        return dz, dn, float(promised)

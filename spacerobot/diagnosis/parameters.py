@@ -1,0 +1,93 @@
+"""Free parameters of a fit, each a number of order one with an explicit scale."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from spacerobot.effects.effect import Parameter
+
+LOG_STEP = 0.25
+"""Change of a logarithmic parameter, in natural logs, that counts as one unit."""
+
+
+@dataclass(frozen=True)
+class Free:
+    """One free parameter, z = 0 at its centre.
+
+    Attributes:
+        key: dotted value name, "condition|name" for a scatter, or "effect@where.parameter".
+        kind: "believed", "unknown", "absorbing", "scatter" or "effect".
+        centre: value at z = 0.
+        step: change of the value per unit of z (of its logarithm if `log`).
+        prior: whether z has a standard normal prior.
+        log: value = centre * exp(step * z).
+        lower, upper: bounds of the value.
+    """
+
+    key: str
+    kind: str
+    centre: float
+    step: float
+    prior: bool = False
+    log: bool = False
+    lower: float = -math.inf
+    upper: float = math.inf
+
+    def value(self, z: float) -> float:
+        """The physical value at z, within the bounds."""
+        raw = self.centre * math.exp(min(self.step * z, 700.0)) if self.log else self.centre + self.step * z
+        return min(max(raw, self.lower), self.upper)
+
+    def z(self, value: float) -> float:
+        """The z of a physical value."""
+        if self.log:
+            return math.log(max(value, 1e-300) / self.centre) / self.step
+        return (value - self.centre) / self.step
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Bounds in z."""
+        if self.log:
+            low = -math.inf if self.lower <= 0.0 else self.z(self.lower)
+            return low, math.inf if math.isinf(self.upper) else self.z(self.upper)
+        return (self.lower - self.centre) / self.step, (self.upper - self.centre) / self.step
+
+    def slope(self, z: float) -> float:
+        """d value / d z."""
+        return self.step * self.value(z) if self.log else self.step
+
+
+def believed(name: str, value: float, sigma: float) -> Free:
+    """A believed value with its stated relative deviation."""
+    return Free(name, "believed", value, abs(value) * sigma, prior=True, lower=0.0 if value > 0.0 else -math.inf)
+
+
+def absorbing(name: str, value: float, sigma: float) -> Free:
+    """A constant whose job is to absorb, set free because an effect replaces it."""
+    return Free(name, "absorbing", value, max(abs(value) * sigma, 0.05), lower=0.0)
+
+
+def unknown(name: str, centre: float) -> Free:
+    """A positive value that the study does not state."""
+    return Free(name, "unknown", centre, LOG_STEP, log=True, lower=1e-3 * centre, upper=1e3 * centre)
+
+
+def scatter(condition: str, name: str, sigma: float) -> Free:
+    """A condition's own relative change of a believed value; its value is a factor."""
+    return Free(f"{condition}|{name}", "scatter", 1.0, sigma, prior=True, lower=1e-3)
+
+
+def of_effect(effect: str, where: str, parameter: Parameter, start: float) -> Free:
+    """A parameter of an effect, centred on a start value."""
+    key = f"{effect}@{where}.{parameter.name}"
+    if parameter.log:
+        return Free(key, "effect", start, LOG_STEP, log=True, lower=parameter.lower, upper=parameter.upper)
+    return Free(
+        key,
+        "effect",
+        0.0 if math.isinf(parameter.null) else parameter.null,
+        parameter.scale,
+        lower=parameter.lower,
+        upper=parameter.upper,
+    )

@@ -1,0 +1,80 @@
+"""Where fits of a hypothesis begin, and the best of them: contact makes the cost jagged, so one start is not enough."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from spacerobot.diagnosis.fit import Fit, Fitter
+from spacerobot.diagnosis.hypothesis import Believed, Hypothesis, Site, hypothesis
+from spacerobot.support.errors import SimulationError
+
+GOOD = 1.3
+"""chi-squared per sample above which a fit is tried again with its unstated values back at their centres."""
+
+
+def effect_starts(sites: Sequence[Site], known: Mapping[str, float] | None = None) -> list[dict[str, float]]:
+    """Start values of the effects' parameters: the k-th of each together; keys in `known` keep their value."""
+    known = known or {}
+    count = max((len(p.starts) for s in sites for p in s.effect.parameters if s.key(p.name) not in known), default=1)
+    out: list[dict[str, float]] = []
+    for k in range(count):
+        start = dict(known)
+        for site in sites:
+            for parameter in site.effect.parameters:
+                key = site.key(parameter.name)
+                if key not in known:
+                    start[key] = parameter.starts[min(k, len(parameter.starts) - 1)]
+        if start not in out:
+            out.append(start)
+    return out
+
+
+def fit_from(
+    fitter: Fitter,
+    believed: Believed,
+    sites: Sequence[Site],
+    start: Mapping[str, float],
+    initials: Mapping[str, np.ndarray] | None = None,
+    max_iterations: int = 40,
+) -> Fit:
+    """Fit from one start; where it ends badly, once more with the unstated values back at their centres.
+
+    Args:
+        fitter: of the model.
+        believed: what the study says.
+        sites: the effects.
+        start: start values by key; believed values where absent, absorbing constants that are replaced at zero.
+        initials: start of the trials' initial values.
+        max_iterations: of each fit.
+
+    Raises:
+        SimulationError: the start cannot be simulated.
+    """
+    made = hypothesis(believed, sites, start)
+    warm = {f.key: 0.0 for f in made.free if f.kind == "absorbing"}
+    warm.update({k: v for k, v in start.items() if k in made.keys})
+    first = fitter.fit(made, warm=warm, initials=initials, max_iterations=max_iterations)
+    if first.chi2 < GOOD * first.samples or not believed.unknown:
+        return first
+    again = {k: v for k, v in first.values().items() if k not in believed.unknown and not _contact(k)}
+    try:
+        second = fitter.fit(made, warm=again, initials=first.initials(), max_iterations=max_iterations)
+    except SimulationError:
+        return first
+    return second if second.cost < first.cost else first
+
+
+def _contact(key: str) -> bool:
+    return "contact." in key
+
+
+def best(fits: Sequence[Fit]) -> Fit:
+    """The fit of least cost."""
+    return min(fits, key=lambda f: f.cost)
+
+
+def label_of(made: Hypothesis) -> str:
+    """A hypothesis in words, for progress and logs."""
+    return " + ".join(f"{e} at {w}" for e, w in made.label) or "baseline"

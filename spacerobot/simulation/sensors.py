@@ -1,0 +1,96 @@
+"""What sensors show of a run: readouts of the mechanism, passed through its channel maps."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+import numpy as np
+
+from spacerobot.effects.mechanism import Mechanism
+from spacerobot.effects.primitives import ChannelMap, Readout
+from spacerobot.simulation.reduced.run import ReducedRun, Sample
+from spacerobot.support.errors import NotFoundError
+
+
+def read_channels(
+    run: ReducedRun, mechanism: Mechanism, channels: Iterable[str], times: np.ndarray
+) -> dict[str, np.ndarray]:
+    """The channels as the sensors would record them at `times`.
+
+    Args:
+        run: a finished run of the mechanism.
+        mechanism: its readouts and channel maps.
+        channels: names, e.g. "target.x".
+        times: ascending, shape (T,) [s].
+
+    Returns:
+        channel -> values, shape (T,), SI.
+
+    Raises:
+        NotFoundError: a channel that the mechanism does not show.
+    """
+    out: dict[str, np.ndarray] = {}
+    taken: dict[float, Sample] = {}
+    for channel in channels:
+        readout = mechanism.readouts.get(channel)
+        if readout is None:
+            raise NotFoundError("channel", channel, mechanism.readouts)
+        maps = sorted((m for m in mechanism.maps if m.channel == channel), key=lambda m: m.rank)
+        out[channel] = _read(run, readout, maps, times, taken)
+    return out
+
+
+def _read(
+    run: ReducedRun, readout: Readout, maps: list[ChannelMap], times: np.ndarray, taken: dict[float, Sample]
+) -> np.ndarray:
+    late = sum(m.value for m in maps if m.kind == "delay")
+    cutoffs = [m.value for m in maps if m.kind == "low_pass" and math.isfinite(m.value)]
+    inertias = [m for m in maps if m.kind == "inertia" and m.value != 0.0]
+    if cutoffs:
+        value = _filtered(run, readout, inertias, cutoffs, times - late)
+    else:
+        if late not in taken:
+            taken[late] = run.sample(times - late)
+        value = _raw(run, readout, inertias, taken[late])
+    for m in maps:
+        if m.kind == "gain":
+            value = value * m.value
+        elif m.kind == "offset":
+            value = value + m.value
+    return value
+
+
+def _raw(run: ReducedRun, readout: Readout, inertias: list[ChannelMap], taken: Sample) -> np.ndarray:
+    if readout.kind == "force":
+        value = readout.sign * run.contact_force(taken)
+    else:
+        value = readout.sign * run.port(readout.of, getattr(taken, readout.kind))
+    for m in inertias:
+        assert m.of is not None  # an inertia map names the port it rides on
+        value = value - m.value * run.port(m.of, taken.acceleration)
+    return value
+
+
+def _filtered(
+    run: ReducedRun, readout: Readout, inertias: list[ChannelMap], cutoffs: list[float], times: np.ndarray
+) -> np.ndarray:
+    """First-order filters, exact for an input that is linear between the points of a fine grid."""
+    spacing = float(np.median(np.diff(times))) if times.size > 1 else 1e-3
+    fastest = 1.0 / (2.0 * math.pi * max(cutoffs))
+    step = max(min(0.5 * spacing, 0.25 * fastest), 2e-5)
+    # start early enough that the filter has forgotten its start
+    begin = times[0] - 12.0 / (2.0 * math.pi * min(cutoffs))
+    begin = max(begin, run.start - step)
+    grid = np.arange(begin, times[-1] + step, step)
+    value = _raw(run, readout, inertias, run.sample(grid))
+    from scipy.signal import lfilter, lfiltic
+
+    for cutoff in cutoffs:
+        a = 2.0 * math.pi * cutoff * step
+        decay = math.exp(-a)
+        late = 1.0 - (1.0 - decay) / a  # weight of the newer end of a linear piece
+        early = (1.0 - decay) - late
+        b, den = [late, early], [1.0, -decay]
+        value, _ = lfilter(b, den, value, zi=lfiltic(b, den, y=[value[0]], x=[value[0]]))
+    return np.interp(times, grid, value)
