@@ -15,7 +15,10 @@ from spacerobot.support.errors import InputError, NotFoundError
 MAXIMUM_BYTES = 4_000_000
 """Longest study file that is read; a campaign of 300 trials takes about 50 kB."""
 
-_HEADER = re.compile(r"^\s*(\[\[?)\s*(.+?)\s*\]\]?\s*(?:#.*)?$")
+DEEPEST = 12
+"""Most levels of tables and lists in a study."""
+
+_HEADER = re.compile(r"^\s*(\[\[?)([^\]]+)\]")
 _KEY = re.compile(
     r"""^\s*((?:"[^"\n]*"|'[^'\n]*'|[A-Za-z0-9_-]+)(?:\s*\.\s*(?:"[^"\n]*"|'[^'\n]*'|[A-Za-z0-9_-]+))*)\s*="""
 )
@@ -123,7 +126,17 @@ def read_document(path: Path) -> Document:
         raise InputError(f"not valid TOML: {error}", where=where) from None
     except (RecursionError, ValueError, OverflowError) as error:
         raise InputError(f"not valid TOML: {type(error).__name__}", where=str(path)) from None
+    if _deeper(data, DEEPEST):
+        raise InputError("tables are nested too deep", valid=f"at most {DEEPEST} levels", where=str(path))
     return Document(path, data, scan_lines(text))
+
+
+def _deeper(data: dict[str, Any], levels: int) -> bool:
+    """Whether tables and lists go deeper than `levels`, found without recursion."""
+    layer: list[Any] = [data]
+    for _ in range(levels):
+        layer = [v for t in layer for v in (t.values() if isinstance(t, dict) else t) if isinstance(v, dict | list)]
+    return bool(layer)
 
 
 def scan_lines(text: str) -> dict[str, int]:

@@ -13,6 +13,18 @@ from spacerobot.support.errors import InputError, NotFoundError
 
 FORMATS = ("csv", "text", "motive", "mat", "hdf5", "npz", "bag")
 COMPRESSIONS = ("none", "gz", "bz2", "xz")
+ENCODINGS = (
+    "utf-8",
+    "utf-16",
+    "utf-16-le",
+    "utf-16-be",
+    "utf-32",
+    "ascii",
+    "latin-1",
+    "cp1252",
+    "shift_jis",
+    "gb18030",
+)
 KINDS = ("samples", "events")
 SEPARATORS = {"comma": ",", "semicolon": ";", "tab": "\t", "space": " ", "pipe": "|"}
 
@@ -64,7 +76,7 @@ class StreamSpec:
         missing: raw readings that mean "no reading", for every channel.
         repeated: "keep" flags rows that repeat the row before, "drop" leaves them out.
         sort: sort rows by time instead of refusing a clock that runs backwards.
-        encoding: text encoding, None to find out.
+        encoding: one of ENCODINGS, None to find out.
     """
 
     name: str
@@ -165,7 +177,7 @@ def read_stream(document: Document, name: str) -> StreamSpec:
         missing=missing,
         repeated=choice("repeated", ("keep", "drop")) or "keep",
         sort=document.flag(table, "sort", *path),
-        encoding=document.text(table, "encoding", "", *path) or None,
+        encoding=choice("encoding", ENCODINGS),
     )
 
 

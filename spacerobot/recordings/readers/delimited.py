@@ -8,6 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from spacerobot.recordings.readers import limits
 from spacerobot.recordings.readers.base import Reader
 from spacerobot.recordings.readers.layout import Layout, column_names, find_layout, is_comment, split
 from spacerobot.recordings.readers.numbers import number, reason
@@ -29,7 +30,10 @@ class DelimitedReader(Reader):
     def read(self, path: Path, options: Options) -> RawTable:
         """The columns, with the names that the header gives them."""
         lines = read_lines(path, options.compression, options.encoding)
-        layout = find_layout(lines, options.separator, options.decimal, options.header_rows)
+        try:
+            layout = find_layout(lines, options.separator, options.decimal, options.header_rows)
+        except InputError as error:
+            raise InputError(error.what, valid=error.valid, where=str(path)) from None
         names = column_names(lines, layout)
         rows = [i for i in range(layout.first, len(lines)) if lines[i].strip() and not is_comment(lines[i])]
         if options.rows is not None:
@@ -43,6 +47,7 @@ class DelimitedReader(Reader):
             names = names if width == layout.width else [()] * width
         else:
             width = layout.width
+        limits.check_cells(path, len(rows), width)
         values = _fast(lines, rows, layout, width)
         if values is None:
             wanted = _wanted(names, options)

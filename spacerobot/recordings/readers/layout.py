@@ -8,7 +8,9 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from spacerobot.recordings.readers import limits
 from spacerobot.recordings.readers.numbers import number
+from spacerobot.support.errors import InputError
 
 COMMENTS = ("#", "%", "//")
 
@@ -62,7 +64,11 @@ def split(line: str, separator: str) -> list[str]:
 
 
 def find_layout(lines: Sequence[str], separator: str | None, decimal: str | None, header_rows: int | None) -> Layout:
-    """The layout under which most cells of the table's middle are numbers; of those, with most columns."""
+    """The layout under which most cells of the table's middle are numbers; of those, with most columns.
+
+    Raises:
+        InputError: more columns than the limit.
+    """
     start = header_rows or 0
     body = [i for i in range(start, len(lines)) if lines[i].strip() and not is_comment(lines[i])]
     if not body:
@@ -75,6 +81,8 @@ def find_layout(lines: Sequence[str], separator: str | None, decimal: str | None
         if (separator is not None and sep != separator) or (decimal is not None and mark != decimal):
             continue
         rows = [split(line, sep) for line in sample]
+        if max(map(len, rows)) > limits.TEXT_COLUMNS:
+            raise InputError("too many columns", valid=f"at most {limits.TEXT_COLUMNS}")
         width, agreeing = Counter(map(len, rows)).most_common(1)[0]
         if width == 1 and mark == "," and decimal is None:
             continue  # "1,5" alone is two columns, unless the study says otherwise
@@ -142,4 +150,4 @@ def column_names(lines: Sequence[str], layout: Layout) -> list[tuple[str, ...]]:
         if len(cells) == layout.width and any(c and number(c) is None for c in cells):
             candidates.append(cells)
     candidates.sort(key=lambda cells: -len({c for c in cells if c and number(c) is None}))
-    return [tuple(dict.fromkeys(c[j] for c in candidates if c[j])) for j in range(layout.width)]
+    return [tuple(dict.fromkeys(c[j][:100] for c in candidates if c[j])) for j in range(layout.width)]

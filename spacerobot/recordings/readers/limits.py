@@ -19,8 +19,14 @@ TEXT_LINES = 3_000_000
 LINE_CHARACTERS = 1_000_000
 """Longest line of a text."""
 
+TEXT_MEMORY = 160_000_000
+"""Most memory that the decoded text may take, bytes."""
+
+TEXT_COLUMNS = 5000
+"""Most columns of a text table."""
+
 ARRAY_VALUES = 20_000_000
-"""Most numbers that are taken from one binary file (160 MB)."""
+"""Most numbers that are taken from one file (160 MB)."""
 
 BINARY_BYTES = 1_000_000_000
 """Longest binary file that is opened."""
@@ -94,3 +100,18 @@ def read_bytes(path: Path, limit: int = TEXT_BYTES, *, compression: str | None =
             )
         return data[:limit]
     return data
+
+
+def check_cells(path: Path, rows: int, columns: int) -> None:
+    """Refuse a table of more cells than `ARRAY_VALUES`.
+
+    Raises:
+        InputError: with its size.
+    """
+    if rows * columns > ARRAY_VALUES:
+        raise InputError(
+            "the table is too large",
+            given=f"{rows} rows of {columns} columns",
+            valid=f"at most {ARRAY_VALUES} cells",
+            where=str(path),
+        )

@@ -13,6 +13,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from spacerobot.recordings.readers import limits
 from spacerobot.recordings.readers.base import Reader
 from spacerobot.recordings.readers.layout import split
 from spacerobot.recordings.readers.numbers import number, reason
@@ -51,6 +52,7 @@ class MotiveReader(Reader):
             rows = rows[options.rows[0] : options.rows[1]]
         if not rows:
             raise InputError("the export has no frames", where=f"{path}:{axis + 1}")
+        limits.check_cells(path, len(rows), len(names))
         values = np.full((len(rows), len(names)), np.nan)
         for row, index in enumerate(rows):
             cells = split(lines[index], ",")

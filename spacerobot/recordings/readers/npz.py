@@ -85,6 +85,7 @@ def _archive(path: Path, options: Options) -> dict[str, Floats]:
                 )
             with archive.open(member) as stream:
                 found.update(_fields(name, _load(stream.read(member.file_size + 1))))
+            limits.check_cells(path, sum(a.size for a in found.values()), 1)
     return {name: a for name, a in found.items() if a.size or wanted is not None}
 
 

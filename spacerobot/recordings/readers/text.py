@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import codecs
+import sys
 from pathlib import Path
 
 from spacerobot.recordings.readers import limits
@@ -61,7 +62,11 @@ def read_lines(path: Path, compression: str | None = None, encoding: str | None 
     raw = limits.read_bytes(path, compression=compression)
     text = decode(raw, path, encoding)
     del raw
-    text = text.replace("\r\n", "\n").replace("\r", "\n")
+    if sys.getsizeof(text) > limits.TEXT_MEMORY:
+        raise InputError("the text takes too much memory", valid=f"at most {limits.TEXT_MEMORY} bytes", where=str(path))
+    if "\r" in text:
+        text = text.replace("\r\n", "\n")
+        text = text.replace("\r", "\n")
     if text.count("\n") > limits.TEXT_LINES:
         raise InputError("too many lines", valid=f"at most {limits.TEXT_LINES}", where=str(path))
     lines = text.split("\n")
