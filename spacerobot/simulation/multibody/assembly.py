@@ -1,0 +1,208 @@
+"""From a scene and its mechanism to one Pinocchio model of robot, target and appendages."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from spacerobot.effects.mechanism import Mechanism
+from spacerobot.effects.primitives import Coordinate
+from spacerobot.simulation.scene import Scene
+from spacerobot.support.errors import InputError
+
+TARGET, CARRIAGE = "spacerobot_target", "spacerobot_hand"
+"""Names of the joints that this backend adds: the target's free-flyer, and the slide of a hand that an effect
+puts between a held arm and its wrist."""
+
+
+@dataclass(frozen=True, eq=False)
+class Assembly:
+    """One model, and where everything sits in it. World axes.
+
+    Attributes:
+        model: robot (held joints removed), target on a free-flyer, appendages on slides.
+        joints: coordinate or "slider" -> joint index, of those that are one joint's own displacement.
+        hand, tip, base: joint that carries the frame (0: the world) and the frame's origin in it, shape (3,).
+        target: joint of the target; its origin is the centre of mass.
+        point: contact point in the target's body axes, shape (3,) [m].
+        axes: columns approach, lateral, up, shape (3, 3).
+        split: first velocity index of the target; what is before moves with the robot, the rest with the target.
+        configuration: shape (nq,), at the start.
+        velocity: shape (nv,), at the start.
+    """
+
+    model: pin.Model
+    joints: dict[str, int]
+    hand: tuple[int, np.ndarray]
+    tip: tuple[int, np.ndarray]
+    base: tuple[int, np.ndarray]
+    target: int
+    point: np.ndarray
+    axes: np.ndarray
+    split: int
+    configuration: np.ndarray
+    velocity: np.ndarray
+
+
+def assemble_bodies(scene: Scene, mechanism: Mechanism) -> Assembly:
+    """Build the model of a scene whose effects have edited `mechanism`.
+
+    Raises:
+        InputError: a coordinate of the mechanism that no body of the scene can be.
+    """
+    robot = scene.prepared
+    full = robot.model
+    start = robot.configuration(np.array(scene.pose))
+    moving = {str(robot.slider)}
+    if scene.joints != "locked":
+        moving.update(robot.chain)
+    if scene.base == "free":
+        moving.add(full.names[1])
+    held = [i for i in range(1, full.njoints) if full.names[i] not in moving]
+    model = pin.buildReducedModel(full, held, start)
+    q = np.array(start[_kept(full, model)])
+    armature = np.zeros(model.nv)
+    for i in range(1, model.njoints):
+        old = full.joints[full.getJointId(model.names[i])]
+        armature[model.joints[i].idx_v : model.joints[i].idx_v + old.nv] = full.armature[old.idx_v : old.idx_v + old.nv]
+
+    slider = model.getJointId(str(robot.slider))
+    joints = {"slider": slider}
+    if "hand" in mechanism.coordinates and model.njoints == 2:
+        model, slider = _with_carriage(model, mechanism.coordinates["hand"], np.array(scene.approach))
+        joints = {"slider": slider, "hand": model.getJointId(CARRIAGE)}
+        q, armature = np.concatenate([[0.0], q]), np.concatenate([[0.0], armature])
+    for name in mechanism.coordinates:
+        if name.startswith("joint."):
+            joints[name] = model.getJointId(name.removeprefix("joint."))
+    _edit_masses(scene, mechanism, model, slider, joints, armature)
+
+    hand, tip = (_frame(model, name) for name in (robot.tip, str(robot.contact)))
+    base = (1, np.zeros(3)) if scene.base == "free" else (0, np.zeros(3))
+    data = model.createData()
+    pin.framesForwardKinematics(model, data, q)
+    touch = data.oMi[tip[0]].act(tip[1])
+    split = model.nv
+
+    contact = mechanism.contact
+    assert contact is not None
+    lever = scene.lever
+    body = pin.Inertia(mechanism.coordinates["target"].mass, np.zeros(3), scene.target.inertia_matrix())
+    target = model.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), TARGET)
+    model.appendBodyToJoint(target, body, pin.SE3.Identity())
+    place = touch - lever - scene.target.gap * np.array(scene.approach)
+    attitude = pin.Quaternion(scene.attitude)
+    attitude.normalize()
+    q = np.concatenate([q, place, attitude.coeffs()])
+    carriers = {"target": (target, np.zeros(3)), "wrist": tip, "hand": hand, "base": base}
+    for coordinate in mechanism.coordinates.values():
+        if coordinate.name not in joints and coordinate.name not in _OWN:
+            joints[coordinate.name] = _append(model, q, coordinate, carriers, scene)
+            q = np.append(q, 0.0)
+    model.armature = np.concatenate([armature, np.zeros(model.nv - armature.size)])
+    model.gravity.linear = np.array(scene.gravity)
+
+    v = np.zeros(model.nv)
+    approach = np.array(scene.approach)
+    if scene.base == "free":
+        v[:3] = -scene.hand_speed * approach  # the base stands unturned at the start
+    at = model.joints[target].idx_v
+    v[at : at + 3] = scene.attitude.T @ (scene.target.speed * approach)
+    v[at + 3 : at + 6] = scene.attitude.T @ np.array(scene.target.spin)
+    return Assembly(model, joints, hand, tip, base, target, scene.attitude.T @ lever, scene.axes, split, q, v)
+
+
+_OWN = ("hand", "wrist", "target", "target.y", "target.yaw", "base")
+
+
+def _kept(full: pin.Model, reduced: pin.Model) -> list[int]:
+    """Where the reduced model's configuration sits in the full one's."""
+    places: list[int] = []
+    for i in range(1, reduced.njoints):
+        joint = full.joints[full.getJointId(reduced.names[i])]
+        places += range(joint.idx_q, joint.idx_q + joint.nq)
+    return places
+
+
+def _frame(model: pin.Model, name: str) -> tuple[int, np.ndarray]:
+    frame = model.frames[model.getFrameId(name)]
+    return int(frame.parentJoint), np.array(frame.placement.translation)
+
+
+def _with_carriage(model: pin.Model, hand: Coordinate, approach: np.ndarray) -> tuple[pin.Model, int]:
+    """A held arm's slider put on a slide along the approach that weighs what the mechanism's hand does."""
+    new = pin.Model()
+    carriage = new.addJoint(0, pin.JointModelPrismaticUnaligned(approach), pin.SE3.Identity(), CARRIAGE)
+    new.appendBodyToJoint(carriage, pin.Inertia(hand.mass, np.zeros(3), np.zeros((3, 3))), pin.SE3.Identity())
+    slider = new.addJoint(carriage, model.joints[1], model.jointPlacements[1], model.names[1])
+    new.appendBodyToJoint(slider, model.inertias[1], pin.SE3.Identity())
+    for frame in model.frames:
+        if frame.type == pin.FrameType.BODY:
+            parent = slider if frame.parentJoint == 1 else carriage
+            new.addFrame(pin.Frame(frame.name, parent, 0, frame.placement, pin.FrameType.BODY))
+    return new, slider
+
+
+def _edit_masses(
+    scene: Scene,
+    mechanism: Mechanism,
+    model: pin.Model,
+    slider: int,
+    joints: dict[str, int],
+    armature: np.ndarray,
+) -> None:
+    """Give the bodies what effects added to the baseline's masses."""
+    before = scene.baseline("multibody").coordinates
+    for name, coordinate in mechanism.coordinates.items():
+        if name not in before or name.startswith("target"):
+            continue
+        added = coordinate.mass - before[name].mass
+        if added == 0.0:
+            continue
+        if name.startswith("joint."):
+            armature[model.joints[joints[name]].idx_v] += added
+            continue
+        if name == "hand":
+            joint, point = _frame(model, scene.prepared.tip)
+        else:
+            joint = slider if name == "wrist" else 1
+            point = np.array(model.inertias[joint].lever)
+        old = model.inertias[joint]
+        if old.mass + added <= 0.0:
+            raise InputError("a body would have no mass left", given=f"{name}: {old.mass + added:g} kg")
+        ratio = (old.mass + added) / old.mass
+        if added > 0.0 or name == "hand":
+            model.inertias[joint] = old + pin.Inertia(added, point, np.zeros((3, 3)))
+        else:
+            model.inertias[joint] = pin.Inertia(old.mass + added, old.lever, ratio * old.inertia)
+
+
+def _append(
+    model: pin.Model,
+    q: np.ndarray,
+    coordinate: Coordinate,
+    carriers: dict[str, tuple[int, np.ndarray]],
+    scene: Scene,
+) -> int:
+    """A body that slides along the approach (or turns about up) in its carrier; returns its joint."""
+    if coordinate.carrier not in carriers:
+        raise InputError(
+            f"coordinate {coordinate.name!r} is no body of the scene",
+            given=f"carrier {coordinate.carrier!r}",
+            valid=", ".join(carriers),
+        )
+    parent, point = carriers[coordinate.carrier]
+    partial = model.createData()
+    pin.forwardKinematics(model, partial, q)
+    rotation = np.array(partial.oMi[parent].rotation)
+    axis = rotation.T @ scene.axes[:, 2 if coordinate.angular else 0]
+    kind = pin.JointModelRevoluteUnaligned if coordinate.angular else pin.JointModelPrismaticUnaligned
+    joint = model.addJoint(parent, kind(axis), pin.SE3(np.eye(3), point), coordinate.name)
+    if coordinate.angular:
+        inertia = pin.Inertia(1e-9, np.zeros(3), coordinate.mass * np.eye(3))
+    else:
+        inertia = pin.Inertia(coordinate.mass, np.zeros(3), np.zeros((3, 3)))
+    model.appendBodyToJoint(joint, inertia, pin.SE3.Identity())
+    return int(joint)

@@ -1,0 +1,185 @@
+"""The equations of motion of an assembly in a mode: Pinocchio's terms, then the compiled kernel."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import pinocchio as pin
+
+from spacerobot.effects.mechanism import Mechanism
+from spacerobot.simulation.multibody.assembly import Assembly
+from spacerobot.simulation.multibody.kernel import CIRCLE, STRAIGHT, Scratch, accelerate, exert, load, sense
+from spacerobot.simulation.multibody.ports import layout_of, with_fields_as_forces
+from spacerobot.simulation.reduced.arrays import BIAS, FORCE, FRICTION, LAWS, RAW, W_ROWS, D, System, V, assemble, pack
+from spacerobot.simulation.reduced.events import fix_edges
+from spacerobot.simulation.reduced.motion import PRESSED, STICK, TINY, guards, level
+
+
+class Dynamics:
+    """Right-hand side and guards. Holds work arrays, so one at a time.
+
+    The ambient state is (configuration, velocity, work of every force and friction); quaternions and
+    cosine-sine pairs are brought back to length 1 before they are used.
+
+    Attributes:
+        modes: shape (1 + F + R,), contact, sign of every edge, friction; see the reduced model.
+        nq, nv, size: of configuration, velocity and ambient state.
+        slack: force [N] below which what holds a friction is rounding.
+    """
+
+    def __init__(self, assembly: Assembly, mechanism: Mechanism, drives: Mapping[str, np.ndarray] | None = None):
+        self.assembly = assembly
+        self.mechanism = with_fields_as_forces(mechanism)
+        self.model, self.data = assembly.model, assembly.model.createData()
+        self.layout, self.features = layout_of(assembly, self.mechanism)
+        system, self.names = assemble(self.mechanism)
+        self.nq, self.nv = self.model.nq, self.model.nv
+        self.forces, self.frictions = len(self.names.forces), len(self.names.frictions)
+        self.size = self.nq + self.nv + self.forces + self.frictions
+        self.packed = pack(self._widened(system))
+        self.w = self.packed.work()
+        self.modes = np.zeros(1 + self.forces + self.frictions, dtype=np.int64)
+        self.q, self.v = np.zeros(self.nq), np.zeros(self.nv)
+        self._drives = np.zeros((1, 1))
+        f, r, nv = len(self.features), max(self.frictions, 1), self.nv
+        self.scratch = Scratch(
+            np.zeros((f, nv)),
+            np.zeros((f, 3)),
+            np.zeros((5, 3)),
+            np.zeros((nv, nv)),
+            np.zeros(nv),
+            np.zeros((r, nv)),
+            np.zeros((r, r)),
+            np.zeros(r),
+        )
+        self.biased = self._needs_bias()
+        self.pressed_by_contact = [f.normal is not None for f in self.mechanism.frictions]
+        self.slack = 0.0
+        self._press_rate = self._at(V, "contact")
+        pin.computeJointJacobiansTimeVariation(self.model, self.data, assembly.configuration, assembly.velocity)
+        pin.crba(self.model, self.data, assembly.configuration)
+        self._views = [self.data.J, self.data.dJ, self.biased]
+        for body in (assembly.hand[0], assembly.tip[0], assembly.base[0], assembly.target):
+            self._views += [self.data.oMi[body].rotation, self.data.oMi[body].translation]
+        self._inertia, self._nle = self.data.M, self.data.nle
+
+    def _widened(self, system: System) -> System:
+        """The reduced model's arrays over this model's velocities: rows and masses come from Pinocchio."""
+        ports, nv = system.rows.shape[0], self.nv
+        special = system.special.copy()
+        special[2] = -1
+        return system._replace(
+            inverse_mass=np.ones(nv),
+            rows=np.zeros((ports, nv)),
+            special=special,
+            constant=np.zeros(nv),
+            impulse_time=np.zeros(0),
+            impulse=np.zeros((0, nv)),
+        )
+
+    def _needs_bias(self) -> bool:
+        """Whether a friction may stick at a port whose row turns as the bodies move."""
+        constant = {i for i, kind in enumerate(self.layout.feature[:, 0]) if kind in (STRAIGHT, CIRCLE)}
+        ports = list(self.mechanism.ports)
+        for friction in self.mechanism.frictions:
+            if friction.port not in ports:
+                return True
+            if any(f not in constant for f in np.flatnonzero(self.layout.ports[ports.index(friction.port)])):
+                return True
+        return False
+
+    def _locate(self, y: np.ndarray) -> None:
+        load(y, self.layout.joints, self.q, self.v)
+        if self.biased:
+            pin.computeJointJacobiansTimeVariation(self.model, self.data, self.q, self.v)
+        else:
+            pin.computeJointJacobians(self.model, self.data, self.q)
+        sense(self.packed.ints, self.w, self.layout, self.scratch, self.q, self.v, *self._views)
+
+    def rate(self, t: float, y: np.ndarray, out: np.ndarray) -> None:
+        """out = dy/dt, and all forces into the work array."""
+        load(y, self.layout.joints, self.q, self.v)
+        pin.crba(self.model, self.data, self.q)
+        pin.nonLinearEffects(self.model, self.data, self.q, self.v)
+        if self.biased:
+            pin.computeJointJacobiansTimeVariation(self.model, self.data, self.q, self.v)
+        else:
+            pin.computeJointJacobians(self.model, self.data, self.q)
+        floats, ints = self.packed
+        sense(ints, self.w, self.layout, self.scratch, self.q, self.v, *self._views)
+        accelerate(
+            floats,
+            ints,
+            LAWS.laws,
+            t,
+            self.modes,
+            self._drives,
+            self.w,
+            self.layout,
+            self.scratch,
+            self.q,
+            self.v,
+            self._inertia,
+            self._nle,
+            out,
+        )
+
+    def guard(self, t: float, y: np.ndarray, out: np.ndarray, slope: np.ndarray) -> float:
+        """Guards of all modes into `out`; returns the rate of the penetration. `slope` may be overwritten."""
+        if STICK in self.modes[1 + self.forces :]:
+            self.rate(t, y, slope)
+        else:
+            self._locate(y)
+            floats, ints = self.packed
+            exert(floats, ints, LAWS.laws, t, self.modes, self._drives, self.w, self.nv)
+        floats, ints = self.packed
+        guards(floats, ints, LAWS.laws, self.modes, self.w, out)
+        base = 1 + self.forces
+        for r in range(self.frictions):
+            if self.pressed_by_contact[r] and self.modes[0] != PRESSED:
+                out[base + r] = 1.0  # nothing presses: the friction is idle, whatever its rate does
+            elif self.modes[base + r] == STICK:
+                out[base + r] += self.slack
+        return float(self.w[self._press_rate])
+
+    def friction_excess(self, r: int) -> float:
+        """How far the force that holds friction `r` exceeds its limit [N], at the state last evaluated."""
+        floats, ints = self.packed
+        force = self.w[ints[FRICTION] + r]
+        normal = max(0.0, -self.w[ints[FORCE]]) if self.pressed_by_contact[r] else 0.0
+        limit = level(floats, ints, LAWS.laws, r, -TINY if force > 0.0 else TINY, normal)
+        return float(abs(force) - limit * (1.0 + 1e-12) - self.slack)
+
+    def friction_force(self, r: int) -> float:
+        """Force of friction `r` along its port at the state last evaluated [N]."""
+        return float(self.w[self.packed.ints[FRICTION] + r])
+
+    def contact_push(self) -> float:
+        """What the contact's law asks for beyond its holding force [N], at the state last evaluated."""
+        hold = self.mechanism.contact.hold if self.mechanism.contact is not None else 0.0
+        return float(hold - self.w[self.packed.ints[RAW]])
+
+    def settle_edges(self) -> None:
+        """Sets the sign of every edge to that of the state last evaluated."""
+        fix_edges(*self.packed, LAWS.laws, self.modes, self.w)
+
+    def _at(self, block: int, port: str) -> int:
+        return int(self.packed.ints[block]) + self.names.ports.index(port)
+
+    def port_position(self, port: str) -> float:
+        """Displacement of a port at the state last evaluated."""
+        return float(self.w[self._at(D, port)])
+
+    def port_rate(self, port: str) -> float:
+        """Rate of a port at the state last evaluated."""
+        return float(self.w[self._at(V, port)])
+
+    def port_bias(self, port: str) -> float:
+        """Acceleration of a port at zero joint acceleration, at the state last evaluated."""
+        return float(self.w[self._at(BIAS, port)])
+
+    def port_row(self, port: str) -> np.ndarray:
+        """Rate of a port per unit velocity at the state last evaluated, shape (nv,); a view."""
+        first = int(self.packed.ints[W_ROWS]) + self.names.ports.index(port) * self.nv
+        return self.w[first : first + self.nv]

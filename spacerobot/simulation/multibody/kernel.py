@@ -1,0 +1,372 @@
+"""The compiled half of the right-hand side: ports from Pinocchio's Jacobian, forces, sticking, accelerations.
+
+Pinocchio gives, at (q, v): the joint-space inertia M, the bias forces h, and the joint Jacobian J in world axes,
+whose linear rows are the velocity of the body point at the world's origin. Everything below is what remains, so
+that one evaluation costs little more than Pinocchio itself.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from spacerobot.simulation.reduced.arrays import (
+    BIAS,
+    FORCE,
+    FORCES,
+    FRICTION,
+    FRICTION_PORT,
+    FRICTIONS,
+    PORT,
+    PORTS,
+    PRESS,
+    SLIDE,
+    STUCK,
+    TAU,
+    W_ROWS,
+    D,
+    V,
+)
+from spacerobot.simulation.reduced.motion import STICK, act
+from spacerobot.support.jit import jit
+
+STRAIGHT, CIRCLE, POINT, YAW = range(4)
+"""Kinds of feature: a joint with one number; with cosine and sine; a frame's displacement; the target's heading."""
+
+WORLD, HAND, TIP, BASE, TARGET = range(5)
+"""Bodies that features and contact read."""
+
+QUATERNION, PAIR, PLAIN = range(3)
+"""Kinds of joint, by what their configuration is."""
+
+
+class Layout(NamedTuple):
+    """Constant arrays. nf features, nv velocities, m ports of the mechanism (without contact and slide)."""
+
+    joints: np.ndarray  # (njoints, 3) int: kind, index into q, index into v
+    feature: np.ndarray  # (nf, 3) int: kind, index into q or body, index into v or direction
+    reference: np.ndarray  # (nf,) displacement at the start, taken off
+    ports: np.ndarray  # (m, nf) coefficients
+    support: np.ndarray  # (5, nv) 1 where a velocity moves the body
+    local: np.ndarray  # (5, 3) the frame's origin in its joint; the target's is its contact point
+    axes: np.ndarray  # (3, 3) rows approach, lateral, up
+    tip_axes: np.ndarray  # (2, 3) rows: contact normal and lateral direction in the tip's joint
+    attitude: np.ndarray  # (3, 3) target at the start
+    split: np.ndarray  # (1,) int: first velocity of the target
+
+
+class Scratch(NamedTuple):
+    """Work arrays."""
+
+    row: np.ndarray  # (nf, nv)
+    value: np.ndarray  # (nf, 3): displacement, rate, bias acceleration
+    place: np.ndarray  # (5, 3) frame origins in the world
+    factor: np.ndarray  # (nv, nv) Cholesky factor
+    free: np.ndarray  # (nv,) acceleration
+    held: np.ndarray  # (R, nv) M^-1 W^T of stuck ports
+    matrix: np.ndarray  # (R, R)
+    vector: np.ndarray  # (R,)
+
+
+@jit
+def load(y: Any, joints: Any, q: Any, v: Any) -> None:
+    """Configuration on its manifold and velocity from the ambient state."""
+    nq, nv = q.size, v.size
+    for i in range(nq):
+        q[i] = y[i]
+    for i in range(nv):
+        v[i] = y[nq + i]
+    for j in range(joints.shape[0]):
+        first, count = joints[j, 1], 0
+        if joints[j, 0] == QUATERNION:
+            first, count = first + 3, 4
+        elif joints[j, 0] == PAIR:
+            count = 2
+        if count:
+            square = 0.0
+            for i in range(first, first + count):
+                square += q[i] * q[i]
+            for i in range(first, first + count):
+                q[i] /= np.sqrt(square)
+
+
+@jit
+def configuration_rate(q: Any, v: Any, joints: Any, out: Any) -> None:
+    """dq/dt in ambient coordinates."""
+    for j in range(joints.shape[0]):
+        kind, a, b = joints[j, 0], joints[j, 1], joints[j, 2]
+        if kind == PLAIN:
+            out[a] = v[b]
+        elif kind == PAIR:
+            out[a], out[a + 1] = -q[a + 1] * v[b], q[a] * v[b]
+        else:
+            x, y, z, w = q[a + 3], q[a + 4], q[a + 5], q[a + 6]
+            p, r, s = v[b], v[b + 1], v[b + 2]
+            tx, ty, tz = 2.0 * (y * s - z * r), 2.0 * (z * p - x * s), 2.0 * (x * r - y * p)
+            out[a] = p + w * tx + y * tz - z * ty
+            out[a + 1] = r + w * ty + z * tx - x * tz
+            out[a + 2] = s + w * tz + x * ty - y * tx
+            p, r, s = 0.5 * v[b + 3], 0.5 * v[b + 4], 0.5 * v[b + 5]
+            out[a + 3] = w * p + y * s - z * r
+            out[a + 4] = w * r + z * p - x * s
+            out[a + 5] = w * s + x * r - y * p
+            out[a + 6] = -x * p - y * r - z * s
+
+
+@jit
+def _row(jacobian: Any, mask: Any, n: Any, p: Any, sign: float, out: Any) -> None:
+    """out += sign * velocity along n of the body point at p, per unit velocity."""
+    m0 = p[1] * n[2] - p[2] * n[1]
+    m1 = p[2] * n[0] - p[0] * n[2]
+    m2 = p[0] * n[1] - p[1] * n[0]
+    for i in range(out.size):
+        if mask[i]:
+            out[i] += sign * (
+                n[0] * jacobian[0, i]
+                + n[1] * jacobian[1, i]
+                + n[2] * jacobian[2, i]
+                + m0 * jacobian[3, i]
+                + m1 * jacobian[4, i]
+                + m2 * jacobian[5, i]
+            )
+
+
+@jit
+def _drift(jacobian: Any, rate: Any, mask: Any, v: Any, p: Any, out: Any) -> None:
+    """Angular velocity, velocity and bias acceleration of the body point at p: out shape (3, 3)."""
+    twist, drift = np.zeros(6), np.zeros(6)
+    for i in range(v.size):
+        if mask[i]:
+            for k in range(6):
+                twist[k] += jacobian[k, i] * v[i]
+                drift[k] += rate[k, i] * v[i]
+    out[0] = twist[3:]
+    out[1] = twist[:3] + np.cross(twist[3:], p)
+    out[2] = drift[:3] + np.cross(drift[3:], p) + np.cross(twist[3:], out[1])
+
+
+@jit
+def sense(
+    c: Any,
+    w: Any,
+    layout: Layout,
+    scratch: Scratch,
+    q: Any,
+    v: Any,
+    jacobian: Any,
+    rate: Any,
+    biased: bool,
+    r_hand: Any,
+    t_hand: Any,
+    r_tip: Any,
+    t_tip: Any,
+    r_base: Any,
+    t_base: Any,
+    r_target: Any,
+    t_target: Any,
+) -> None:
+    """Rows, displacements, rates and (where `biased`) bias accelerations of all ports, into `w`."""
+    nv = v.size
+    row, value, place = scratch.row, scratch.value, scratch.place
+    place[HAND] = t_hand + r_hand @ layout.local[HAND]
+    place[TIP] = t_tip + r_tip @ layout.local[TIP]
+    place[BASE] = t_base + r_base @ layout.local[BASE]
+    place[TARGET] = t_target
+    motion = np.zeros((3, 3))
+    for f in range(row.shape[0]):
+        kind, a, b = layout.feature[f, 0], layout.feature[f, 1], layout.feature[f, 2]
+        for i in range(nv):
+            row[f, i] = 0.0
+        bias = 0.0
+        if kind == STRAIGHT:
+            d = q[a] - layout.reference[f]
+            row[f, b] = 1.0
+        elif kind == CIRCLE:
+            d = np.arctan2(q[a + 1], q[a]) - layout.reference[f]
+            d -= 2.0 * np.pi * np.round(d / (2.0 * np.pi))
+            row[f, b] = 1.0
+        elif kind == POINT:
+            n = layout.axes[b]
+            d = np.dot(n, place[a]) - layout.reference[f]
+            _row(jacobian, layout.support[a], n, place[a], 1.0, row[f])
+            if biased:
+                _drift(jacobian, rate, layout.support[a], v, place[a], motion)
+                bias = np.dot(n, motion[2])
+        else:
+            turned = r_target @ (layout.attitude.T @ layout.axes[0])
+            d = np.arctan2(np.dot(layout.axes[1], turned), np.dot(layout.axes[0], turned))
+            up = layout.axes[2]
+            for i in range(nv):
+                if layout.support[TARGET, i]:
+                    row[f, i] = up[0] * jacobian[3, i] + up[1] * jacobian[4, i] + up[2] * jacobian[5, i]
+                    if biased:
+                        bias += (up[0] * rate[3, i] + up[1] * rate[4, i] + up[2] * rate[5, i]) * v[i]
+        speed = 0.0
+        for i in range(nv):
+            speed += row[f, i] * v[i]
+        value[f, 0], value[f, 1], value[f, 2] = d, speed, bias
+    ports = layout.ports.shape[0]
+    for p in range(ports):
+        for k in range(3):
+            w[c[(D, V, BIAS)[k]] + p] = 0.0
+        for i in range(nv):
+            w[c[W_ROWS] + p * nv + i] = 0.0
+        for f in range(row.shape[0]):
+            share = layout.ports[p, f]
+            if share != 0.0:
+                w[c[D] + p] += share * value[f, 0]
+                w[c[V] + p] += share * value[f, 1]
+                w[c[BIAS] + p] += share * value[f, 2]
+                for i in range(nv):
+                    w[c[W_ROWS] + p * nv + i] += share * row[f, i]
+    if c[PRESS] < 0:
+        return
+    touch = t_target + r_target @ layout.local[TARGET]
+    apart = touch - place[TIP]
+    relative = np.zeros(3)
+    if biased:
+        other = np.zeros((3, 3))
+        _drift(jacobian, rate, layout.support[TIP], v, touch, other)
+        _drift(jacobian, rate, layout.support[TARGET], v, touch, motion)
+        relative = motion[2] - other[2] - 2.0 * np.cross(other[0], motion[1] - other[1])
+    for k in range(2):
+        p = c[PRESS] if k == 0 else c[SLIDE]
+        n = r_tip @ layout.tip_axes[k]
+        out = w[c[W_ROWS] + p * nv : c[W_ROWS] + (p + 1) * nv]
+        out[:] = 0.0
+        # the face belongs to the tip, the point to the target; both feel the force at the point
+        _row(jacobian, layout.support[TARGET], n, touch, 1.0, out)
+        _row(jacobian, layout.support[TIP], n, touch, -1.0, out)
+        speed = 0.0
+        for i in range(nv):
+            speed += out[i] * v[i]
+        w[c[D] + p], w[c[V] + p], w[c[BIAS] + p] = np.dot(n, apart), speed, np.dot(n, relative)
+
+
+@jit
+def exert(x: Any, c: Any, laws: Any, t: float, modes: Any, u: Any, w: Any, count: int) -> int:
+    """Forces at the ports from what `sense` found; returns how many frictions stick."""
+    for i in range(count):
+        w[c[TAU] + i] = 0.0
+    return act(x, c, laws, t, modes, u, w)
+
+
+@jit
+def _factorise(inertia: Any, first: int, last: int, factor: Any) -> None:
+    for i in range(first, last):
+        for j in range(first, i + 1):
+            total = inertia[j, i]
+            for k in range(first, j):
+                total -= factor[i, k] * factor[j, k]
+            if i == j:
+                factor[i, i] = np.sqrt(total)
+            else:
+                factor[i, j] = total / factor[j, j]
+
+
+@jit
+def _solve(factor: Any, first: int, last: int, b: Any) -> None:
+    for i in range(first, last):
+        total = b[i]
+        for k in range(first, i):
+            total -= factor[i, k] * b[k]
+        b[i] = total / factor[i, i]
+    for i in range(last - 1, first - 1, -1):
+        total = b[i]
+        for k in range(i + 1, last):
+            total -= factor[k, i] * b[k]
+        b[i] = total / factor[i, i]
+
+
+@jit
+def solve(factor: Any, split: int, b: Any) -> None:
+    """b = M^-1 b; robot and target are two blocks."""
+    _solve(factor, 0, split, b)
+    _solve(factor, split, b.size, b)
+
+
+@jit
+def accelerate(
+    x: Any,
+    c: Any,
+    laws: Any,
+    t: float,
+    modes: Any,
+    u: Any,
+    w: Any,
+    layout: Layout,
+    scratch: Scratch,
+    q: Any,
+    v: Any,
+    inertia: Any,
+    bias: Any,
+    out: Any,
+) -> None:
+    """out = d/dt (configuration, velocity, work of every force and friction); call after `sense`."""
+    nq, nv = q.size, v.size
+    stuck = exert(x, c, laws, t, modes, u, w, nv)
+    split = layout.split[0]
+    _factorise(inertia, 0, split, scratch.factor)
+    _factorise(inertia, split, nv, scratch.factor)
+    free = scratch.free
+    for i in range(nv):
+        free[i] = w[c[TAU] + i] - bias[i]
+    solve(scratch.factor, split, free)
+    if stuck:
+        hold(c, w, stuck, split, scratch)
+    configuration_rate(q, v, layout.joints, out)
+    for i in range(nv):
+        out[nq + i] = free[i]
+    at = nq + nv
+    for j in range(c[FORCES]):
+        out[at + j] = w[c[FORCE] + j] * w[c[V] + c[c[PORT] + j]]
+    at += c[FORCES]
+    for r in range(c[FRICTIONS]):
+        sticks = modes[1 + c[FORCES] + r] == STICK
+        out[at + r] = 0.0 if sticks else w[c[FRICTION] + r] * w[c[V] + c[c[FRICTION_PORT] + r]]
+
+
+@jit
+def hold(c: Any, w: Any, stuck: int, split: int, scratch: Scratch) -> None:
+    """Forces that keep stuck ports from accelerating, W M^-1 W^T f = -(W a + bias); adds them to the motion."""
+    free, held, matrix, vector = scratch.free, scratch.held, scratch.matrix, scratch.vector
+    nv = free.size
+    for a in range(stuck):
+        p = c[c[FRICTION_PORT] + int(w[c[STUCK] + a])]
+        rows = w[c[W_ROWS] + p * nv : c[W_ROWS] + (p + 1) * nv]
+        total = w[c[BIAS] + p]
+        for i in range(nv):
+            held[a, i] = rows[i]
+            total += rows[i] * free[i]
+        vector[a] = -total
+        solve(scratch.factor, split, held[a])
+    for a in range(stuck):
+        p = c[c[FRICTION_PORT] + int(w[c[STUCK] + a])]
+        for b in range(stuck):
+            coupling = 0.0
+            for i in range(nv):
+                coupling += w[c[W_ROWS] + p * nv + i] * held[b, i]
+            matrix[a, b] = coupling
+    largest = 0.0
+    for a in range(stuck):
+        largest = max(largest, matrix[a, a])
+    for a in range(stuck):  # elimination without pivoting: symmetric positive semidefinite
+        if matrix[a, a] <= 1e-12 * largest:
+            continue
+        for b in range(a + 1, stuck):
+            ratio = matrix[b, a] / matrix[a, a]
+            for e in range(a, stuck):
+                matrix[b, e] -= ratio * matrix[a, e]
+            vector[b] -= ratio * vector[a]
+    for k in range(stuck):
+        a = stuck - 1 - k
+        value = vector[a]
+        for b in range(a + 1, stuck):
+            value -= matrix[a, b] * vector[b]
+        # a second friction at the same port finds a zero pivot and carries nothing; the first carries all
+        vector[a] = value / matrix[a, a] if matrix[a, a] > 1e-12 * largest else 0.0
+    for a in range(stuck):
+        w[c[FRICTION] + int(w[c[STUCK] + a])] = vector[a]
+        for i in range(nv):
+            free[i] += held[a, i] * vector[a]

@@ -1,0 +1,145 @@
+"""How a mechanism's ports read the assembly: features, and each port as a combination of them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from spacerobot.effects.kernel import Kernel
+from spacerobot.effects.mechanism import Mechanism
+from spacerobot.effects.primitives import Force
+from spacerobot.simulation.multibody.assembly import Assembly
+from spacerobot.simulation.multibody.kernel import (
+    BASE,
+    CIRCLE,
+    HAND,
+    PAIR,
+    PLAIN,
+    POINT,
+    QUATERNION,
+    STRAIGHT,
+    TARGET,
+    TIP,
+    YAW,
+    Layout,
+)
+
+_POINTS = {"hand": (HAND, 0), "target": (TARGET, 0), "target.y": (TARGET, 1), "base": (BASE, 0)}
+GRAVITY = "gravity"
+"""Fields of this name are the scene's own gravity, which Pinocchio applies as a vector to every body."""
+
+
+def pull(d: float, v: float, aux: float, p: Any) -> float:
+    """A constant force; p = (force,)."""
+    return p[0]
+
+
+def pull_energy(d: float, v: float, aux: float, p: Any) -> float:
+    """-F d."""
+    return -p[0] * d
+
+
+PULL = Kernel(pull, energy=pull_energy)
+
+
+def with_fields_as_forces(mechanism: Mechanism) -> Mechanism:
+    """The mechanism with every field of an effect written as a constant force on its body."""
+    ports, forces = dict(mechanism.ports), list(mechanism.forces)
+    for item in mechanism.fields:
+        if item.name == GRAVITY:
+            continue
+        port = f"body {item.body}"
+        ports[port] = {item.body: 1.0}
+        weight = mechanism.coordinates[item.body].mass * item.acceleration
+        forces.append(Force(f"{item.name} on {item.body}", port, PULL, (weight,)))
+    return replace(mechanism, ports=ports, forces=tuple(forces), fields=())
+
+
+def layout_of(assembly: Assembly, mechanism: Mechanism) -> tuple[Layout, list[str]]:
+    """The constant arrays of the compiled kernel, and the names of the features."""
+    model = assembly.model
+    names = _features(assembly, mechanism)
+    data = model.createData()
+    pin.forwardKinematics(model, data, assembly.configuration)
+    feature, reference = np.zeros((len(names), 3), dtype=np.int64), np.zeros(len(names))
+    approach, lateral = assembly.axes[:, 0], assembly.axes[:, 1]
+    touch_at = data.oMi[assembly.tip[0]].act(assembly.tip[1])
+    lever = data.oMi[assembly.target].rotation @ assembly.point
+    start = {
+        "hand": data.oMi[assembly.hand[0]].act(assembly.hand[1]),
+        "base": data.oMi[assembly.base[0]].act(assembly.base[1]),
+        "target": touch_at - lever,  # where the target is when it touches the resting wrist
+        "target.y": touch_at - lever,
+    }
+    for f, name in enumerate(names):
+        if name in _POINTS:
+            body, direction = _POINTS[name]
+            feature[f] = POINT, body, direction
+            reference[f] = (approach, lateral)[direction] @ start[name]
+        elif name == "target.yaw":
+            feature[f] = YAW, 0, 0
+        else:
+            joint = model.joints[assembly.joints[name]]
+            a, b = joint.idx_q, joint.idx_v
+            q = assembly.configuration
+            feature[f] = (STRAIGHT if joint.nq == 1 else CIRCLE), a, b
+            if name.startswith("joint."):
+                reference[f] = q[a] if joint.nq == 1 else np.arctan2(q[a + 1], q[a])
+    rows = np.zeros((len(mechanism.ports), len(names)))
+    for p, port in enumerate(mechanism.ports):
+        for coordinate, share in mechanism.ports[port].items():
+            for f_name, part in _combination(coordinate, mechanism, names).items():
+                rows[p, names.index(f_name)] += share * part
+    bodies = [0, assembly.hand[0], assembly.tip[0], assembly.base[0], assembly.target]
+    tip = data.oMi[assembly.tip[0]].rotation
+    return (
+        Layout(
+            joints=_joints(model),
+            feature=feature,
+            reference=reference,
+            ports=rows,
+            support=np.array([_support(model, body) for body in bodies]),
+            local=np.array([np.zeros(3), assembly.hand[1], assembly.tip[1], assembly.base[1], assembly.point]),
+            axes=np.ascontiguousarray(assembly.axes.T),
+            tip_axes=np.array([tip.T @ approach, tip.T @ lateral]),
+            attitude=np.array(data.oMi[assembly.target].rotation),
+            split=np.array([assembly.split]),
+        ),
+        names,
+    )
+
+
+def _features(assembly: Assembly, mechanism: Mechanism) -> list[str]:
+    names = ["hand", "slider", "target", "target.y", "target.yaw"]
+    names += [n for n in ("base",) if n in mechanism.coordinates]
+    return names + [n for n in assembly.joints if n not in names]
+
+
+def _combination(coordinate: str, mechanism: Mechanism, names: list[str]) -> dict[str, float]:
+    """A coordinate in features. The wrist is the hand plus the slider; what rides is its carrier plus its own."""
+    if coordinate == "wrist":
+        return {"hand": 1.0, "slider": 1.0}
+    carrier = mechanism.coordinates[coordinate].carrier
+    if carrier is None:
+        return {coordinate: 1.0}
+    return {**_combination(carrier, mechanism, names), coordinate: 1.0}
+
+
+def _joints(model: pin.Model) -> np.ndarray:
+    kinds = []
+    for joint in list(model.joints)[1:]:
+        kind = QUATERNION if joint.nq == 7 else PAIR if joint.nq == 2 else PLAIN
+        kinds.append((kind, joint.idx_q, joint.idx_v))
+    return np.array(kinds, dtype=np.int64)
+
+
+def _support(model: pin.Model, body: int) -> np.ndarray:
+    mask = np.zeros(model.nv, dtype=np.int64)
+    while body:
+        joint = model.joints[body]
+        mask[joint.idx_v : joint.idx_v + joint.nv] = 1
+        body = model.parents[body]
+    return mask

@@ -1,0 +1,249 @@
+"""A scene: everything about one meeting of a robot's wrist and a free-flying body, checked when it is made."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from spacerobot.dynamics.direction import unit_directions
+from spacerobot.dynamics.pose_limits import PoseLimitWarning, pose_limit_warnings
+from spacerobot.dynamics.regime import BASES, JOINTS
+from spacerobot.effects.mechanism import Mechanism
+from spacerobot.model.library import load
+from spacerobot.model.robot import Robot
+from spacerobot.model.spacecraft import SpacecraftSpec, float_base
+from spacerobot.model.wrist import WristSpec, aim, attach_wrist
+from spacerobot.simulation.hand import Hand, hand_of
+from spacerobot.simulation.parts import ContactLaw, EffectAt, Servo, Target, Wrist, number, vector
+from spacerobot.simulation.scene_mechanism import baseline, edited
+from spacerobot.support.errors import InputError, NotFoundError
+
+BACKENDS = ("reduced", "multibody")
+PA10_POSE = tuple(math.radians(d) for d in (0.0, 45.0, 0.0, 90.0, 0.0, -45.0, 0.0))
+"""Joint angles [rad] of the bundled seven-joint arm where a scene states none."""
+
+PA10_JOINTS = ("S1", "S2", "S3", "E1", "E2", "W1", "W2")
+
+
+@dataclass(frozen=True)
+class Scene:
+    """One meeting of wrist and target. SI, world axes; x of every result grows along `approach`.
+
+    Attributes:
+        robot: bundled name, example-robot-data name, URDF path or text, or a Robot; without a wrist it gets one
+            at its tip.
+        base: "fixed" or "free"; free where the robot floats if None.
+        joints: "locked", "free" or "servo".
+        pose: joint positions from base to tip [rad or m]; the rig's pose for the bundled arm, else zero, if None.
+        approach: unit vector, the target's direction of motion; the wrist is turned to point against it.
+        gravity: acceleration [m/s^2].
+        wrist, contact, target: see there.
+        servo: what holds servo joints.
+        hand_speed: of a free chaser as a whole, against `approach`, toward the target [m/s].
+        spacecraft: put under the arm to let its base float, or None.
+        duration: of the simulation [s]; from arrival and predicted contact time if None.
+        effects: of the catalogue, applied in order.
+        backend: "reduced" or "multibody".
+        title: one line.
+    """
+
+    robot: str | Path | Robot = "pa10_wrist"
+    base: str | None = None
+    joints: str = "locked"
+    pose: tuple[float, ...] | None = None
+    approach: tuple[float, ...] = (1.0, 0.0, 0.0)
+    gravity: tuple[float, ...] = (0.0, 0.0, 0.0)
+    wrist: Wrist = field(default_factory=Wrist)
+    contact: ContactLaw = field(default_factory=ContactLaw)
+    target: Target = field(default_factory=Target)
+    servo: Servo | None = None
+    hand_speed: float = 0.0
+    spacecraft: SpacecraftSpec | None = None
+    duration: float | None = None
+    effects: tuple[EffectAt, ...] = ()
+    backend: str = "multibody"
+    title: str = ""
+
+    def __post_init__(self) -> None:
+        def put(name: str, value: Any) -> None:
+            object.__setattr__(self, name, value)
+
+        for name, kind in (("wrist", Wrist), ("contact", ContactLaw), ("target", Target)):
+            if not isinstance(getattr(self, name), kind):
+                raise InputError(f"must be a {kind.__name__}", given=getattr(self, name), where=name)
+        for name, known in (("joints", JOINTS), ("backend", BACKENDS)):
+            if getattr(self, name) not in known:
+                raise NotFoundError(f"value of {name!r}", str(getattr(self, name)), known, where=name)
+        if self.base is not None and self.base not in BASES:
+            raise NotFoundError("value of 'base'", str(self.base), BASES, where="base")
+        put("approach", tuple(unit_directions(vector(self.approach, 3, "approach"), where="approach").tolist()))
+        put("gravity", vector(self.gravity, 3, "gravity"))
+        put("hand_speed", number(self.hand_speed, "hand_speed"))
+        put("effects", tuple(self.effects))
+        if self.duration is not None:
+            put("duration", number(self.duration, "duration", minimum=0.0, strict=True))
+        if (self.servo is not None) != (self.joints == "servo"):
+            if self.servo is not None:
+                raise InputError("a servo needs servo joints", given=f"joints {self.joints}", where="servo")
+            raise InputError("servo joints need a servo", valid="servo stiffness and damping", where="servo")
+        loaded = self._loaded()
+        put("base", self.base or ("free" if loaded.floating else "fixed"))
+        if self.pose is not None:
+            put("pose", vector(self.pose, len(loaded.chain), "pose", f"one for each of {', '.join(loaded.chain)}"))
+        else:
+            put("pose", PA10_POSE if loaded.chain == PA10_JOINTS else (0.0,) * len(loaded.chain))
+        if self.servo is not None:
+            self.servo.per_joint(loaded.chain)
+        if self.base == "free" and not loaded.floating:
+            raise InputError(
+                f"{loaded.name} has a fixed base, and a free one needs a spacecraft's mass and inertia",
+                given="base free",
+                valid="base fixed, a robot that floats (a chaser), or a spacecraft to put it on",
+                where="base",
+            )
+        if self.hand_speed and self.base != "free":
+            raise InputError("only a free chaser has a speed of its own", given=self.hand_speed, where="hand_speed")
+        for text in pose_limit_warnings(loaded, loaded.configuration(np.array(self.pose))):
+            warnings.warn(text, PoseLimitWarning, stacklevel=3)
+        object.__setattr__(self, "_aimed", self._prepared(loaded))
+        self.mechanism()
+        self._require_arrival()
+
+    def _loaded(self) -> Robot:
+        robot = self.robot if isinstance(self.robot, Robot) else load(self.robot)
+        if robot.slider is None:
+            robot = attach_wrist(robot, wrist=WristSpec(mass=self.wrist.mass))
+        if self.spacecraft is not None:
+            if self.base == "fixed":
+                raise InputError("a spacecraft floats", given="base fixed", valid="base free", where="spacecraft")
+            robot = float_base(robot, self.spacecraft)
+        return robot
+
+    def _prepared(self, robot: Robot) -> Robot:
+        """Wrist against the approach, its slider as heavy as the scene says."""
+        aimed = aim(robot, np.array(self.pose), np.array(self.approach))
+        model = aimed.model.copy()
+        slider = aimed.joint_id(str(aimed.slider))
+        body = model.inertias[slider]
+        ratio = self.wrist.mass / body.mass
+        model.inertias[slider] = type(body)(self.wrist.mass, body.lever, ratio * body.inertia)
+        return replace(aimed, model=model)
+
+    @property
+    def prepared(self) -> Robot:
+        """The robot with its wrist turned against `approach` and the slider's mass set."""
+        return self._aimed  # type: ignore[attr-defined, no-any-return]
+
+    @cached_property
+    def axes(self) -> np.ndarray:
+        """Columns approach, lateral (z x approach) and up, shape (3, 3); lateral is y for an upright approach."""
+        ahead = np.array(self.approach)
+        side = np.cross((0.0, 0.0, 1.0), ahead)
+        length = np.linalg.norm(side)
+        lateral = side / length if length > 1e-6 else np.array([0.0, 1.0, 0.0])
+        lateral = lateral - ahead * (ahead @ lateral)
+        lateral = lateral / np.linalg.norm(lateral)
+        return np.column_stack([ahead, lateral, np.cross(ahead, lateral)])
+
+    @cached_property
+    def hand(self) -> Hand:
+        """What the wrist feels of the arm: its effective mass, and a spring where servos hold it."""
+        return hand_of(self)
+
+    @cached_property
+    def _mechanisms(self) -> dict[str, Mechanism]:
+        return {}
+
+    def baseline(self, backend: str | None = None) -> Mechanism:
+        """The mechanism without the scene's effects."""
+        return baseline(self, backend or self.backend)
+
+    def mechanism(self, backend: str | None = None) -> Mechanism:
+        """The mechanism with the scene's effects in it.
+
+        Args:
+            backend: for which backend; joints and base have ports only in "multibody". The scene's own if None.
+
+        Raises:
+            NotFoundError, InputError: an effect that cannot sit where the scene puts it.
+        """
+        backend = backend or self.backend
+        if backend not in self._mechanisms:
+            self._mechanisms[backend] = edited(self, backend)
+        return self._mechanisms[backend]
+
+    @property
+    def closing_speed(self) -> float:
+        """Speed at which contact point and tip near each other at the start [m/s]."""
+        lever = self.lever
+        point = np.cross(np.array(self.target.spin), lever)
+        return float(self.target.speed + point @ np.array(self.approach) + self.hand_speed)
+
+    @cached_property
+    def attitude(self) -> np.ndarray:
+        """Rotation of the target's body axes at the start, shape (3, 3), body to world."""
+        roll, pitch, yaw = self.target.attitude
+        turns = [((1, 2), roll), ((2, 0), pitch), ((0, 1), yaw)]
+        total = np.eye(3)
+        for (i, j), angle in turns:
+            turn = np.eye(3)
+            turn[i, i] = turn[j, j] = math.cos(angle)
+            turn[j, i] = math.sin(angle)
+            turn[i, j] = -turn[j, i]
+            total = turn @ total
+        return self.axes @ total
+
+    @cached_property
+    def lever(self) -> np.ndarray:
+        """From the target's centre of mass to its contact point at the start, shape (3,), world axes [m].
+
+        The effects that move the contact point have moved it.
+        """
+        contact = self.mechanism().contact
+        assert contact is not None
+        own = self.axes.T @ self.attitude @ np.array(self.target.contact_point)
+        return self.axes @ np.array([contact.ahead, contact.lateral, own[2]])
+
+    @cached_property
+    def arrival(self) -> float:
+        """Time of the first touch if nothing slows the approach and the target's spin is slow [s]."""
+        return self.target.gap / self.closing_speed
+
+    def _require_arrival(self) -> None:
+        if self.target.speed + self.hand_speed <= 0.0 and self.closing_speed <= 0.0:
+            raise InputError(
+                "the target never arrives: it does not approach the wrist",
+                given=f"target.speed {self.target.speed:g} m/s, hand_speed {self.hand_speed:g} m/s",
+                valid="a positive closing speed",
+                where="target.speed",
+            )
+        if self.duration is not None and self.arrival > self.duration and not any(self.target.spin):
+            raise InputError(
+                "the target never arrives: the simulation ends before",
+                given=f"gap {self.target.gap:g} m at {self.closing_speed:g} m/s takes {self.arrival:.4g} s",
+                valid=f"a duration above that; it is {self.duration:g} s",
+                where="duration",
+            )
+
+    def with_effects(self, *effects: EffectAt) -> Scene:
+        """This scene with further effects."""
+        return replace(self, effects=(*self.effects, *effects))
+
+    @classmethod
+    def from_toml(cls, path: str | Path) -> Scene:
+        """Read a scene from a TOML file; see `spacerobot.simulation.scene_file`."""
+        from spacerobot.simulation.scene_file import read_scene
+
+        return read_scene(path)
+
+    def to_toml(self, path: str | Path | None = None) -> str:
+        """The scene as TOML text, also written to `path`, whole or not at all."""
+        from spacerobot.simulation.scene_file import write_scene
+
+        return write_scene(self, path)

@@ -1,0 +1,127 @@
+"""From a scene to the mechanism that both backends simulate."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from spacerobot.dynamics.inertia import joint_space_inertia
+from spacerobot.dynamics.joint_kinds import joint_axis
+from spacerobot.effects.laws import DAMPER, SPRING
+from spacerobot.effects.mechanism import Mechanism
+from spacerobot.effects.primitives import Coordinate, Field, Force, Readout
+from spacerobot.simulation.parts import EffectAt
+from spacerobot.simulation.rig import rig
+from spacerobot.support.errors import InputError, NotFoundError
+
+if TYPE_CHECKING:
+    from spacerobot.simulation.scene import Scene
+
+UNREACHABLE = 1e9
+"""Mass [kg] that stands for a hand which moves, but not along the approach (a singular pose)."""
+
+
+def baseline(scene: Scene, backend: str) -> Mechanism:
+    """Hand, wrist and target of a scene, with its contact law, guide friction and servos.
+
+    For "multibody" the moving joints and a free base have coordinates and ports too; the reduced model has them
+    in the hand's mass alone.
+    """
+    wrist, contact, target = scene.wrist, scene.contact, scene.target
+    turned = scene.axes.T @ scene.attitude
+    point = turned @ np.array(target.contact_point)
+    moves = scene.base == "free" or scene.joints != "locked"
+    mass = scene.hand.mass
+    if moves and math.isinf(mass):
+        mass = UNREACHABLE
+    along = float(np.array(scene.gravity) @ np.array(scene.approach))
+    mechanism = rig(
+        {
+            "hand.mass": mass,
+            "wrist.mass": wrist.mass,
+            "wrist.stiffness": wrist.stiffness,
+            "wrist.damping": wrist.damping,
+            "wrist.equivalent_damping": wrist.equivalent_damping,
+            "contact.stiffness": contact.stiffness,
+            "contact.damping": contact.damping,
+            "target.mass": target.mass,
+            "target.yaw_inertia": float((turned @ target.inertia_matrix() @ turned.T)[2, 2]),
+            "target.contact_point.ahead": float(point[0]),
+            "target.contact_point.lateral": float(point[1]),
+            "gravity.along": along,
+        },
+        bilateral=contact.bilateral,
+        lateral=True,
+    )
+    mechanism = mechanism.with_contact(lambda c: replace(c, p=contact.parameters, hold=contact.adhesion))
+    if along and scene.base == "free":
+        mechanism = mechanism.with_field(Field("hand", along))
+    if backend == "multibody":
+        mechanism = _with_robot(scene, mechanism)
+    elif scene.hand.stiffness > 0.0 and moves:
+        arm = {"hand": 1.0}
+        mechanism = replace(mechanism, ports={**mechanism.ports, "arm": arm}).with_force(
+            Force("arm.servo_spring", "arm", SPRING, (scene.hand.stiffness,), role="spring"),
+            Force("arm.servo_damper", "arm", DAMPER, (scene.hand.damping,), role="damper"),
+        )
+    if wrist.guide_friction > 0.0:
+        mechanism = EffectAt("coulomb_friction", "wrist", {"force_N": wrist.guide_friction}).apply(mechanism)
+    if contact.mu > 0.0:
+        mechanism = EffectAt("contact_friction", "contact", {"mu": contact.mu}).apply(mechanism)
+    return mechanism
+
+
+def edited(scene: Scene, backend: str) -> Mechanism:
+    """The baseline with the scene's effects applied in order.
+
+    Raises:
+        NotFoundError, InputError: an effect that cannot sit there; with its number in the scene.
+    """
+    mechanism = baseline(scene, backend)
+    for i, item in enumerate(scene.effects):
+        if not isinstance(item, EffectAt):
+            raise InputError("must be an EffectAt", given=item, where=f"effects[{i}]")
+        try:
+            mechanism = item.apply(mechanism)
+        except NotFoundError as error:
+            hint = "" if backend == "multibody" else " (joints and base are places in backend multibody alone)"
+            kind = f"{error.kind}{hint}" if error.kind.startswith("place") else error.kind
+            raise NotFoundError(kind, error.name, error.known, where=f"effects[{i}]") from None
+        except InputError as error:
+            where = f"effects[{i}]" + (f" ({error.where})" if error.where else "")
+            raise InputError(error.what, given=error.given, valid=error.valid, where=where) from None
+    return mechanism
+
+
+def _with_robot(scene: Scene, mechanism: Mechanism) -> Mechanism:
+    """Coordinates, ports, readouts and servos of the moving joints and the free base."""
+    robot = scene.prepared
+    coordinates, ports = dict(mechanism.coordinates), dict(mechanism.ports)
+    readouts, sensors = dict(mechanism.readouts), dict(mechanism.sensors)
+    forces = list(mechanism.forces)
+    if scene.base == "free":
+        coordinates["base"] = Coordinate("base", float(robot.model.inertias[1].mass))
+        ports["base"] = {"base": 1.0}
+        readouts["base.x"] = Readout("base.x", "position", "base")
+    if scene.joints != "locked":
+        inertia = joint_space_inertia(robot, robot.configuration(np.array(scene.pose)))
+        held = scene.servo.per_joint(robot.chain) if scene.servo is not None else ()
+        for i, joint in enumerate(robot.chain):
+            name = f"joint.{joint}"
+            index = robot.velocity_index(joint)
+            turns = joint_axis(robot.model, robot.joint_id(joint))[0]
+            coordinates[name] = Coordinate(name, float(inertia[index, index]), angular=turns)
+            ports[name] = {name: 1.0}
+            readouts[f"{name}.position"] = Readout(f"{name}.position", "position", name)
+            readouts[f"{name}.velocity"] = Readout(f"{name}.velocity", "velocity", name)
+            if held:
+                stiffness, damping = held[i]
+                forces.append(Force(f"{name}.servo_spring", name, SPRING, (stiffness,), role="spring"))
+                forces.append(Force(f"{name}.servo_damper", name, DAMPER, (damping,), role="damper"))
+        sensors["encoders"] = tuple(r for r in readouts if r.startswith("joint."))
+    return replace(
+        mechanism, coordinates=coordinates, ports=ports, readouts=readouts, sensors=sensors, forces=tuple(forces)
+    )
