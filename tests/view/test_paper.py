@@ -180,6 +180,16 @@ def test_hand_mass_to_infinity_at_first_order() -> None:
         assert slope == pytest.approx(-1, abs=0.01)
 
 
+def test_a_servo_held_arm_tends_to_a_locked_one_at_first_order() -> None:
+    check = limits.servo_check()
+    gap = check.reduced_mass / check.lumped_mass - 1
+    assert (check.mobility < 0).all(), "below its resonance the arm is a spring"
+    stiff = check.stiffness >= 1e5
+    assert np.polyfit(np.log(check.stiffness[stiff]), np.log(gap[stiff]), 1)[0] == pytest.approx(-1, abs=1e-3)
+    np.testing.assert_allclose(gap[stiff], check.expected[stiff], rtol=2e-3)
+    assert gap[-1] < 1e-6
+
+
 def test_restitution_rises_with_speed_and_meets_the_constant_once() -> None:
     check = limits.speed_check(12.3)
     comes_back = check.coulomb > 0

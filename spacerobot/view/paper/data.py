@@ -15,10 +15,12 @@ from spacerobot.view.paper.limits import (
     FrequencyCheck,
     HandMassCheck,
     PullCheck,
+    ServoCheck,
     SpeedCheck,
     frequency_check,
     hand_mass_check,
     pull_check,
+    servo_check,
     speed_check,
 )
 from spacerobot.view.paper.sweeps import Sweep, sweeps
@@ -72,6 +74,7 @@ class PaperData:
         frequencies: Eq. 5 against the exact frequencies.
         pull: the adhesive force before the end of Eq. 14.
         hand_mass: M -> infinity.
+        servo: the same for an arm whose joints servos hold.
         speed: restitution over the speed.
         sweeps: four assumptions broken by degrees.
     """
@@ -85,6 +88,7 @@ class PaperData:
     frequencies: FrequencyCheck
     pull: PullCheck
     hand_mass: HandMassCheck
+    servo: ServoCheck
     speed: SpeedCheck
     sweeps: tuple[Sweep, ...]
 
@@ -112,7 +116,13 @@ def compute(seed: int, equivalent_damping: float, *, verbose: bool = False) -> P
         progress.advance(note="assumptions")
         swept = sweeps(equivalent_damping)
         progress.advance(note="sweeps")
-        checks = frequency_check(), pull_check(equivalent_damping), hand_mass_check(), speed_check(equivalent_damping)
+        checks = (
+            frequency_check(),
+            pull_check(equivalent_damping),
+            hand_mass_check(),
+            servo_check(),
+            speed_check(equivalent_damping),
+        )
         progress.advance(3, note="limits")
     conditions = _conditions(trials, equivalent_damping)
     return PaperData(seed, equivalent_damping, tuple(curves), trials, conditions, findings, *checks, sweeps=swept)
@@ -218,6 +228,7 @@ def as_json(data: PaperData) -> dict[str, Any]:
             "adhesive_share_of_peak_force": pull.peak_share,
         },
         "hand_mass": data.hand_mass,
+        "servo_arm": data.servo,
         "speed": data.speed,
         "assumptions": [
             {

@@ -213,6 +213,34 @@ def hand_mass(data: PaperData) -> Figure:
         return figure
 
 
+def servo_arm(data: PaperData) -> Figure:
+    """The PA10-like arm on the ground, its servos ever stiffer: 1/m_app -> 0 and m~ -> m_w + m_t."""
+    check = data.servo
+    with style():
+        figure = canvas(8.6, 4.0)
+        left, right = figure.subplots(1, 2)
+        left.loglog(check.stiffness, -check.mobility, color=BLUE, marker="o", markersize=4, markevery=2)
+        left.set(
+            xlabel="stiffness of each joint's servo [N m/rad]", ylabel=r"$-\mathrm{Re}\,1/m_{app}$ at contact [1/kg]"
+        )
+        left.set_title(r"$1/m_{app} \to 0$, the arm a spring")
+        gap = check.reduced_mass / check.lumped_mass - 1.0
+        right.loglog(
+            check.stiffness,
+            gap,
+            color=VERMILION,
+            marker="o",
+            markersize=4,
+            linestyle="none",
+            label=r"from $m_{app}$ of the arm",
+        )
+        right.loglog(check.stiffness, check.expected, color=BLUE, label=r"from $-\omega^2/K_{tip}$")
+        right.set(xlabel="stiffness of each joint's servo [N m/rad]", ylabel=r"$\tilde{m}/(m_w + m_t) - 1$")
+        right.set_title(r"$\tilde{m} \to m_w + m_t$ = " + f"{check.lumped_mass:g} kg")
+        right.legend(loc="upper right")
+        return figure
+
+
 def speed(data: PaperData) -> Figure:
     """Restitution over the speed: Coulomb friction against the constant damping that stands for it."""
     check = data.speed
@@ -348,6 +376,7 @@ FIGURES: dict[str, Callable[[PaperData], Figure]] = {
     "eq5_frequency": frequency,
     "eq14_adhesion": adhesion,
     "eq10_hand_mass": hand_mass,
+    "eq10_servo_arm": servo_arm,
     "speed_dependence": speed,
     "assumption_costs": assumption_costs,
     "assumption_sweeps": assumption_sweeps,

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from spacerobot.dynamics.apparent_mass import ApparentMass, apparent_mass
+from spacerobot.dynamics.contact_frequency import contact_frequency
+from spacerobot.model.library import load
 from spacerobot.theory import coulomb_slider, frequencies, reduction, response, restitution, table1
 from spacerobot.theory.equations_of_motion import ThreeMasses
 from spacerobot.theory.exact import solve
@@ -127,6 +131,53 @@ def hand_mass_check() -> HandMassCheck:
         1.0 - np.sqrt(reduced / lumped),
         np.array([1.0 - exact(float(m)) / locked for m in masses]),
     )
+
+
+@dataclass(frozen=True)
+class ServoCheck:
+    """The PA10-like arm on the ground, its joints held by servos ever stiffer. Arrays over `stiffness`, shape (n,).
+
+    Attributes:
+        stiffness: K_p of each joint, N m/rad.
+        tip_stiffness: K_tip of the arm at the hand, N/m.
+        mobility: Re 1/m_app at the contact's own frequency, 1/kg; negative where the arm acts as a spring.
+        reduced_mass: m~ = 1/(1/m_app + 1/(m_w + m_t)), kg.
+        lumped_mass: m_w + m_t, kg, to which it tends.
+        expected: m~ over m_w + m_t, less one, from 1/m_app = -omega^2/K_tip.
+        pose_deg: joint angles.
+    """
+
+    stiffness: Array
+    tip_stiffness: Array
+    mobility: Array
+    reduced_mass: Array
+    lumped_mass: float
+    expected: Array
+    pose_deg: tuple[float, ...]
+
+
+def servo_check() -> ServoCheck:
+    """Servo-held joints on the ground: 1/m_app -> 0 and m~ -> m_w + m_t as they stiffen, at 530 N/m and 9 kg."""
+    spring, lumped = table1.SPRINGS[0], table1.WRIST_MASS + table1.TARGET_MASSES[0]
+    robot, pose_deg = load("pa10_wrist"), (0.0, 45.0, 0.0, 90.0, 0.0, -45.0, 0.0)
+    configuration = robot.configuration(np.radians(pose_deg))
+    stiffness = np.logspace(4.0, 8.0, 33)
+    tip, mobility, expected = [], [], []
+    for k in stiffness:
+
+        def response(omega: float, k: float = float(k)) -> ApparentMass:
+            return apparent_mass(robot, configuration, (1.0, 0.0, 0.0), omega, stiffness=k, base="fixed")
+
+        def at(omega: float, response: Callable[[float], ApparentMass] = response) -> complex:
+            return complex(response(omega).mobility[0])
+
+        omega, _ = contact_frequency(at, spring.stiffness, lumped)
+        found = response(omega)
+        tip.append(found.tip_stiffness)
+        mobility.append(float(found.mobility[0].real))
+        expected.append(1.0 / (1.0 - lumped * omega**2 / found.tip_stiffness) - 1.0)
+    reduced = 1.0 / (np.array(mobility) + 1.0 / lumped)
+    return ServoCheck(stiffness, np.array(tip), np.array(mobility), reduced, lumped, np.array(expected), pose_deg)
 
 
 @dataclass(frozen=True)
