@@ -17,8 +17,8 @@ from spacerobot.support.errors import SimulationError
 DIFFERENCE = 0.02
 """Finite-difference step in units of a parameter's scale."""
 
-TEMPERATURES = (100.0, 10.0, 3.0)
-"""Stages of a fit whose start is far off: the data's weight is divided by these in turn."""
+ROBUST_ABOVE = 1.3
+"""chi-squared per sample of a start above which the robust cost is lowered first."""
 
 SETTLED = 0.05
 """A fit has converged when a step is predicted to lower chi-squared by less than this."""
@@ -81,10 +81,37 @@ class State:
     raw: dict[str, np.ndarray]  # (S,) per trial
     keep: dict[str, np.ndarray]  # (S,) bool per trial
 
-    def chi2(self, keep: Mapping[str, np.ndarray] | None = None) -> float:
-        """Sum of squares of the residuals that count, here or under another state's masks."""
-        masks = keep or self.keep
-        return float(sum(np.square(r[masks[name]]).sum() for name, r in self.raw.items()))
+    def chi2(self) -> float:
+        """Sum of squares of the residuals that count."""
+        return float(sum(np.square(r[self.keep[name]]).sum() for name, r in self.raw.items()))
+
+    def groups(self, trial: TrialData, keep: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Sum of squares and number of the samples that count, per channel of a trial."""
+        squares = np.where(keep, self.raw[trial.id], 0.0) ** 2
+        edges = np.concatenate([np.full(len(b.channels), b.time.size) for b in trial.blocks])
+        starts = np.concatenate([[0], np.cumsum(edges)[:-1]])
+        return np.add.reduceat(squares, starts), np.add.reduceat(keep.astype(float), starts)
+
+    def loss(self, trials: Sequence[TrialData], robust: bool, keep: Mapping[str, np.ndarray] | None = None) -> float:
+        """What a descent lowers: chi-squared, or its robust form, here or under another state's masks.
+
+        Robust: a channel of a trial with n samples and sum of squares S > n counts n (1 + ln(S/n)), the profile
+        likelihood of a noise level of its own; so what does not fit yet cannot drag what does.
+        """
+        total = 0.0
+        for trial in trials:
+            square, count = self.groups(trial, (keep or self.keep)[trial.id])
+            if robust:
+                ratio = np.maximum(square / np.maximum(count, 1.0), 1.0)
+                square = np.where(ratio > 1.0, count * (1.0 + np.log(ratio)), square)
+            total += float(square.sum())
+        return total
+
+    def weights(self, trial: TrialData) -> np.ndarray:
+        """Square roots of the robust weights of a trial's samples, shape (S,)."""
+        square, count = self.groups(trial, self.keep[trial.id])
+        weight = np.sqrt(1.0 / np.maximum(square / np.maximum(count, 1.0), 1.0))
+        return np.repeat(weight, np.concatenate([np.full(len(b.channels), b.time.size) for b in trial.blocks]))
 
     @property
     def samples(self) -> int:
@@ -159,8 +186,8 @@ class Fitter:
     ) -> Fit:
         """The best parameters near a start.
 
-        While the misfit is large the data are tempered: their weight against the priors is lowered, so that values
-        the data hardly speak of stay where they are believed until the large things are right.
+        While the misfit is large, a robust form of the cost is lowered first: channels of trials that do not fit
+        yet weigh less, so that they cannot drag the values that others determine.
 
         Args:
             hypothesis: what to fit; its free parameters' centres are the start.
@@ -174,13 +201,11 @@ class Fitter:
         state = self.state(hypothesis, hypothesis.start(warm), initials or self.guess())
         if state is None:
             raise SimulationError("the start of a fit cannot be simulated")
-        level = state.chi2() / max(state.samples, 1)
-        stages = [t for t in TEMPERATURES if t < 0.7 * level]
         used = 0
-        for temperature in [*stages, 1.0]:
-            budget = max_iterations - used if temperature == 1.0 else 4
-            state, iterations, converged, system = self._descend(hypothesis, state, temperature, budget)
-            used += iterations
+        if state.chi2() > ROBUST_ABOVE * state.samples:
+            state, used, _, _ = self._descend(hypothesis, state, True, max_iterations // 2)
+        state, iterations, converged, system = self._descend(hypothesis, state, False, max_iterations - used)
+        used += iterations
         prior = np.array([f.prior for f in hypothesis.free], dtype=float)
         covariance = None if system is None else system.covariance()
         trials = {
@@ -199,29 +224,30 @@ class Fitter:
         )
 
     def _descend(
-        self, hypothesis: Hypothesis, state: State, temperature: float, max_iterations: int
+        self, hypothesis: Hypothesis, state: State, robust: bool, max_iterations: int
     ) -> tuple[State, int, bool, Normal | None]:
         low, high = hypothesis.bounds()
-        prior = temperature * np.array([f.prior for f in hypothesis.free], dtype=float)
+        prior = np.array([f.prior for f in hypothesis.free], dtype=float)
         damping, converged, iterations = 1e-4, False, 0
         system = None
         while iterations < max_iterations and not converged:
             iterations += 1
-            system = self._normal(hypothesis, state, prior)
+            system = self._normal(hypothesis, state, prior, robust)
             accepted = False
             for _ in range(10):
                 dz, dn, promised = system.step(damping, state.z, low, high)
-                if promised < SETTLED * temperature:
+                if promised < SETTLED:
                     converged = True
                     break
                 own = {t.id: state.own[t.id] + s * self._scales[t.id] for t, s in zip(self.trials, dn, strict=True)}
                 new = self.state(hypothesis, np.clip(state.z + dz, low, high), own)
                 if new is not None:
                     # both under the old masks, else a touch that moves would pay for itself
-                    fall = state.chi2() - new.chi2(state.keep) + float(prior @ (state.z**2 - new.z**2))
+                    fall = state.loss(self.trials, robust) - new.loss(self.trials, robust, state.keep)
+                    fall += float(prior @ (state.z**2 - new.z**2))
                     if fall > 0.0:
                         damping = max(damping * (0.2 if fall > 0.7 * promised else 1.0), 1e-9)
-                        converged = fall < SETTLED * temperature
+                        converged = fall < SETTLED
                         state, accepted = new, True
                         break
                 damping = max(10.0 * damping, 1e-3)
@@ -229,10 +255,17 @@ class Fitter:
                 break
         return state, iterations, converged, system
 
-    def _normal(self, hypothesis: Hypothesis, state: State, prior: np.ndarray) -> Normal:
-        blocks = self._map(lambda t: self.jacobian(hypothesis, state, t)[state.keep[t.id]])
-        rows = [state.raw[t.id][state.keep[t.id]] for t in self.trials]
-        return Normal.build(list(blocks.values()), rows, state.z, prior)
+    def _normal(self, hypothesis: Hypothesis, state: State, prior: np.ndarray, robust: bool) -> Normal:
+        def weighted(trial: TrialData) -> tuple[np.ndarray, np.ndarray]:
+            keep = state.keep[trial.id]
+            rows, residual = self.jacobian(hypothesis, state, trial)[keep], state.raw[trial.id][keep]
+            if robust:
+                weight = state.weights(trial)[keep]
+                rows, residual = rows * weight[:, None], residual * weight
+            return rows, residual
+
+        pairs = list(self._map(weighted).values())
+        return Normal.build([p[0] for p in pairs], [p[1] for p in pairs], state.z, prior)
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import threading
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -148,20 +149,28 @@ class LawTable:
     def __init__(self) -> None:
         self._index: dict[Any, int] = {}
         self._list: Any = None
+        self._lock = threading.Lock()
 
     def index(self, law: Any) -> int:
         """The law's place in `laws`, compiling it on first use."""
         found = self._index.get(law)
         if found is None:
-            from numba.core import types
-            from numba.typed import List
-
-            if self._list is None:
-                floats = (types.float64, types.float64, types.float64, types.float64[::1])
-                self._list = List.empty_list(types.FunctionType(types.float64(*floats)))
-            self._list.append(compiled(law))
-            found = self._index[law] = len(self._index)
+            with self._lock:  # fits run in threads, and the list must not grow twice for one law
+                found = self._index.get(law)
+                if found is None:
+                    found = self._add(law)
         return found
+
+    def _add(self, law: Any) -> int:
+        from numba.core import types
+        from numba.typed import List
+
+        if self._list is None:
+            floats = (types.float64, types.float64, types.float64, types.float64[::1])
+            self._list = List.empty_list(types.FunctionType(types.float64(*floats)))
+        self._list.append(compiled(law))
+        self._index[law] = len(self._list) - 1
+        return self._index[law]
 
     @property
     def laws(self) -> Any:
