@@ -5,18 +5,15 @@ from __future__ import annotations
 import math
 import warnings
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from spacerobot.dynamics.effective_mass import effective_mass
 from spacerobot.dynamics.pose_limits import PoseLimitWarning
-from spacerobot.dynamics.terms import terms_of
 from spacerobot.dynamics.regime import regime_of
-from spacerobot.support.errors import InputError
-
-if TYPE_CHECKING:
-    from spacerobot.simulation.scene import Scene
+from spacerobot.dynamics.terms import terms_of
+from spacerobot.model.robot import Robot
+from spacerobot.simulation.parts import Servo
 
 
 @dataclass(frozen=True)
@@ -26,56 +23,70 @@ class Hand:
     Attributes:
         mass: effective mass at the wrist mount along the approach, slider free [kg]; infinite where it is held.
         stiffness, damping: of the spring that ties it to the world [N/m, N s/m]; servo joints on a fixed base.
+        springlike: whether servos on a free base make it act as a spring, not as a mass, at the contact's frequency.
         note: how it was found.
     """
 
     mass: float
     stiffness: float = 0.0
     damping: float = 0.0
+    springlike: bool = False
     note: str = ""
 
 
-def hand_of(scene: Scene) -> Hand:
+def hand_of(
+    robot: Robot,
+    pose: np.ndarray,
+    approach: tuple[float, ...],
+    base: str,
+    joints: str,
+    *,
+    servo: Servo | None = None,
+    wrist_stiffness: float = 0.0,
+    target_mass: float = 0.0,
+) -> Hand:
     """The hand of a scene: 1/(n^T J H_c^-1 J^T n) at the start pose, the slider eliminated (Schur).
 
     Servo joints: on a fixed base the hand has the mass of free joints and the spring K_tip = 1/(n^T J K^-1 J^T
     n), exact for slow and for fast motion; on a free base it has the apparent mass at the contact's frequency.
 
-    Raises:
-        InputError: servo joints on a free base that act as a spring at that frequency.
+    Args:
+        robot: with its wrist aimed.
+        pose: shape (len(chain),) [rad or m].
+        approach: unit vector, world axes.
+        base, joints: the regime.
+        servo: what holds servo joints.
+        wrist_stiffness, target_mass: for the contact's frequency [N/m, kg].
     """
-    robot, pose = scene.prepared, np.array(scene.pose)
-    if scene.base == "fixed" and scene.joints == "locked":
+    if base == "fixed" and joints == "locked":
         return Hand(math.inf, note="the arm is held")
-    options = {"base": scene.base, "direction": scene.approach}
+    options = {"base": base, "direction": approach}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", PoseLimitWarning)  # the scene has said so
-        if scene.joints != "servo":
-            found = effective_mass(robot, pose, joints=scene.joints, **options)  # type: ignore[arg-type]
-            return Hand(found.effective_mass_kg, note=f"joints {scene.joints}, base {scene.base}")
-        assert scene.servo is not None
-        stiffness, damping = (np.array(c) for c in zip(*scene.servo.per_joint(robot.chain), strict=True))
-        if scene.base == "free":
+        if joints != "servo":
+            found = effective_mass(robot, pose, joints=joints, **options)  # type: ignore[arg-type]
+            return Hand(found.effective_mass_kg, note=f"joints {joints}, base {base}")
+        assert servo is not None
+        stiffness, damping = (np.array(c) for c in zip(*servo.per_joint(robot.chain), strict=True))
+        if base == "free":
             held = effective_mass(
                 robot,
                 pose,
                 joints="servo",
                 stiffness=stiffness,
                 damping=damping,
-                wrist_stiffness=max(scene.wrist.stiffness, 1e-6),
-                target_mass=scene.target.mass,
+                wrist_stiffness=max(wrist_stiffness, 1e-6),
+                target_mass=target_mass,
                 **options,  # type: ignore[arg-type]
             )
-            if abs(held.phase_rad) > 0.5 * math.pi and scene.backend == "reduced":
-                raise InputError(
-                    "servo joints act as a spring at the contact's frequency, not as a mass",
-                    valid="backend multibody",
-                    where="servo",
-                )
-            return Hand(held.effective_mass_kg, note="; ".join(held.notes))
+            return Hand(
+                held.effective_mass_kg, springlike=abs(held.phase_rad) > 0.5 * math.pi, note="; ".join(held.notes)
+            )
         free = effective_mass(robot, pose, joints="free", **options)  # type: ignore[arg-type]
     terms = terms_of(robot, robot.configuration(pose), regime_of(robot, "fixed", "free"))
-    row = np.array(scene.approach) @ terms.jacobian[:3][:, terms.arm]
+    row = np.array(approach) @ terms.jacobian[:3][:, terms.arm]
+    if math.isinf(free.effective_mass_kg):
+        return Hand(math.inf, note="servo joints: the hand cannot move along the approach")
     if (stiffness <= 0.0).any():
         return Hand(free.effective_mass_kg, note="a servo without stiffness: joints free")
     give = row / stiffness

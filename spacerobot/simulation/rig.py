@@ -95,7 +95,13 @@ def rig(values: Mapping[str, float], *, bilateral: bool = False, lateral: bool =
     return Mechanism(
         coordinates=coordinates,
         ports=ports,
-        contact=Contact(CONTACT, law, bilateral=bilateral, ahead=v["target.contact_point.ahead"], lateral=v["target.contact_point.lateral"]),
+        contact=Contact(
+            CONTACT,
+            law,
+            bilateral=bilateral,
+            ahead=v["target.contact_point.ahead"],
+            lateral=v["target.contact_point.lateral"],
+        ),
         forces=(
             Force("wrist.spring", "wrist", SPRING, (v["wrist.stiffness"],), role="spring"),
             Force("wrist.damper", "wrist", DAMPER, (v["wrist.damping"],), role="damper"),

@@ -154,7 +154,16 @@ class Scene:
     @cached_property
     def hand(self) -> Hand:
         """What the wrist feels of the arm: its effective mass, and a spring where servos hold it."""
-        return hand_of(self)
+        return hand_of(
+            self.prepared,
+            np.array(self.pose),
+            self.approach,
+            str(self.base),
+            self.joints,
+            servo=self.servo,
+            wrist_stiffness=self.wrist.stiffness,
+            target_mass=self.target.mass,
+        )
 
     @cached_property
     def _mechanisms(self) -> dict[str, Mechanism]:
@@ -244,6 +253,10 @@ class Scene:
 
     def to_toml(self, path: str | Path | None = None) -> str:
         """The scene as TOML text, also written to `path`, whole or not at all."""
-        from spacerobot.simulation.scene_file import write_scene
+        from spacerobot.simulation.scene_file import scene_text
+        from spacerobot.support.files import write_text
 
-        return write_scene(self, path)
+        text = scene_text(self)
+        if path is not None:
+            write_text(Path(path), text)
+        return text

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,18 +12,16 @@ from spacerobot.dynamics.joint_kinds import joint_axis
 from spacerobot.effects.laws import DAMPER, SPRING
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Coordinate, Field, Force, Readout
+from spacerobot.simulation.outline import Outline
 from spacerobot.simulation.parts import EffectAt
 from spacerobot.simulation.rig import rig
 from spacerobot.support.errors import InputError, NotFoundError
-
-if TYPE_CHECKING:
-    from spacerobot.simulation.scene import Scene
 
 UNREACHABLE = 1e9
 """Mass [kg] that stands for a hand which moves, but not along the approach (a singular pose)."""
 
 
-def baseline(scene: Scene, backend: str) -> Mechanism:
+def baseline(scene: Outline, backend: str) -> Mechanism:
     """Hand, wrist and target of a scene, with its contact law, guide friction and servos.
 
     For "multibody" the moving joints and a free base have coordinates and ports too; the reduced model has them
@@ -61,6 +58,12 @@ def baseline(scene: Scene, backend: str) -> Mechanism:
         mechanism = mechanism.with_field(Field("hand", along))
     if backend == "multibody":
         mechanism = _with_robot(scene, mechanism)
+    elif scene.hand.springlike:
+        raise InputError(
+            "servo joints act as a spring at the contact's frequency, not as a mass",
+            valid="backend multibody",
+            where="servo",
+        )
     elif scene.hand.stiffness > 0.0 and moves:
         arm = {"hand": 1.0}
         mechanism = replace(mechanism, ports={**mechanism.ports, "arm": arm}).with_force(
@@ -74,7 +77,7 @@ def baseline(scene: Scene, backend: str) -> Mechanism:
     return mechanism
 
 
-def edited(scene: Scene, backend: str) -> Mechanism:
+def edited(scene: Outline, backend: str) -> Mechanism:
     """The baseline with the scene's effects applied in order.
 
     Raises:
@@ -96,7 +99,7 @@ def edited(scene: Scene, backend: str) -> Mechanism:
     return mechanism
 
 
-def _with_robot(scene: Scene, mechanism: Mechanism) -> Mechanism:
+def _with_robot(scene: Outline, mechanism: Mechanism) -> Mechanism:
     """Coordinates, ports, readouts and servos of the moving joints and the free base."""
     robot = scene.prepared
     coordinates, ports = dict(mechanism.coordinates), dict(mechanism.ports)

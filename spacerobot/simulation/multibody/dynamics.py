@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import contextlib
+from collections.abc import Iterator
 
 import numpy as np
 import pinocchio as pin
@@ -26,9 +27,10 @@ class Dynamics:
         modes: shape (1 + F + R,), contact, sign of every edge, friction; see the reduced model.
         nq, nv, size: of configuration, velocity and ambient state.
         slack: force [N] below which what holds a friction is rounding.
+        inertia: shape (nv, nv), at the state last evaluated; a view into Pinocchio's data.
     """
 
-    def __init__(self, assembly: Assembly, mechanism: Mechanism, drives: Mapping[str, np.ndarray] | None = None):
+    def __init__(self, assembly: Assembly, mechanism: Mechanism) -> None:
         self.assembly = assembly
         self.mechanism = with_fields_as_forces(mechanism)
         self.model, self.data = assembly.model, assembly.model.createData()
@@ -62,7 +64,7 @@ class Dynamics:
         self._views = [self.data.J, self.data.dJ, self.biased]
         for body in (assembly.hand[0], assembly.tip[0], assembly.base[0], assembly.target):
             self._views += [self.data.oMi[body].rotation, self.data.oMi[body].translation]
-        self._inertia, self._nle = self.data.M, self.data.nle
+        self.inertia, self._nle = self.data.M, self.data.nle
 
     def _widened(self, system: System) -> System:
         """The reduced model's arrays over this model's velocities: rows and masses come from Pinocchio."""
@@ -88,6 +90,16 @@ class Dynamics:
             if any(f not in constant for f in np.flatnonzero(self.layout.ports[ports.index(friction.port)])):
                 return True
         return False
+
+    @contextlib.contextmanager
+    def with_bias(self) -> Iterator[None]:
+        """Bias accelerations are found too, which ports at rest do without."""
+        before = self.biased
+        self.biased = self._views[2] = True
+        try:
+            yield
+        finally:
+            self.biased = self._views[2] = before
 
     def _locate(self, y: np.ndarray) -> None:
         load(y, self.layout.joints, self.q, self.v)
@@ -120,7 +132,7 @@ class Dynamics:
             self.scratch,
             self.q,
             self.v,
-            self._inertia,
+            self.inertia,
             self._nle,
             out,
         )

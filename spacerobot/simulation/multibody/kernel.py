@@ -19,7 +19,6 @@ from spacerobot.simulation.reduced.arrays import (
     FRICTION_PORT,
     FRICTIONS,
     PORT,
-    PORTS,
     PRESS,
     SLIDE,
     STUCK,
@@ -48,6 +47,7 @@ class Layout(NamedTuple):
     feature: np.ndarray  # (nf, 3) int: kind, index into q or body, index into v or direction
     reference: np.ndarray  # (nf,) displacement at the start, taken off
     ports: np.ndarray  # (m, nf) coefficients
+    coordinates: np.ndarray  # (n, nf) the mechanism's coordinates alike
     support: np.ndarray  # (5, nv) 1 where a velocity moves the body
     local: np.ndarray  # (5, 3) the frame's origin in its joint; the target's is its contact point
     axes: np.ndarray  # (3, 3) rows approach, lateral, up
@@ -87,8 +87,9 @@ def load(y: Any, joints: Any, q: Any, v: Any) -> None:
             square = 0.0
             for i in range(first, first + count):
                 square += q[i] * q[i]
+            length = np.sqrt(square) if square > 0.0 else np.nan
             for i in range(first, first + count):
-                q[i] /= np.sqrt(square)
+                q[i] /= length
 
 
 @jit
@@ -260,7 +261,8 @@ def _factorise(inertia: Any, first: int, last: int, factor: Any) -> None:
             for k in range(first, j):
                 total -= factor[i, k] * factor[j, k]
             if i == j:
-                factor[i, i] = np.sqrt(total)
+                # a trial step that overshoots may leave no inertia: not a number, and the step is refused
+                factor[i, i] = np.sqrt(total) if total > 0.0 else np.nan
             else:
                 factor[i, j] = total / factor[j, j]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -27,7 +28,7 @@ from spacerobot.simulation.multibody.kernel import (
     Layout,
 )
 
-_POINTS = {"hand": (HAND, 0), "target": (TARGET, 0), "target.y": (TARGET, 1), "base": (BASE, 0)}
+_POINTS = {"hand": (HAND, 0), "tip": (TIP, 0), "target": (TARGET, 0), "target.y": (TARGET, 1), "base": (BASE, 0)}
 GRAVITY = "gravity"
 """Fields of this name are the scene's own gravity, which Pinocchio applies as a vector to every body."""
 
@@ -71,6 +72,7 @@ def layout_of(assembly: Assembly, mechanism: Mechanism) -> tuple[Layout, list[st
     start = {
         "hand": data.oMi[assembly.hand[0]].act(assembly.hand[1]),
         "base": data.oMi[assembly.base[0]].act(assembly.base[1]),
+        "tip": touch_at,
         "target": touch_at - lever,  # where the target is when it touches the resting wrist
         "target.y": touch_at - lever,
     }
@@ -90,9 +92,8 @@ def layout_of(assembly: Assembly, mechanism: Mechanism) -> tuple[Layout, list[st
                 reference[f] = q[a] if joint.nq == 1 else np.arctan2(q[a + 1], q[a])
     rows = np.zeros((len(mechanism.ports), len(names)))
     for p, port in enumerate(mechanism.ports):
-        for coordinate, share in mechanism.ports[port].items():
-            for f_name, part in _combination(coordinate, mechanism, names).items():
-                rows[p, names.index(f_name)] += share * part
+        rows[p] = _port(mechanism.ports[port], mechanism, names)
+    coordinates = np.array([_coordinate(c, mechanism, names) for c in mechanism.coordinates])
     bodies = [0, assembly.hand[0], assembly.tip[0], assembly.base[0], assembly.target]
     tip = data.oMi[assembly.tip[0]].rotation
     return (
@@ -101,6 +102,7 @@ def layout_of(assembly: Assembly, mechanism: Mechanism) -> tuple[Layout, list[st
             feature=feature,
             reference=reference,
             ports=rows,
+            coordinates=coordinates,
             support=np.array([_support(model, body) for body in bodies]),
             local=np.array([np.zeros(3), assembly.hand[1], assembly.tip[1], assembly.base[1], assembly.point]),
             axes=np.ascontiguousarray(assembly.axes.T),
@@ -113,19 +115,30 @@ def layout_of(assembly: Assembly, mechanism: Mechanism) -> tuple[Layout, list[st
 
 
 def _features(assembly: Assembly, mechanism: Mechanism) -> list[str]:
-    names = ["hand", "slider", "target", "target.y", "target.yaw"]
+    names = ["hand", "slider", "tip", "target", "target.y", "target.yaw"]
     names += [n for n in ("base",) if n in mechanism.coordinates]
     return names + [n for n in assembly.joints if n not in names]
 
 
-def _combination(coordinate: str, mechanism: Mechanism, names: list[str]) -> dict[str, float]:
-    """A coordinate in features. The wrist is the hand plus the slider; what rides is its carrier plus its own."""
-    if coordinate == "wrist":
-        return {"hand": 1.0, "slider": 1.0}
-    carrier = mechanism.coordinates[coordinate].carrier
-    if carrier is None:
-        return {coordinate: 1.0}
-    return {**_combination(carrier, mechanism, names), coordinate: 1.0}
+def _port(row: Mapping[str, float], mechanism: Mechanism, names: list[str]) -> np.ndarray:
+    """A port in features, shape (nf,). The wrist against the hand is the slider itself, however the hand turns."""
+    total = np.zeros(len(names))
+    held = "hand" not in mechanism.coordinates
+    slides = "wrist" in row and (held or row.get("hand") == -row["wrist"])
+    for coordinate, share in row.items():
+        if not (slides and coordinate in ("wrist", "hand")):
+            total += share * _coordinate(coordinate, mechanism, names)
+    if slides:
+        total[names.index("slider")] += row["wrist"]
+    return total
+
+
+def _coordinate(name: str, mechanism: Mechanism, names: list[str]) -> np.ndarray:
+    """A coordinate in features, shape (nf,). What rides is its carrier plus its own displacement."""
+    total = np.zeros(len(names))
+    carrier = mechanism.coordinates[name].carrier
+    total[names.index("tip" if name == "wrist" else name)] = 1.0
+    return total if carrier is None else total + _coordinate(carrier, mechanism, names)
 
 
 def _joints(model: pin.Model) -> np.ndarray:

@@ -117,9 +117,7 @@ def pack(s: System) -> Packed:
         header[slot] = offset
         offset += block.size
     offset = 0
-    for slot, size in zip(
-        range(D, WORK_SIZE), (ports, ports, ports, ports * n, n, f, f, r, r * r, r, r), strict=True
-    ):
+    for slot, size in zip(range(D, WORK_SIZE), (ports, ports, ports, ports * n, n, f, f, r, r * r, r, r), strict=True):
         header[slot] = offset
         offset += size
     header[WORK_SIZE] = offset

@@ -121,11 +121,7 @@ def find_event(
                         temp,
                         slope,
                     )
-            elif (
-                0 < j < SUBSAMPLES
-                and samples[j, i] <= samples[j - 1, i]
-                and samples[j, i] <= samples[j + 1, i]
-            ):
+            elif 0 < j < SUBSAMPLES and samples[j, i] <= samples[j - 1, i] and samples[j, i] <= samples[j + 1, i]:
                 curve = samples[j - 1, i] - 2.0 * samples[j, i] + samples[j + 1, i]
                 if curve > 0.0:
                     shift = 0.5 * (samples[j - 1, i] - samples[j + 1, i]) / curve
@@ -186,9 +182,7 @@ def _extremum(
 
 
 @jit
-def switch(
-    x: Any, c: Any, laws: Any, i: int, t: float, y: Any, modes: Any, u: Any, w: Any, slope: Any
-) -> None:
+def switch(x: Any, c: Any, laws: Any, i: int, t: float, y: Any, modes: Any, u: Any, w: Any, slope: Any) -> None:
     """Changes mode i after its guard fell to zero at state y."""
     n = c[N]
     forces = c[FORCES]
@@ -258,11 +252,7 @@ def start_modes(x: Any, c: Any, laws: Any, t: float, y: Any, u: Any, w: Any, slo
     for j in range(forces):
         modes[1 + j] = 1
     settle(x, c, laws, t, y, modes, u, w, slope)
-    if (
-        modes[0] == PRESSED
-        and -w[c[RAW] + c[CONTACT_FORCE]] + x[c[GEOMETRY] + 2] < 0.0
-        and x[c[GEOMETRY] + 3] < 0.5
-    ):
+    if modes[0] == PRESSED and -w[c[RAW] + c[CONTACT_FORCE]] + x[c[GEOMETRY] + 2] < 0.0 and x[c[GEOMETRY] + 3] < 0.5:
         modes[0] = RELEASED
     fix_edges(x, c, laws, modes, w)
     return modes

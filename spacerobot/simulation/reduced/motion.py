@@ -142,9 +142,7 @@ def act(x: Any, c: Any, laws: Any, t: float, modes: Any, u: Any, w: Any) -> int:
         elif law == NATIVE_DAMPER:
             f = -x[c[PARAMETER] + PARAMETERS * j] * v
         elif law == NATIVE_CONTACT:
-            f = native_contact(
-                d, v, aux, x[c[PARAMETER] + PARAMETERS * j : c[PARAMETER] + PARAMETERS * (j + 1)]
-            )
+            f = native_contact(d, v, aux, x[c[PARAMETER] + PARAMETERS * j : c[PARAMETER] + PARAMETERS * (j + 1)])
         else:
             f = laws[law](d, v, aux, x[c[PARAMETER] + PARAMETERS * j : c[PARAMETER] + PARAMETERS * (j + 1)])
         w[c[RAW] + j] = f

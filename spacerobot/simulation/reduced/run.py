@@ -125,9 +125,7 @@ def simulate(
     if inputs is None:
         drives = np.zeros((1 + len(layout.inputs), 1))
         if layout.inputs:
-            raise InputError(
-                "the mechanism is driven by recorded inputs, which were not given", given=layout.inputs
-            )
+            raise InputError("the mechanism is driven by recorded inputs, which were not given", given=layout.inputs)
     else:
         drives = np.array([inputs[0], *(inputs[1][i.channel] for i in mechanism.inputs)], dtype=float)
     atol = np.concatenate([np.full(n, 1e-3 * tolerance), np.full(n, 1e-1 * tolerance)])
@@ -137,12 +135,8 @@ def simulate(
         *packed, LAWS.laws, packed.work(), y0, start, end, tolerance, atol, first, max_step, drives
     )
     if status != OK:
-        raise SimulationError(
-            f"reduced model: {_REASONS.get(int(status), 'too many steps')} at t = {time[-1]:.6g} s"
-        )
-    events = tuple(
-        _event(layout, float(t), int(i), int(mode)) for t, i, mode in zip(etime, eindex, emode, strict=True)
-    )
+        raise SimulationError(f"reduced model: {_REASONS.get(int(status), 'too many steps')} at t = {time[-1]:.6g} s")
+    events = tuple(_event(layout, float(t), int(i), int(mode)) for t, i, mode in zip(etime, eindex, emode, strict=True))
     steps = Steps(time, length, state, dense, modes)
     return ReducedRun(mechanism, system, layout, steps, events, start, end, packed, drives)
 

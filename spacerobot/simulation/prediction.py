@@ -1,0 +1,71 @@
+"""What theory expects of a scene: the reduced model's contact time and restitution, Eqs. 9 to 18."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from spacerobot.simulation.scene import Scene
+from spacerobot.theory import contact_time, restitution
+from spacerobot.theory.reduction import Reduced, reduced_mass, total_damping
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """The reduced model of Uyama et al. (2012) under both end conditions.
+
+    Attributes:
+        reduced_mass: m~ of Eq. 10 [kg].
+        damping: c_w + c_eq [N s/m].
+        damping_ratio: zeta.
+        contact_time: Eq. 16, the spring relaxed again [s]; infinite from critical damping on.
+        contact_time_unilateral: to the first zero of the force [s].
+        restitution: Eq. 18, of target against hand; zero from critical damping on.
+        restitution_unilateral: the same to the first zero of the force.
+        restitution_without_equivalent: Eq. 18 with c_w alone.
+    """
+
+    reduced_mass: float
+    damping: float
+    damping_ratio: float
+    contact_time: float
+    contact_time_unilateral: float
+    restitution: float
+    restitution_unilateral: float
+    restitution_without_equivalent: float
+
+
+def predict(scene: Scene) -> Prediction | None:
+    """What Eqs. 9 to 18 expect; None where there is no wrist spring or the hand is on a spring of its own."""
+    if scene.wrist.stiffness <= 0.0 or scene.hand.stiffness > 0.0:
+        return None
+    mass = reduced_mass(scene.hand.mass, scene.wrist.mass + scene.target.mass)
+    wrist = scene.wrist
+    model = Reduced(mass, wrist.stiffness, total_damping(wrist.damping, wrist.equivalent_damping, "wrist+equivalent"))
+    bare = Reduced(mass, wrist.stiffness, wrist.damping)
+    return Prediction(
+        reduced_mass=mass,
+        damping=model.damping,
+        damping_ratio=model.damping_ratio,
+        contact_time=contact_time.displacement_zero(model),
+        contact_time_unilateral=contact_time.force_zero(model),
+        restitution=restitution.displacement_zero(model),
+        restitution_unilateral=restitution.force_zero(model),
+        restitution_without_equivalent=restitution.displacement_zero(bare),
+    )
+
+
+def expected_contact_time(scene: Scene) -> float:
+    """How long the contact may last, for choosing a duration [s]; infinite if nothing brings the target back."""
+    if scene.wrist.stiffness <= 0.0:
+        return math.inf
+    hand = math.inf if scene.hand.stiffness > 0.0 else scene.hand.mass
+    stiffness = scene.wrist.stiffness
+    if scene.hand.stiffness > 0.0:
+        stiffness = 1.0 / (1.0 / stiffness + 1.0 / scene.hand.stiffness)
+    model = Reduced(
+        reduced_mass(hand, scene.wrist.mass + scene.target.mass),
+        stiffness,
+        scene.wrist.damping + scene.wrist.equivalent_damping,
+    )
+    return max(contact_time.force_zero(model), math.pi / model.frequency)

@@ -1,0 +1,257 @@
+"""From a finished run of either backend to a trajectory."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+import numpy as np
+import pinocchio as pin
+
+from spacerobot.simulation.energy import Ledger, stored_by_elements
+from spacerobot.simulation.events import Event, contact_intervals
+from spacerobot.simulation.multibody.run import MultibodyRun, MultibodySample
+from spacerobot.simulation.reduced.motion import PRESSED
+from spacerobot.simulation.reduced.run import ReducedRun, Sample
+from spacerobot.simulation.restitution import Restitution, Speeds, restitution_of
+from spacerobot.simulation.scene import Scene
+from spacerobot.simulation.sensors import read_channels
+from spacerobot.simulation.trajectory import Trajectory
+
+_UNITS = (
+    ("contact.force", "N"),
+    ("angular_momentum.", "kg m^2/s"),
+    ("momentum.", "kg m/s"),
+    ("angular_velocity", "rad/s"),
+    ("quaternion", "1"),
+    ("target.yaw.velocity", "rad/s"),
+    ("target.yaw", "rad"),
+)
+
+
+def unit_of(channel: str, angular: bool = False) -> str:
+    """The SI unit of a channel; `angular` says that its joint turns."""
+    for part, unit in _UNITS:
+        if part in channel:
+            return unit
+    if channel.endswith(".torque"):
+        return "N m" if angular else "N"
+    length = "rad" if angular else "m"
+    return f"{length}/s" if channel.endswith(".velocity") or ".velocity." in channel else length
+
+
+def _start_touch(events: tuple[Event, ...], pressed: bool, start: float) -> tuple[Event, ...]:
+    return (Event(start, "contact", "touch"), *events) if pressed else events
+
+
+def _restitution(events: tuple[Event, ...], end: float, speeds: Callable[[float], Speeds]) -> Restitution:
+    intervals = contact_intervals(events, False, 0.0, end)
+    before = speeds(intervals[0][0]) if intervals else None
+    after = speeds(intervals[-1][1]) if intervals and intervals[-1][1] < end else None
+    return restitution_of(intervals, end, before, after)
+
+
+def of_multibody(scene: Scene, run: MultibodyRun, times: np.ndarray) -> Trajectory:
+    """The trajectory of a multibody run, channels at `times`, shape (T,) [s]."""
+    taken = run.sample(times)
+    channels = _multibody_channels(scene, run, taken)
+    mechanism = run.mechanism
+
+    def speeds(t: float) -> Speeds:
+        at = run.sample(np.array([t]))
+        hand, target = (float(run.port(p, at.velocity)[0]) for p in ("hand", "target"))
+        return Speeds(hand, target, float(at.contact[0, 1]))
+
+    events = _start_touch(run.events, run.starts_pressed, run.start)
+    angular = {f"joint.{n}.{kind}" for n in scene.prepared.chain for kind in ("position", "velocity", "torque")}
+    turning = {c for c in angular if c in channels and mechanism.angular(c.rsplit(".", 1)[0])}
+    return Trajectory(
+        time=times,
+        channels=channels,
+        units={c: unit_of(c, c in turning) for c in channels},
+        measured=read_channels(run, mechanism, mechanism.readouts, times),  # type: ignore[arg-type]
+        ledger=multibody_ledger(run),
+        events=events,
+        restitution=_restitution(events, run.end, speeds),
+        backend="multibody",
+        scene=scene.to_toml(),
+        notes=(f"hand: {scene.hand.note}",) if scene.hand.note else (),
+    )
+
+
+def _multibody_channels(scene: Scene, run: MultibodyRun, taken: MultibodySample) -> dict[str, np.ndarray]:
+    mechanism, assembly = run.mechanism, run.assembly
+    names = list(mechanism.coordinates)
+    out: dict[str, np.ndarray] = {}
+    shown = {"wrist.x": "wrist", "target.x": "target", "target.y": "target.y", "target.yaw": "target.yaw"}
+    if "hand" in names:
+        shown["hand.x"] = "hand"
+    shown.update({n: n for n in names if mechanism.coordinates[n].carrier is not None})
+    for channel, coordinate in shown.items():
+        i = names.index(coordinate)
+        value = taken.position[:, i]
+        out[channel] = np.unwrap(value) if channel == "target.yaw" else value
+        out[f"{channel}.velocity"] = taken.velocity[:, i]
+    if "hand" not in names:
+        out["hand.x"], out["hand.x.velocity"] = np.zeros((2, taken.time.size))
+    out["wrist.deflection"], out["wrist.deflection.velocity"] = taken.slider.T
+    out["contact.force"] = run.contact_force(taken)
+    out["contact.penetration"], out["contact.penetration.velocity"] = taken.contact[:, :2].T
+    out["contact.slide"], out["contact.slide.velocity"] = taken.contact[:, 2:].T
+    for body, k in (("hand", 0), ("tip", 1)):
+        out.update({f"{body}.position.{a}": taken.place[:, k, i] for i, a in enumerate("xyz")})
+    bodies = {"target": assembly.target, **({"base": 1} if scene.base == "free" else {})}
+    for body, joint in bodies.items():
+        q, v = assembly.model.joints[joint].idx_q, assembly.model.joints[joint].idx_v
+        world = np.array(
+            [_rotated(c[q + 3 : q + 7], r[v : v + 6]) for c, r in zip(taken.configuration, taken.rates, strict=True)]
+        )
+        for i, axis in enumerate("xyz"):
+            out[f"{body}.position.{axis}"] = taken.configuration[:, q + i]
+            out[f"{body}.velocity.{axis}"] = world[:, i]
+            out[f"{body}.angular_velocity.{axis}"] = world[:, 3 + i]
+        for i, part in enumerate("xyzw"):
+            out[f"{body}.quaternion.{part}"] = taken.configuration[:, q + 3 + i]
+    for name in names:
+        if name.startswith("joint."):
+            joint = assembly.model.joints[assembly.joints[name]]
+            q, v = joint.idx_q, joint.idx_v
+            turned = taken.configuration[:, q : q + joint.nq]
+            value = turned[:, 0] if joint.nq == 1 else np.unwrap(np.arctan2(turned[:, 1], turned[:, 0]))
+            out[f"{name}.position"] = value
+            out[f"{name}.velocity"] = taken.rates[:, v]
+            out[f"{name}.torque"] = _actuation(run, taken, name)
+    for i, axis in enumerate("xyz"):
+        out[f"momentum.{axis}"] = taken.momentum[:, i]
+        out[f"angular_momentum.{axis}"] = taken.momentum[:, 3 + i]
+    return out
+
+
+def _rotated(quaternion: np.ndarray, twist: np.ndarray) -> np.ndarray:
+    """A free-flyer's body twist in world axes, shape (6,)."""
+    rotation = pin.Quaternion(np.ascontiguousarray(quaternion)).toRotationMatrix()
+    return np.concatenate([rotation @ twist[:3], rotation @ twist[3:]])
+
+
+def _actuation(run: MultibodyRun, taken: MultibodySample, port: str) -> np.ndarray:
+    """What the elements at a joint's port exert on it, shape (T,)."""
+    total = np.zeros(taken.time.size)
+    for i, force in enumerate(run.mechanism.forces):
+        if force.port == port:
+            total += taken.force[:, 1 + i]  # the contact comes first
+    for r, friction in enumerate(run.mechanism.frictions):
+        if friction.port == port:
+            total += taken.friction[:, r]
+    return total
+
+
+def multibody_ledger(run: MultibodyRun) -> Ledger:
+    """Energies at the ends of the integrator's steps."""
+    times = run.boundaries()
+    taken = run.sample(times)
+    mechanism = run.mechanism
+    ports = dict.fromkeys((f.sense or f.port) for f in mechanism.forces)
+    displacement = {p: run.port_values(p, taken, 0) for p in ports}
+    rate = {p: run.port_values(p, taken, 1) for p in ports}
+    displacement["contact"], rate["contact"] = taken.contact[:, 0], taken.contact[:, 1]
+    stored = stored_by_elements(mechanism, displacement, rate, taken.modes[:, 0])
+    names = [*run.dynamics.names.forces, *run.dynamics.names.frictions]
+    work: dict[str, np.ndarray] = {}
+    for i, name in enumerate(names):
+        work[name] = work.get(name, 0.0) + taken.work[:, i]
+    if np.any(run.assembly.model.gravity.linear):
+        stored["gravity"] = taken.potential
+        work["gravity"] = taken.potential[0] - taken.potential
+    for kick in run.kicks:
+        work[kick.name] = work.get(kick.name, 0.0) + np.where(times >= kick.time, kick.work, 0.0)
+    return Ledger(times, taken.kinetic, stored, work)
+
+
+def of_reduced(scene: Scene, run: ReducedRun, times: np.ndarray) -> Trajectory:
+    """The trajectory of a reduced run, channels at `times`, shape (T,) [s]."""
+    taken = run.sample(times)
+    mechanism, names = run.mechanism, list(run.layout.coordinates)
+    out: dict[str, np.ndarray] = {}
+    shown = {"wrist.x": "wrist", "target.x": "target", "hand.x": "hand"}
+    for channel, coordinate in {**shown, **{n: n for n in names if n not in shown.values()}}.items():
+        if coordinate in names:
+            i = names.index(coordinate)
+            out[channel], out[f"{channel}.velocity"] = taken.position[:, i], taken.velocity[:, i]
+        else:
+            out[channel], out[f"{channel}.velocity"] = np.zeros((2, times.size))
+    out["wrist.deflection"], out["wrist.deflection.velocity"] = (
+        run.port("wrist", s) for s in (taken.position, taken.velocity)
+    )
+    out["contact.force"] = run.contact_force(taken)
+    contact = reduced_contact(run, taken)
+    out["contact.penetration"], out["contact.penetration.velocity"] = contact[:2]
+    mass = {n: mechanism.coordinates[n].mass for n in names}
+    along = sum(
+        (taken.velocity[:, i] * mass[n] for i, n in enumerate(names) if n not in ("target.y", "target.yaw")),
+        start=np.zeros(times.size),
+    )
+    across = taken.velocity[:, names.index("target.y")] * mass["target.y"] if "target.y" in names else 0.0 * along
+    for i, axis in enumerate("xyz"):
+        out[f"momentum.{axis}"] = along * scene.axes[i, 0] + across * scene.axes[i, 1]
+
+    def speeds(t: float) -> Speeds:
+        at = run.sample(np.array([t]))
+        hand, target = (float(run.port(p, at.velocity)[0]) for p in ("hand", "target"))
+        return Speeds(hand, target, float(reduced_contact(run, at)[1][0]))
+
+    events = _start_touch(run.events, bool(run.steps.modes[0, 0] == PRESSED), run.start)
+    return Trajectory(
+        time=times,
+        channels=out,
+        units={
+            c: unit_of(c, mechanism.coordinates.get(c) is not None and mechanism.coordinates[c].angular) for c in out
+        },
+        measured=read_channels(run, mechanism, mechanism.readouts, times),
+        ledger=reduced_ledger(run),
+        events=events,
+        restitution=_restitution(events, run.end, speeds),
+        backend="reduced",
+        scene=replace(scene, backend="reduced").to_toml(),
+        notes=(f"hand: {scene.hand.note}",) if scene.hand.note else (),
+    )
+
+
+def reduced_contact(run: ReducedRun, taken: Sample) -> tuple[np.ndarray, np.ndarray]:
+    """Penetration and its rate, shape (T,) each; see `Contact` for the formula."""
+    contact, names = run.mechanism.contact, list(run.layout.coordinates)
+    assert contact is not None
+    target, wrist = names.index("target"), names.index("wrist")
+    depth = taken.position[:, target] - taken.position[:, wrist]
+    rate = taken.velocity[:, target] - taken.velocity[:, wrist]
+    if "target.yaw" in names:
+        yaw, spin = (s[:, names.index("target.yaw")] for s in (taken.position, taken.velocity))
+        a, b = contact.ahead, contact.lateral
+        depth = depth + a * (np.cos(yaw) - 1.0) - b * np.sin(yaw)
+        rate = rate - (a * np.sin(yaw) + b * np.cos(yaw)) * spin
+    return depth, rate
+
+
+def reduced_ledger(run: ReducedRun) -> Ledger:
+    """Energies at the ends of the integrator's steps."""
+    times = run.boundaries()
+    taken = run.sample(times)
+    mechanism = run.mechanism
+    ports = dict.fromkeys((f.sense or f.port) for f in mechanism.forces)
+    displacement = {p: run.port(p, taken.position) for p in ports}
+    rate = {p: run.port(p, taken.velocity) for p in ports}
+    displacement["contact"], rate["contact"] = reduced_contact(run, taken)
+    modes = np.append(run.steps.modes[:, 0], run.steps.modes[-1, 0])
+    stored = stored_by_elements(mechanism, displacement, rate, modes)
+    work: Mapping[str, np.ndarray] = dict(run.work())
+    kinetic = run.kinetic(taken.velocity)
+    for kick in mechanism.impulses:  # a kick happens between two steps; sampled is the side after it
+        at = np.flatnonzero(np.isclose(times, kick.time, rtol=0.0, atol=1e-12))
+        if at.size and math.isfinite(kick.impulse):
+            i = int(at[0])
+            after = float(run.port(kick.port, taken.velocity[i : i + 1])[0])
+            row = run.system.rows[run.layout.port(kick.port)]
+            gain = kick.impulse * (after - 0.5 * kick.impulse * float(row**2 @ run.system.inverse_mass))
+            before = work.get(kick.name, np.zeros_like(kinetic))
+            work = {**work, kick.name: before + np.where(times >= kick.time, gain, 0.0)}
+    return Ledger(times, kinetic, stored, work)

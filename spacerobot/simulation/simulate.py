@@ -1,0 +1,92 @@
+"""Simulate a scene on either backend, and get a trajectory."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from spacerobot.simulation.multibody.run import integrate_scene
+from spacerobot.simulation.prediction import expected_contact_time
+from spacerobot.simulation.reduced.run import simulate as simulate_reduced
+from spacerobot.simulation.result import of_multibody, of_reduced
+from spacerobot.simulation.scene import BACKENDS, Scene
+from spacerobot.simulation.trajectory import Trajectory
+from spacerobot.support.errors import InputError, NotFoundError
+
+MAX_SAMPLES = 2_000_000
+
+
+def simulate(
+    scene: Scene,
+    *,
+    backend: str | None = None,
+    duration: float | None = None,
+    tolerance: float = 1e-9,
+    rate: float = 1000.0,
+    first_step: float = 1e-4,
+    max_step: float = math.inf,
+    must_touch: bool = True,
+) -> Trajectory:
+    """Simulate a scene from its start.
+
+    Args:
+        scene: what there is.
+        backend: "reduced" or "multibody"; the scene's own if None.
+        duration: [s]; the scene's own if None, else long enough for the predicted contact.
+        tolerance: of the integration; multibody: relative to the approach speed and the penetration it makes.
+        rate: samples a second of the channels [Hz].
+        first_step, max_step: of the integration [s].
+        must_touch: whether a target that never arrives is an error.
+
+    Raises:
+        InputError: a value that cannot be, or a target that never arrives.
+        SimulationError: the integration could not be finished.
+    """
+    backend = backend or scene.backend
+    if backend not in BACKENDS:
+        raise NotFoundError("backend", backend, BACKENDS)
+    end = duration if duration is not None else scene.duration
+    end = default_duration(scene) if end is None else end
+    if not (math.isfinite(end) and end > 0.0):
+        raise InputError("duration must be positive", given=end)
+    if not (math.isfinite(rate) and rate > 0.0) or end * rate > MAX_SAMPLES:
+        raise InputError("rate out of range", given=rate, valid=f"at most {MAX_SAMPLES} samples in all")
+    times = np.arange(math.floor(end * rate * (1.0 + 1e-12)) + 1) / rate
+    if backend == "multibody":
+        run = integrate_scene(scene, end, tolerance=tolerance, first_step=first_step, max_step=max_step)
+        trajectory = of_multibody(scene, run, times)
+    else:
+        up = float(np.array(scene.target.spin) @ scene.axes[:, 2])
+        velocity = {"target": scene.target.speed, "target.yaw": up, "wrist": -scene.hand_speed}
+        mechanism = scene.mechanism("reduced")
+        if scene.hand_speed:
+            velocity["hand"] = -scene.hand_speed
+        reduced = simulate_reduced(
+            mechanism,
+            position={"target": -scene.target.gap},
+            velocity=velocity,
+            end=end,
+            tolerance=tolerance,
+            max_step=min(0.05, max_step),
+        )
+        trajectory = of_reduced(scene, reduced, times)
+    if must_touch and trajectory.restitution.touches == 0:
+        raise InputError(
+            "the target never arrives: wrist and target did not touch",
+            given=f"gap {scene.target.gap:g} m, closing speed {scene.closing_speed:g} m/s, {end:g} s simulated",
+            valid="a longer duration, or a target that is not slowed, turned or driven away before",
+        )
+    return trajectory
+
+
+def default_duration(scene: Scene) -> float:
+    """Arrival and four times the predicted contact [s].
+
+    Raises:
+        InputError: no contact time can be predicted; the scene must say how long.
+    """
+    contact = expected_contact_time(scene)
+    if not math.isfinite(contact) or not math.isfinite(scene.arrival) or scene.arrival < 0.0:
+        raise InputError("no contact time can be predicted for this scene", valid="a duration", where="duration")
+    return scene.arrival + 4.0 * contact
