@@ -8,11 +8,11 @@ import math
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 
 def plain(value: Any) -> Any:
     """`value` as JSON-ready builtins: arrays to lists, infinity to "inf"/"-inf", NaN to None."""
+    import numpy as np  # here, so that a command that only shows its help need not load it
+
     if isinstance(value, bool | str) or value is None:
         return value
     if isinstance(value, float | np.floating):

@@ -12,15 +12,15 @@ import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 from types import TracebackType
-from typing import IO, Any, Self
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import IO, TYPE_CHECKING, Any, Self
 
 from spacerobot import __version__
 from spacerobot.support.errors import InputError
 from spacerobot.support.files import atomic, write_text
 from spacerobot.support.jsonio import dumps
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 MARKER = "run.json"
 """File that says whose the folder is and whether the run is "running" or "finished"."""
@@ -135,6 +135,8 @@ class RunFolder:
 
     def save_arrays(self, name: str, arrays: Mapping[str, NDArray[Any]]) -> None:
         """Keep arrays under `name`, for a run that resumes; NaN stays NaN."""
+        import numpy as np
+
         buffer = io.BytesIO()
         np.savez(buffer, **arrays)  # type: ignore[arg-type]
         with atomic(self._partial(name, "npz"), "wb") as stream:
@@ -142,6 +144,8 @@ class RunFolder:
 
     def load_arrays(self, name: str) -> dict[str, NDArray[Any]] | None:
         """The arrays called `name`, None where there are none (or they are damaged)."""
+        import numpy as np
+
         try:
             with np.load(self._partial(name, "npz"), allow_pickle=False) as archive:
                 return {key: archive[key] for key in archive.files}

@@ -1,0 +1,150 @@
+"""What `spacerobot mass` does once its arguments are read."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+import warnings
+from typing import Any
+
+import numpy as np
+
+from spacerobot.cli.mass_report import as_json, as_text, response_table
+from spacerobot.dynamics.apparent_mass import apparent_mass
+from spacerobot.dynamics.effective_mass import EffectiveMass, effective_mass
+from spacerobot.dynamics.impact import Impact, impact
+from spacerobot.dynamics.joint_kinds import angular
+from spacerobot.dynamics.pose_limits import PoseLimitWarning
+from spacerobot.model.library import load
+from spacerobot.model.robot import Robot
+from spacerobot.support.errors import InputError
+from spacerobot.support.jsonio import dumps
+from spacerobot.support.numbers import parse_assignments, parse_numbers, to_radians
+from spacerobot.support.runs import RunFolder, combined_hash
+
+_PA10 = ("S1", "S2", "S3", "E1", "E2", "W1", "W2")
+_PA10_POSE = tuple(math.radians(x) for x in (0, 45, 0, 90, 0, -45, 0))
+
+
+def run(args: argparse.Namespace) -> int:
+    """Run the command."""
+    robot, notes = _robot(args)
+    pose, others, said = _pose(robot, args)
+    direction = parse_numbers(args.direction, "--direction", count=3, names=("x", "y", "z"))
+    options: dict[str, Any] = {
+        "frame": args.frame,
+        "base": args.base,
+        "slider": args.slider,
+    }
+    servo: dict[str, Any] = {
+        "stiffness": _list(args.servo_stiffness, "--servo-stiffness"),
+        "damping": _list(args.servo_damping, "--servo-damping"),
+    }
+    frequency = _number(args.frequency, "--frequency")
+    target = _number(args.target_mass, "--target-mass")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", PoseLimitWarning)  # said below, in the command's own words
+        result = effective_mass(
+            robot,
+            pose,
+            direction,
+            joints=args.joints,
+            others=others,
+            omega=None if frequency is None else 2.0 * math.pi * frequency,
+            wrist_stiffness=_number(args.wrist_stiffness, "--wrist-stiffness"),
+            target_mass=target,
+            **options,
+            **servo,
+        )
+    q = robot.configuration(pose, others=others)
+    answer = as_json(result, robot.chain, [*notes, *said], _impact(robot, q, args, target, options))
+    for text in result.warnings:
+        print(f"spacerobot mass: warning: {text}", file=sys.stderr)
+    if args.out is not None:
+        _write(args, robot, q, direction, result, answer, options, servo)
+    print(dumps(answer) if args.json else as_text(answer, angular(robot, robot.chain)))
+    return 0
+
+
+def _robot(args: argparse.Namespace) -> tuple[Robot, list[str]]:
+    robot = load(args.robot)
+    if args.base != "free" or robot.floating:
+        return robot, []
+    robot = load(args.robot, floating=True)
+    mass = robot.model.inertias[1].mass
+    return robot, [
+        f"{robot.name} floats on its own base link of {mass:g} kg; for a spacecraft use a chaser or float_base"
+    ]
+
+
+def _pose(robot: Robot, args: argparse.Namespace) -> tuple[np.ndarray, dict[str, float], list[str]]:
+    """Positions of the chain, of other joints, and what to say about them."""
+    turning = angular(robot, robot.chain)
+    named = parse_assignments(args.set, "--set")
+    if args.deg:
+        named = dict(zip(named, to_radians(list(named.values()), angular(robot, named)), strict=True))
+    said = []
+    if args.q is not None:
+        values = parse_numbers(args.q, "--q", count=len(robot.chain), names=robot.chain)
+        pose = np.array(to_radians(values, turning) if args.deg else values)
+        twice = [name for name in named if name in robot.chain]
+        if twice:
+            raise InputError("--set names a joint that --q has set", given=", ".join(twice))
+    else:
+        pose = np.array(_PA10_POSE if robot.chain == _PA10 else np.zeros(len(robot.chain)))
+        where = "0, 45, 0, 90, 0, -45, 0 deg" if robot.chain == _PA10 else "all joints at zero"
+        said.append(f"no --q given: {where}")
+        for i, name in enumerate(robot.chain):
+            pose[i] = named.pop(name, pose[i])
+    return pose, named, said
+
+
+def _impact(
+    robot: Robot, q: np.ndarray, args: argparse.Namespace, target: float | None, options: dict[str, Any]
+) -> Impact | None:
+    """The impact that --target-mass asks for; of joints that are free where they are servo-held."""
+    restitution, speed = _number(args.restitution, "--restitution"), _number(args.speed, "--speed")
+    if target is None:
+        if restitution is not None or speed is not None:
+            raise InputError("an impact needs a target", valid="--target-mass KG")
+        return None
+    return impact(
+        robot,
+        q,
+        parse_numbers(args.direction, "--direction", count=3),
+        approach_speed=1.0 if speed is None else speed,
+        restitution=1.0 if restitution is None else restitution,
+        target_mass=target,
+        joints="locked" if args.joints == "locked" else "free",
+        **options,
+    )
+
+
+def _write(
+    args: argparse.Namespace,
+    robot: Robot,
+    q: np.ndarray,
+    direction: list[float],
+    result: EffectiveMass,
+    answer: dict[str, Any],
+    options: dict[str, Any],
+    servo: dict[str, Any],
+) -> None:
+    with RunFolder(args.out, "mass", combined_hash(robot.urdf, answer), overwrite=args.overwrite) as folder:
+        if folder.finished:
+            return
+        folder.write("mass.json", dumps(answer) + "\n")
+        if result.omega_rad_s is not None:
+            omega = result.omega_rad_s * np.logspace(-2.0, 2.0, 401)
+            response = apparent_mass(robot, q, direction, omega, **options, **servo)
+            folder.write("apparent_mass.csv", response_table(response))
+        folder.finish()
+
+
+def _list(tokens: list[str] | None, what: str) -> list[float] | None:
+    return None if tokens is None else parse_numbers(tokens, what)
+
+
+def _number(token: str | None, what: str) -> float | None:
+    return None if token is None else parse_numbers(token, what, count=1)[0]
