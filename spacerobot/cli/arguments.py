@@ -45,7 +45,7 @@ class Parser(argparse.ArgumentParser):
         Args:
             extra: what was left over, not empty.
         """
-        unknown = next((token for token in extra if token.startswith("-") and token != "--"), None)
+        unknown = next((text for text in extra if text.startswith("-") and text != "--"), None)
         if unknown is None:
             raise InputError("more arguments than the command takes", given=" ".join(extra), valid=self._usage())
         name = unknown.split("=", 1)[0]
