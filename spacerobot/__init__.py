@@ -18,6 +18,9 @@ _LAZY: dict[str, str] = {
     "effective_mass_batch": "spacerobot.dynamics.batch",
     "apparent_mass": "spacerobot.dynamics.apparent_mass",
     "impact": "spacerobot.dynamics.impact",
+    "Scene": "spacerobot.simulation.scene",
+    "simulate": "spacerobot.simulation.simulate",
+    "Trajectory": "spacerobot.simulation.trajectory",
     "Study": "spacerobot.recordings.study",
     "load_study": "spacerobot.recordings.study",
 }

@@ -17,6 +17,7 @@ from spacerobot.support.errors import NotFoundError, SpacerobotError
 COMMANDS: dict[str, tuple[str, str]] = {
     "robots": ("robots", "list the robots that can be loaded, or show one"),
     "mass": ("mass", "effective mass of a robot at one pose, frame and direction"),
+    "simulate": ("simulate", "a wrist meets a free-flying body: predicted beside simulated"),
     "paper": ("paper", "Table 1, Figs. 5 and 6 and the equations of the paper, checked"),
     "study": ("study", "write a first study file from a folder of recordings, or check one"),
 }

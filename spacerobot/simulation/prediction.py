@@ -6,7 +6,8 @@ import math
 from dataclasses import dataclass
 
 from spacerobot.simulation.scene import Scene
-from spacerobot.theory import contact_time, restitution
+from spacerobot.theory import contact_time, exact, restitution
+from spacerobot.theory.equations_of_motion import ThreeMasses
 from spacerobot.theory.reduction import Reduced, reduced_mass, total_damping
 
 
@@ -52,6 +53,64 @@ def predict(scene: Scene) -> Prediction | None:
         restitution=restitution.displacement_zero(model),
         restitution_unilateral=restitution.force_zero(model),
         restitution_without_equivalent=restitution.displacement_zero(bare),
+    )
+
+
+@dataclass(frozen=True)
+class ThreeMassPrediction:
+    """Eqs. 2 to 4 solved exactly from the first touch: contact spring, all re-contacts, unilateral contact.
+
+    Attributes:
+        contact_time: first touch to last separation [s]; infinite if they touch at the end.
+        contact_time_summed: time in which the contact carried force [s].
+        touches: how often.
+        restitution_target: -(v_t' - v_h)/(v_t - v_h) at the last separation.
+        restitution_hand: -(v_t' - v_h')/(v_t - v_h).
+    """
+
+    contact_time: float
+    contact_time_summed: float
+    touches: int
+    restitution_target: float
+    restitution_hand: float
+
+
+def predict_exact(scene: Scene, duration: float) -> ThreeMassPrediction | None:
+    """Eqs. 2 to 4 without any reduction; None where the scene is not theirs (effects, other contact laws, gravity).
+
+    Args:
+        scene: what there is.
+        duration: of the simulation, arrival included [s].
+    """
+    contact, wrist, target = scene.contact, scene.wrist, scene.target
+    plain = contact.law == "kelvin_voigt" and not contact.bilateral and not contact.adhesion and not contact.mu
+    rest = any(scene.gravity) or any(target.spin) or any(target.contact_point[1:]) or any(target.attitude)
+    if not plain or rest or scene.effects or scene.hand.stiffness > 0.0 or wrist.stiffness <= 0.0:
+        return None
+    system = ThreeMasses(
+        hand_mass=scene.hand.mass,
+        wrist_mass=wrist.mass,
+        target_mass=target.mass,
+        wrist_stiffness=wrist.stiffness,
+        wrist_damping=wrist.damping + wrist.equivalent_damping,
+        contact_stiffness=contact.stiffness,
+        contact_damping=contact.damping,
+        guide_friction=wrist.guide_friction,
+    )
+    hand = -scene.hand_speed
+    motion = exact.solve(system, target.speed, hand_velocity=hand, duration=max(duration - scene.arrival, 1e-9))
+    touches = len(motion.times_of("touch"))
+    summed, lasted = motion.summed_contact_time, motion.contact_time
+    if not math.isfinite(lasted):
+        return ThreeMassPrediction(lasted, summed, touches, math.nan, math.nan)
+    after = motion.state(lasted)
+    approach = target.speed - hand
+    return ThreeMassPrediction(
+        lasted,
+        summed,
+        touches,
+        float(-(after[5] - hand) / approach),
+        float(-(after[5] - after[3]) / approach),
     )
 
 

@@ -98,7 +98,7 @@ def drive(x: Any, c: Any, t: float, u: Any, w: Any) -> None:
         return
     n = c[N]
     last = u.shape[1] - 1
-    k = np.searchsorted(u[0], t, side="right") - 1
+    k = int(np.searchsorted(u[0], t, side="right")) - 1
     if k < 0:
         k, blend = 0, 0.0
     elif k >= last:
