@@ -20,6 +20,13 @@ DIFFERENCE = 0.02
 ROBUST_ABOVE = 1.3
 """chi-squared per sample of a start above which the robust cost is lowered first."""
 
+RESCUES = 3
+RESCUE_GAIN = 5.0
+"""How often trials are put back to their free approach, and by how much chi-squared must fall for it."""
+
+REUSE = 3
+"""How many steps may be taken on one set of derivatives, as long as each keeps most of its promise."""
+
 SETTLED = 0.05
 """A fit has converged when a step is predicted to lower chi-squared by less than this."""
 
@@ -155,13 +162,20 @@ class Fitter:
             return None
         return State(z, dict(own), {k: r[0] for k, r in rows.items()}, {k: r[1] for k, r in rows.items()})
 
-    def jacobian(self, hypothesis: Hypothesis, state: State, trial: TrialData) -> np.ndarray:
-        """Derivatives of one trial's residual, shape (S, G + N), by one-sided differences into the bounds."""
+    def jacobian(
+        self, hypothesis: Hypothesis, state: State, trial: TrialData, old: np.ndarray | None = None
+    ) -> np.ndarray:
+        """Derivatives of one trial's residual, shape (S, G + N), by one-sided differences into the bounds.
+
+        With `old` derivatives only the effects' columns are taken anew: theirs is the strongest curvature.
+        """
         low, high = hypothesis.bounds()
         z, initial, base = state.z, state.own[trial.id], state.raw[trial.id]
         scales = self._scales[trial.id]
-        columns = np.zeros((base.size, z.size + scales.size))
+        columns = np.zeros((base.size, z.size + scales.size)) if old is None else old.copy()
         for g, free in enumerate(hypothesis.free):
+            if old is not None and free.kind != "effect":
+                continue
             if free.kind == "scatter" and not free.key.startswith(f"{trial.condition}|"):
                 continue
             step = DIFFERENCE if z[g] + DIFFERENCE <= high[g] else -DIFFERENCE
@@ -170,7 +184,7 @@ class Fitter:
             moved = z.copy()
             moved[g] += step
             columns[:, g] = (self.residual(hypothesis, moved, trial, initial)[0] - base) / step
-        for n, scale in enumerate(scales):
+        for n, scale in enumerate(scales if old is None else ()):
             moved = initial.copy()
             moved[n] += DIFFERENCE * scale
             columns[:, z.size + n] = (self.residual(hypothesis, z, trial, moved)[0] - base) / DIFFERENCE
@@ -203,9 +217,14 @@ class Fitter:
             raise SimulationError("the start of a fit cannot be simulated")
         used = 0
         if state.chi2() > ROBUST_ABOVE * state.samples:
-            state, used, _, _ = self._descend(hypothesis, state, True, max_iterations // 2)
-        state, iterations, converged, system = self._descend(hypothesis, state, False, max_iterations - used)
-        used += iterations
+            state, used, _, _, _ = self._descend(hypothesis, state, True, max_iterations // 2)
+        for _ in range(RESCUES):
+            state, _ = self.rescue(hypothesis, state)
+            state, iterations, converged, system, _ = self._descend(hypothesis, state, False, max_iterations - used)
+            used += iterations
+            state, rescued = self.rescue(hypothesis, state)
+            if not rescued or used >= max_iterations:
+                break
         prior = np.array([f.prior for f in hypothesis.free], dtype=float)
         covariance = None if system is None else system.covariance()
         trials = {
@@ -223,21 +242,50 @@ class Fitter:
             used,
         )
 
+    def rescue(self, hypothesis: Hypothesis, state: State) -> tuple[State, bool]:
+        """Puts trials whose start has wandered back to what their free approach says, where that fits better.
+
+        The pattern of bounces depends on the moment of touch, so a trial's cost has many minima in its start.
+        """
+
+        def one(trial: TrialData) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+            raw, keep = state.raw[trial.id], state.keep[trial.id]
+            initial = self.model.approach_start(trial, state.own[trial.id], raw)
+            try:
+                new, new_keep = self.residual(hypothesis, state.z, trial, initial)
+            except SimulationError:
+                return None
+            better = np.square(new[new_keep]).sum() < np.square(raw[keep]).sum() - RESCUE_GAIN
+            return (initial, new, new_keep) if better else None
+
+        found = {k: v for k, v in self._map(one).items() if v is not None}
+        if not found:
+            return state, False
+        own = {**state.own, **{k: v[0] for k, v in found.items()}}
+        raw = {**state.raw, **{k: v[1] for k, v in found.items()}}
+        keep = {**state.keep, **{k: v[2] for k, v in found.items()}}
+        return State(state.z, own, raw, keep), True
+
     def _descend(
         self, hypothesis: Hypothesis, state: State, robust: bool, max_iterations: int
-    ) -> tuple[State, int, bool, Normal | None]:
+    ) -> tuple[State, int, bool, Normal | None, dict[str, np.ndarray]]:
         low, high = hypothesis.bounds()
         prior = np.array([f.prior for f in hypothesis.free], dtype=float)
-        damping, converged, iterations = 1e-4, False, 0
+        damping, converged, iterations, age = 1e-4, False, 0, 0
         system = None
+        rows: dict[str, np.ndarray] = {}
         while iterations < max_iterations and not converged:
             iterations += 1
-            system = self._normal(hypothesis, state, prior, robust)
+            if age >= REUSE:
+                rows, age = {}, 0
+            rows = self._map(lambda t, at=state, old=rows: self.jacobian(hypothesis, at, t, old.get(t.id)))
+            system = self._normal(state, rows, prior, robust)
             accepted = False
+            settled = SETTLED * max(1.0, state.chi2() / max(state.samples, 1)) ** 2
             for _ in range(10):
                 dz, dn, promised = system.step(damping, state.z, low, high)
-                if promised < SETTLED:
-                    converged = True
+                if promised < settled:
+                    converged = age == 0
                     break
                 own = {t.id: state.own[t.id] + s * self._scales[t.id] for t, s in zip(self.trials, dn, strict=True)}
                 new = self.state(hypothesis, np.clip(state.z + dz, low, high), own)
@@ -247,22 +295,27 @@ class Fitter:
                     fall += float(prior @ (state.z**2 - new.z**2))
                     if fall > 0.0:
                         damping = max(damping * (0.2 if fall > 0.7 * promised else 1.0), 1e-9)
-                        converged = fall < SETTLED
+                        converged = fall < settled and age == 0
+                        age = age + 1 if fall > 0.6 * promised else REUSE
                         state, accepted = new, True
                         break
+                if age > 0:
+                    break
                 damping = max(10.0 * damping, 1e-3)
-            if not accepted:
-                break
-        return state, iterations, converged, system
+            if not accepted and not converged:
+                if age == 0:
+                    break
+                age = REUSE  # the step came from old derivatives: take new ones before giving up
+        return state, iterations, converged, system, rows
 
-    def _normal(self, hypothesis: Hypothesis, state: State, prior: np.ndarray, robust: bool) -> Normal:
+    def _normal(self, state: State, rows: Mapping[str, np.ndarray], prior: np.ndarray, robust: bool) -> Normal:
         def weighted(trial: TrialData) -> tuple[np.ndarray, np.ndarray]:
             keep = state.keep[trial.id]
-            rows, residual = self.jacobian(hypothesis, state, trial)[keep], state.raw[trial.id][keep]
+            jacobian, residual = rows[trial.id][keep], state.raw[trial.id][keep]
             if robust:
                 weight = state.weights(trial)[keep]
-                rows, residual = rows * weight[:, None], residual * weight
-            return rows, residual
+                jacobian, residual = jacobian * weight[:, None], residual * weight
+            return jacobian, residual
 
         pairs = list(self._map(weighted).values())
         return Normal.build([p[0] for p in pairs], [p[1] for p in pairs], state.z, prior)

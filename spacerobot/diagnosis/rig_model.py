@@ -22,6 +22,9 @@ UNKNOWN_CENTRES = {"contact.damping": 40.0, "contact.stiffness": 5e4}
 
 ABSORBING = ("wrist.equivalent_damping",)
 
+CHANNEL_OF = {"target": "target.x", "target.y": "target.y", "target.yaw": "target.yaw"}
+"""The channel that shows a coordinate before contact."""
+
 ONSET_MASK = 0.7e-3
 """Force samples this close [s] to a predicted touch are left out: the force jumps there."""
 
@@ -82,6 +85,7 @@ class RigModel:
         self.believed = Believed(known, sigma, scatter, tuple(study.conditions()), unknown, ABSORBING)
         self.tolerance = tolerance
         self.sensors = _sensors(study)
+        self._touch = {t.id: _touch_time(t) for t in trials}
         self._motion = {t.id: _nuisances(t, self.turning, self.sideways) for t in trials}
 
     def mechanism(self, values: Mapping[str, float]) -> Mechanism:
@@ -92,6 +96,35 @@ class RigModel:
     def nuisances(self, trial: TrialData) -> tuple[Nuisance, ...]:
         """What is free in this trial alone."""
         return self._motion[trial.id]
+
+    def approach_start(self, trial: TrialData, initial: np.ndarray, residual: np.ndarray) -> np.ndarray:
+        """Initial values that fit the free approach alone, given the residual at `initial`.
+
+        Args:
+            trial: whose.
+            initial: present initial values, shape (N,).
+            residual: weighted residual there, shape (S,), predicted minus measured.
+
+        Returns:
+            shape (N,); before the touch a start moves the track by dx + dv t, so two unknowns per coordinate.
+        """
+        out = initial.copy()
+        touch = self._touch[trial.id]
+        nuisances = self._motion[trial.id]
+        row = 0
+        for block in trial.blocks:
+            for c, channel in enumerate(block.channels):
+                rows = slice(row, row + block.time.size)
+                row += block.time.size
+                own = [n for n, x in enumerate(nuisances) if CHANNEL_OF[x.coordinate] == channel]
+                early = (block.time < touch) & (block.weight[c] > 0.0)
+                if len(own) != 2 or early.sum() < 4:
+                    continue
+                error = residual[rows][early] / block.weight[c][early]
+                slope, offset = np.polyfit(block.time[early] - trial.start, error, 1)
+                for n in own:
+                    out[n] -= slope if nuisances[n].rate else offset
+        return out
 
     def trial_mechanism(self, hypothesis: Hypothesis, z: np.ndarray, trial: TrialData) -> Mechanism:
         """The edited mechanism of one trial."""

@@ -1,0 +1,51 @@
+"""The promise of verdict.json as a JSON Schema, and the check of a verdict against it."""
+
+from __future__ import annotations
+
+import functools
+import json
+from collections.abc import Mapping
+from importlib.resources import files
+from typing import Any
+
+from spacerobot.support.errors import InputError
+from spacerobot.support.jsonio import plain
+
+VERDICTS = ("named", "ambiguous", "unknown", "nothing_missing", "wrong_parameter", "not_trusted")
+"""Every kind of verdict."""
+
+
+@functools.cache
+def schema() -> dict[str, Any]:
+    """The JSON Schema (draft 2020-12) of verdict.json, as shipped in verdict.schema.json."""
+    text = files("spacerobot.diagnosis").joinpath("verdict.schema.json").read_text(encoding="utf-8")
+    loaded: dict[str, Any] = json.loads(text)
+    return loaded
+
+
+@functools.cache
+def _validator() -> Any:
+    from jsonschema import Draft202012Validator
+
+    return Draft202012Validator(schema())
+
+
+def validate(verdict: Mapping[str, Any], where: str = "verdict") -> None:
+    """Check a verdict, a dict as read from verdict.json or about to be written there.
+
+    Args:
+        verdict: the object; NumPy values are taken as `support.jsonio` would write them.
+        where: named in the error, a file for instance.
+
+    Raises:
+        InputError: the first breach, with the path to it.
+    """
+    breach = min(
+        _validator().iter_errors(plain(dict(verdict))), key=lambda e: [str(p) for p in e.absolute_path], default=None
+    )
+    if breach is None:
+        return
+    while breach.context:  # inside a oneOf: the breach of the branch that came nearest says more
+        breach = max(breach.context, key=lambda e: len(e.absolute_path))
+    path = "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in breach.absolute_path)
+    raise InputError(f"not a valid verdict: {breach.message}", where=f"{where}{path}")
