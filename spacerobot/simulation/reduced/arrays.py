@@ -225,11 +225,11 @@ def assemble(mechanism: Mechanism) -> tuple[System, Layout]:
     count = len(laws)
     force_port, sense, aux, law, edge = (np.empty(count, dtype=np.int64) for _ in range(5))
     parameters = np.zeros((count, PARAMETERS))
-    for i, (_, port, sensed, auxiliary, kernel, p) in enumerate(laws):
+    for i, (_, port, sensed, auxiliary, kernel, values) in enumerate(laws):
         force_port[i], sense[i] = place[port], place[sensed]
         aux[i] = NONE if auxiliary is None else place[auxiliary]
         law[i], edge[i] = _law_pair(kernel)
-        parameters[i, : len(p)] = p
+        parameters[i, : len(values)] = values
 
     constant = np.zeros(len(names))
     for item in mechanism.fields:
