@@ -28,7 +28,8 @@ REUSE = 3
 """How many steps may be taken on one set of derivatives, as long as each keeps most of its promise."""
 
 SETTLED = 0.05
-"""A fit has converged when a step is predicted to lower chi-squared by less than this."""
+WORTH = 2e-4
+"""A fit has converged when a step lowers chi-squared by less than the first, or than this share of the misfit."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -197,6 +198,7 @@ class Fitter:
         warm: Mapping[str, float] | None = None,
         initials: Mapping[str, np.ndarray] | None = None,
         max_iterations: int = 40,
+        hopeless: float = np.inf,
     ) -> Fit:
         """The best parameters near a start.
 
@@ -207,7 +209,8 @@ class Fitter:
             hypothesis: what to fit; its free parameters' centres are the start.
             warm: start values by key instead.
             initials: start of the trials' initial values.
-            max_iterations: of Gauss-Newton, over all temperatures.
+            max_iterations: of Gauss-Newton, over all stages.
+            hopeless: cost above which a fit that hardly falls any more is given up.
 
         Raises:
             SimulationError: the start cannot be simulated.
@@ -220,7 +223,9 @@ class Fitter:
             state, used, _, _, _ = self._descend(hypothesis, state, True, max_iterations // 2)
         for _ in range(RESCUES):
             state, _ = self.rescue(hypothesis, state)
-            state, iterations, converged, system, _ = self._descend(hypothesis, state, False, max_iterations - used)
+            state, iterations, converged, system, _ = self._descend(
+                hypothesis, state, False, max_iterations - used, hopeless
+            )
             used += iterations
             state, rescued = self.rescue(hypothesis, state)
             if not rescued or used >= max_iterations:
@@ -267,7 +272,7 @@ class Fitter:
         return State(state.z, own, raw, keep), True
 
     def _descend(
-        self, hypothesis: Hypothesis, state: State, robust: bool, max_iterations: int
+        self, hypothesis: Hypothesis, state: State, robust: bool, max_iterations: int, hopeless: float = np.inf
     ) -> tuple[State, int, bool, Normal | None, dict[str, np.ndarray]]:
         low, high = hypothesis.bounds()
         prior = np.array([f.prior for f in hypothesis.free], dtype=float)
@@ -281,7 +286,7 @@ class Fitter:
             rows = self._map(lambda t, at=state, old=rows: self.jacobian(hypothesis, at, t, old.get(t.id)))
             system = self._normal(state, rows, prior, robust)
             accepted = False
-            settled = SETTLED * max(1.0, state.chi2() / max(state.samples, 1)) ** 2
+            settled = max(SETTLED, WORTH * abs(state.chi2() - state.samples))
             for _ in range(10):
                 dz, dn, promised = system.step(damping, state.z, low, high)
                 if promised < settled:
@@ -298,6 +303,9 @@ class Fitter:
                         converged = fall < settled and age == 0
                         age = age + 1 if fall > 0.6 * promised else REUSE
                         state, accepted = new, True
+                        hope = state.chi2() + float(prior @ state.z**2) - 10.0 * fall
+                        if not robust and iterations >= 3 and hope > hopeless:
+                            return state, iterations, False, system, rows
                         break
                 if age > 0:
                     break

@@ -38,6 +38,7 @@ def fit_from(
     start: Mapping[str, float],
     initials: Mapping[str, np.ndarray] | None = None,
     max_iterations: int = 40,
+    hopeless: float = np.inf,
 ) -> Fit:
     """Fit from one start; where it ends badly, once more with the unstated values back at their centres.
 
@@ -48,6 +49,7 @@ def fit_from(
         start: start values by key; believed values where absent, absorbing constants that are replaced at zero.
         initials: start of the trials' initial values.
         max_iterations: of each fit.
+        hopeless: cost above which a fit that hardly falls any more is given up.
 
     Raises:
         SimulationError: the start cannot be simulated.
@@ -55,12 +57,14 @@ def fit_from(
     made = hypothesis(believed, sites, start)
     warm = {f.key: 0.0 for f in made.free if f.kind == "absorbing"}
     warm.update({k: v for k, v in start.items() if k in made.keys})
-    first = fitter.fit(made, warm=warm, initials=initials, max_iterations=max_iterations)
-    if first.chi2 < GOOD * first.samples or not believed.unknown:
+    first = fitter.fit(made, warm=warm, initials=initials, max_iterations=max_iterations, hopeless=hopeless)
+    if first.chi2 < GOOD * first.samples or not believed.unknown or first.cost > hopeless:
         return first
     again = {k: v for k, v in first.values().items() if k not in believed.unknown and not _contact(k)}
     try:
-        second = fitter.fit(made, warm=again, initials=first.initials(), max_iterations=max_iterations)
+        second = fitter.fit(
+            made, warm=again, initials=first.initials(), max_iterations=max_iterations, hopeless=hopeless
+        )
     except SimulationError:
         return first
     return second if second.cost < first.cost else first

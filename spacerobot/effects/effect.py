@@ -24,6 +24,7 @@ class Parameter:
         lower, upper: physical bounds.
         starts: values from which fits begin, physical sizes of small to large.
         log: fitted on a logarithmic scale (positive numbers that may be wrong by factors).
+        shape: says how the effect acts, not how strongly; it means nothing while the strength is null.
     """
 
     name: str
@@ -34,6 +35,7 @@ class Parameter:
     upper: float
     starts: tuple[float, ...]
     log: bool = False
+    shape: bool = False
 
     def __post_init__(self) -> None:
         if not self.lower <= self.upper or not self.scale > 0.0 or not self.starts:

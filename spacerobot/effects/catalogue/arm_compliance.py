@@ -20,9 +20,9 @@ class ArmCompliance(Effect):
     source = "first bending mode of the arm; assumption of a rigid arm in Uyama et al. (2012)"
     kind = "body"
     parameters = (
-        Parameter("mass_kg", "kg", 20.0, 2.0, 0.05, 1e4, (20.0, 8.0, 60.0), log=True),
+        Parameter("mass_kg", "kg", 20.0, 2.0, 0.05, 1e4, (20.0, 8.0, 60.0), log=True, shape=True),
         Parameter("stiffness_N_m", "N/m", math.inf, 4e3, 10.0, math.inf, (4e4, 2e5, 1e4), log=True),
-        Parameter("damping_Ns_m", "N s/m", 0.0, 30.0, 0.0, 1e5, (100.0, 20.0, 400.0)),
+        Parameter("damping_Ns_m", "N s/m", 0.0, 30.0, 0.0, 1e5, (100.0, 20.0, 400.0), shape=True),
     )
 
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:

@@ -22,8 +22,8 @@ class HiddenOscillator(Effect):
     kind = "body"
     parameters = (
         Parameter("mass_kg", "kg", 0.0, 0.2, 0.0, 1e4, (0.5, 1.5, 0.2)),
-        Parameter("frequency_Hz", "Hz", 1.0, 0.1, 0.05, 100.0, (2.0, 0.8, 5.0), log=True),
-        Parameter("damping_ratio", "1", 0.05, 0.02, 0.0, 2.0, (0.03, 0.15)),
+        Parameter("frequency_Hz", "Hz", 1.0, 0.1, 0.05, 100.0, (2.0, 0.8, 5.0), log=True, shape=True),
+        Parameter("damping_ratio", "1", 0.05, 0.02, 0.0, 2.0, (0.03, 0.15), shape=True),
     )
 
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:

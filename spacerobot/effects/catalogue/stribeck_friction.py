@@ -27,7 +27,7 @@ class StribeckFriction(Effect):
     parameters = (
         Parameter("static_force_N", "N", 0.0, 0.1, 0.0, 1e4, (0.1, 0.5, 2.0)),
         Parameter("coulomb_force_N", "N", 0.0, 0.1, 0.0, 1e4, (0.05, 0.3, 1.0)),
-        Parameter("velocity_m_s", "m/s", 0.01, 0.01, 1e-5, 10.0, (0.01, 0.03, 0.1), log=True),
+        Parameter("velocity_m_s", "m/s", 0.01, 0.01, 1e-5, 10.0, (0.01, 0.03, 0.1), log=True, shape=True),
     )
     replaces = ("{where}.equivalent_damping",)
 

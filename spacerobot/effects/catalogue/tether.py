@@ -19,7 +19,7 @@ class Tether(Effect):
     source = "linear cable with slack"
     parameters = (
         Parameter("stiffness_N_m", "N/m", 0.0, 0.5, 0.0, 1e5, (0.3, 2.0, 10.0)),
-        Parameter("slack_m", "m", 0.0, 0.01, 0.0, 10.0, (0.0, 0.02, 0.05)),
+        Parameter("slack_m", "m", 0.0, 0.01, 0.0, 10.0, (0.0, 0.02, 0.05), shape=True),
     )
 
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:

@@ -1,0 +1,168 @@
+"""First scores of all effects, by their sensitivities at the best fit so far; nothing is refitted here.
+
+An effect at its start values moves every residual by some d. What of d the free parameters cannot imitate, projected
+on what is left of the residual, says how much chi-squared would fall; and how small an effect would still be seen.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from spacerobot.diagnosis.fit import Fit, Fitter, State
+from spacerobot.diagnosis.hypothesis import Believed, Hypothesis, Site, hypothesis
+from spacerobot.diagnosis.starts import effect_starts
+from spacerobot.support.errors import InputError, SimulationError
+
+FAINT = 0.1
+"""Share of an effect's start value at which its sensitivities are taken."""
+
+
+@dataclass(frozen=True, eq=False)
+class Screened:
+    """One effect at one start, scored. The columns are weighted, masked and freed of what the fit can imitate."""
+
+    site: Site
+    start: Mapping[str, float]
+    column: np.ndarray  # (S,) over all trials
+    gain: float  # predicted fall of the cost
+    amplitude: float  # multiple of the column at which it would come
+    norm: float  # |column|^2
+
+
+@dataclass(frozen=True, eq=False)
+class Screen:
+    """All scores at one fit."""
+
+    fit: Fit
+    scored: tuple[Screened, ...]  # best first, one per site and start
+    residual: np.ndarray  # (S,) weighted and masked, freed of what the fit can imitate
+
+    def best(self) -> dict[tuple[str, str], Screened]:
+        """The best start of each site, best first."""
+        out: dict[tuple[str, str], Screened] = {}
+        for item in self.scored:
+            out.setdefault(item.site.label, item)
+        return out
+
+    def pairs(self) -> list[tuple[float, Screened, Screened]]:
+        """Every pair of sites at their best starts with the predicted fall of the cost, best first."""
+        singles = list(self.best().values())
+        if len(singles) < 2:
+            return []
+        columns = np.stack([s.column for s in singles])
+        gram = columns @ columns.T
+        right = columns @ self.residual
+        out = []
+        for i in range(len(singles)):
+            for j in range(i):
+                block = gram[np.ix_([i, j], [i, j])]
+                b = right[[i, j]]
+                det = block[0, 0] * block[1, 1] - block[0, 1] ** 2
+                if det <= 1e-6 * block[0, 0] * block[1, 1]:
+                    gain = max(singles[i].gain, singles[j].gain)
+                else:
+                    gain = float(b @ np.linalg.solve(block, b))
+                out.append((gain, singles[i], singles[j]))
+        return sorted(out, key=lambda p: -p[0])
+
+
+class Screener:
+    """Scores effects at a fit."""
+
+    def __init__(self, fitter: Fitter, believed: Believed) -> None:
+        self.fitter = fitter
+        self.believed = believed
+
+    def screen(self, fit: Fit, sites: Sequence[Site]) -> Screen:
+        """Scores of adding each site to the fit's own hypothesis."""
+        fitter = self.fitter
+        state = fitter.state(fit.hypothesis, fit.z, fit.initials())
+        if state is None:
+            raise SimulationError("a finished fit can no longer be simulated")
+        project = _Projector(fitter, fit.hypothesis, state)
+        residual = project.free(project.stack(state.raw))
+        scored = []
+        for site in sites:
+            for start in effect_starts([site]):
+                item = self._score(fit, state, project, residual, site, start)
+                if item is not None:
+                    scored.append(item)
+        scored.sort(key=lambda s: -s.gain)
+        return Screen(fit, tuple(scored), residual)
+
+    def _score(
+        self,
+        fit: Fit,
+        state: State,
+        project: _Projector,
+        residual: np.ndarray,
+        site: Site,
+        start: Mapping[str, float],
+    ) -> Screened | None:
+        sites = (*fit.hypothesis.sites, site)
+        made = hypothesis(self.believed, sites, start)
+        values = {**fit.values(), **_faint(site, start)}
+        try:
+            moved = self.fitter.state(made, made.start(values), state.own)
+        except InputError:
+            return None
+        if moved is None:
+            return None
+        column = project.free(project.stack(moved.raw) - project.stack(state.raw))
+        norm = float(column @ column)
+        if norm < 1e-12:
+            return Screened(site, start, column, 0.0, 0.0, norm)
+        amplitude = -float(column @ residual) / norm
+        two_sided = all(p.lower < p.null for p in site.effect.parameters[:1])
+        if amplitude < 0.0 and not two_sided:
+            return Screened(site, start, column, 0.0, amplitude, norm)
+        return Screened(site, start, column, amplitude**2 * norm, amplitude, norm)
+
+
+def _faint(site: Site, start: Mapping[str, float]) -> dict[str, float]:
+    """The start with its strengths cut, so that the residual still moves in proportion."""
+    out = dict(start)
+    for p in site.effect.parameters:
+        if not (p.shape or p.log or math.isinf(p.null)):
+            out[site.key(p.name)] = p.null + FAINT * (start[site.key(p.name)] - p.null)
+    return out
+
+
+class _Projector:
+    """Takes out of a column what the free parameters, with their priors, can imitate."""
+
+    def __init__(self, fitter: Fitter, made: Hypothesis, state: State) -> None:
+        self.fitter = fitter
+        self.state = state
+        self.weights = {t.id: state.weights(t) * state.keep[t.id] for t in fitter.trials}
+        count = len(made.free)
+        prior = np.array([f.prior for f in made.free], dtype=float)
+        self.global_rows = []
+        self.own = []
+        for trial in fitter.trials:
+            rows = fitter.jacobian(made, state, trial) * self.weights[trial.id][:, None]
+            own, _ = np.linalg.qr(rows[:, count:])
+            shared = rows[:, :count]
+            self.own.append(own)
+            self.global_rows.append(shared - own @ (own.T @ shared))
+        normal = sum(g.T @ g for g in self.global_rows) + np.diag(prior)
+        self.inverse = np.linalg.pinv(normal, rcond=1e-12, hermitian=True)
+
+    def stack(self, raw: Mapping[str, np.ndarray]) -> np.ndarray:
+        """Residuals of all trials, weighted and masked, in one vector."""
+        return np.concatenate([raw[t.id] * self.weights[t.id] for t in self.fitter.trials])
+
+    def free(self, column: np.ndarray) -> np.ndarray:
+        """The part of a column that no free parameter can imitate."""
+        parts, first = [], 0
+        for own in self.own:
+            piece = column[first : first + own.shape[0]]
+            first += own.shape[0]
+            parts.append(piece - own @ (own.T @ piece))
+        shared = sum(g.T @ p for g, p in zip(self.global_rows, parts, strict=True))
+        step = self.inverse @ shared
+        return np.concatenate([p - g @ step for g, p in zip(self.global_rows, parts, strict=True)])
