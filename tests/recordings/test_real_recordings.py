@@ -112,7 +112,7 @@ def test_spot_momentum_window_has_the_plan_beside_the_markers() -> None:
     recording = load_study(STUDIES / "spot_free_floating_arm").recording("run3")
     assert recording["joint.elbow.reference"].time[[0, -1]] == pytest.approx([42, 72])
     assert recording["base.yaw"].time[[0, -1]] == pytest.approx([41, 72], abs=0.11)
-    assert (~recording["hand.position.x"].valid).sum() > 10
+    assert (~recording["link.elbow.position.x"].valid).sum() > 10
     assert not recording["base.force.x"].value[recording["base.force.x"].time > 42].any()
 
 
