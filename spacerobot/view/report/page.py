@@ -1,0 +1,170 @@
+"""The page of a diagnosis: what the template is given, and the policy that keeps the page to itself."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import math
+from collections.abc import Mapping, Sequence
+from functools import cache
+from importlib.resources import files
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+
+from spacerobot.view.report import charts, words
+from spacerobot.view.report.evidence import Evidence, Trace
+from spacerobot.view.report.formula import mathml
+from spacerobot.view.report.story import change_text, confidence_text, improvement, tell
+from spacerobot.view.report.traces_json import embedded
+from spacerobot.view.report.words import finite
+
+RIVALS = 200
+"""Screened hypotheses listed one by one; the others are counted."""
+
+_SCRIPTS = ("uplot/uPlot.iife.min.js", "page.js", "explorer.js")
+_STYLES = ("uplot/uPlot.min.css", "page.css")
+
+
+def page(verdict: Mapping[str, Any], evidence: Evidence) -> str:
+    """The page as HTML text.
+
+    Args:
+        verdict: as in verdict.json, plain JSON values.
+        evidence: the rest, read.
+    """
+    data, kept = embedded(evidence.traces)
+    scripts, styles = _assets()
+    hero = _hero(verdict, evidence)
+    fitted, screened, more = _rivals(evidence.hypotheses)
+    surfaces = [(s, charts.surface_chart(s)) for s in evidence.surfaces[:24]]
+    template = _environment().get_template("page.html")
+    return template.render(
+        v=verdict,
+        e=evidence,
+        story=tell(verdict, evidence),
+        gained=improvement(verdict),
+        confidence=confidence_text(verdict),
+        overall=(verdict.get("held_out") or {}).get("overall") or {},
+        channels=(verdict.get("held_out") or {}).get("channels") or {},
+        scheme=(verdict.get("held_out") or {}).get("scheme"),
+        hero=hero,
+        hero_chart=charts.trace_chart(hero) if hero is not None else None,
+        static=[(t, charts.trace_chart(t)) for t in _one_a_channel(evidence)],
+        located=evidence.located or verdict["located"],
+        surfaces=surfaces,
+        formulas=_formulas(verdict, evidence),
+        improvement_chart=charts.improvement_chart((verdict.get("held_out") or {}).get("overall") or {}),
+        rivals_chart=charts.rivals_chart(evidence.hypotheses),
+        fitted=fitted,
+        screened=screened,
+        more_screened=more,
+        best=_best(evidence.hypotheses),
+        parameter_charts={k: charts.parameter_chart(k, p) for k, p in verdict["parameters"].items()},
+        data=Markup(data),  # noqa: S704 - JSON with every bracket escaped
+        kept=kept,
+        scripts=scripts,
+        styles=styles,
+        policy=_policy(scripts, styles),
+    )
+
+
+@cache
+def _environment() -> Environment:
+    environment = Environment(
+        autoescape=True,
+        undefined=StrictUndefined,
+        loader=PackageLoader("spacerobot.view.report", "templates"),
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    for function in (
+        words.number, words.quantity, words.percent, words.probability, words.effects_phrase, words.effect_phrase,
+        words.parameter_label, words.parameters_text, words.unit_text, words.effect_title, words.place, words.finite,
+        change_text,
+    ):  # fmt: skip
+        environment.filters[function.__name__] = function
+    environment.filters["clip"] = _clip
+    return environment
+
+
+def _clip(text: object, limit: int = 400) -> str:
+    """A text of bounded length; what a file says of itself may be of any."""
+    said = str(text)
+    return said if len(said) <= limit else said[: limit - 1] + "…"
+
+
+@cache
+def _assets() -> tuple[tuple[Markup, ...], tuple[Markup, ...]]:
+    folder = files("spacerobot.view.report").joinpath("assets")
+
+    def read(name: str) -> Markup:
+        return Markup(folder.joinpath(name).read_text(encoding="utf-8").strip())  # noqa: S704 - files of this package
+
+    return tuple(read(n) for n in _SCRIPTS), tuple(read(n) for n in _STYLES)
+
+
+def _policy(scripts: Sequence[str], styles: Sequence[str]) -> str:
+    """A content security policy that lets these scripts and styles run, and nothing else load or run at all."""
+
+    def sources(texts: Sequence[str]) -> str:
+        digests = (base64.b64encode(hashlib.sha256(str(t).encode()).digest()).decode() for t in texts)
+        return " ".join(f"'sha256-{d}'" for d in digests)
+
+    return (
+        f"default-src 'none'; script-src {sources(scripts)}; style-src {sources(styles)}; img-src data:; "
+        "base-uri 'none'; form-action 'none'"
+    )
+
+
+def _hero(verdict: Mapping[str, Any], evidence: Evidence) -> Trace | None:
+    """The trace of the first screen: where the verdict shows best."""
+    shown = evidence.shown
+    if not shown:
+        return None
+    if verdict["verdict"] in ("unknown", "not_trusted"):
+        return max(shown, key=lambda t: t.rms("after") or t.rms("before") or 0.0)
+    return max(shown, key=lambda t: t.gain)
+
+
+def _one_a_channel(evidence: Evidence) -> list[Trace]:
+    """For print and for readers without scripts: of every channel the trace in which the models differ most."""
+    best: dict[str, Trace] = {}
+    for trace in evidence.shown:
+        if trace.channel not in best or trace.gain > best[trace.channel].gain:
+            best[trace.channel] = trace
+    return list(best.values())[:12]
+
+
+def _formulas(verdict: Mapping[str, Any], evidence: Evidence) -> dict[tuple[str, str], dict[str, Any]]:
+    """(effect, where) -> its formula in MathML, title and source."""
+    found = {}
+    for item in evidence.formulas:
+        key = (str(item.get("effect", "")), str(item.get("where", "")))
+        found[key] = {
+            "title": item.get("title") or words.effect_title(key[0]),
+            "formula": mathml(str(item.get("latex") or "")) if item.get("latex") else None,
+            "source": item.get("source"),
+        }
+    return found
+
+
+def _best(hypotheses: Sequence[Mapping[str, Any]]) -> float | None:
+    values = [finite(h.get("chi2")) for h in hypotheses if h.get("stage") == "fitted"]
+    known = [v for v in values if v is not None and math.isfinite(v)]
+    return min(known) if known else None
+
+
+def _rivals(
+    hypotheses: Sequence[Mapping[str, Any]],
+) -> tuple[list[Mapping[str, Any]], list[Mapping[str, Any]], int]:
+    """Fitted and screened hypotheses, best first, and how many screened ones are only counted."""
+
+    def rank(item: Mapping[str, Any]) -> tuple[float, float]:
+        score, chi2 = finite(item.get("held_out")), finite(item.get("chi2"))
+        return (-score if score is not None else math.inf, chi2 if chi2 is not None else math.inf)
+
+    fitted = sorted((h for h in hypotheses if h.get("stage") == "fitted"), key=rank)
+    screened = sorted((h for h in hypotheses if h.get("stage") != "fitted"), key=rank)
+    return fitted[:RIVALS], screened[:RIVALS], max(len(screened) - RIVALS, 0) + max(len(fitted) - RIVALS, 0)

@@ -1,0 +1,208 @@
+"""The story of a verdict: a badge, one sentence, and what must be said with it; words of its own for each kind."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from spacerobot.view.report.evidence import Evidence
+from spacerobot.view.report.words import (
+    effect_phrase,
+    effects_phrase,
+    finite,
+    is_sensor,
+    joined,
+    number,
+    parameter_label,
+    parameters_text,
+    percent,
+    quantity,
+)
+
+
+@dataclass(frozen=True)
+class Story:
+    """What the first screen says.
+
+    Attributes:
+        badge: the kind of verdict in two words or so.
+        tone: "found", "open" or "warning", for colour.
+        headline: a title.
+        sentence: the verdict in one sentence.
+        more: further sentences that must be read with it.
+    """
+
+    badge: str
+    tone: str
+    headline: str
+    sentence: str
+    more: tuple[str, ...] = ()
+
+
+def tell(verdict: Mapping[str, Any], evidence: Evidence) -> Story:
+    """The story of a verdict."""
+    return _TELLERS[verdict["verdict"]](verdict, evidence)
+
+
+def capital(text: str) -> str:
+    """The text with its first letter large."""
+    return text[:1].upper() + text[1:]
+
+
+def improvement(verdict: Mapping[str, Any]) -> str | None:
+    """How much nearer held-out data are predicted, as a clause; None without numbers."""
+    held_out = verdict.get("held_out") or {}
+    overall = held_out.get("overall") or {}
+    before, after = finite(overall.get("rms_before")), finite(overall.get("rms_after"))
+    floor = finite(overall.get("noise_floor"))
+    if before is None or after is None:
+        return None
+    size = f"{number(after)} instead of {number(before)} times the sensor noise"
+    return f"data held back from the fit are predicted to {size}" + (
+        f" (the noise itself: {number(floor)})" if floor is not None else ""
+    )
+
+
+def _named(verdict: Mapping[str, Any], evidence: Evidence) -> Story:
+    effects: Sequence[Mapping[str, Any]] = verdict["effects"]
+    sensors = [is_sensor(str(e["effect"])) for e in effects]
+    phrases = [
+        effect_phrase(e) + (f", {parameters_text(e['parameters'])}" if e.get("parameters") else "") for e in effects
+    ]
+    what = joined(phrases, "and also")
+    if all(sensors):
+        badge = "Named: a sensor"
+        sentence = f"Not the physics but the reading of it differs: the model lacks {what}"
+    elif any(sensors):
+        badge = "Named: physics and a sensor"
+        sentence = f"The model lacks physics, and a sensor misreads: {what}"
+    else:
+        badge = "Named"
+        sentence = f"The model lacks {what}"
+    gained = improvement(verdict)
+    sentence += f"; with it, {gained}." if gained else "."
+    return Story(badge, "found", capital(effects_phrase(effects)), sentence, _moved(verdict))
+
+
+def _ambiguous(verdict: Mapping[str, Any], evidence: Evidence) -> Story:
+    sets = [_alternative(a) for a in verdict["alternatives"]]
+    listed = joined(sets[:4], "or")
+    rest = f" ({len(sets) - 4} more below)" if len(sets) > 4 else ""
+    sentence = f"Something is missing, and these data cannot tell which: {listed}{rest}."
+    more = [f"The favourite, by a margin that proves nothing, is {sets[0]}."] if sets else []
+    step = verdict.get("next_experiment")
+    if step:
+        more.append(f"One more trial could decide it: {change_text(step.get('change') or {})}.")
+    return Story("Ambiguous", "open", "Several explanations, one set of data", sentence, (*more, *_moved(verdict)))
+
+
+def _unknown(verdict: Mapping[str, Any], evidence: Evidence) -> Story:
+    after = finite((verdict.get("held_out") or {}).get("overall", {}).get("rms_after"))
+    size = f": what remains is {number(after)} times the sensor noise on held-out data" if after is not None else ""
+    places = [f"{p['balance']} during {p['phase']}" for p in verdict["located"][:1]]
+    where = f" It shows first in {places[0]}." if places else ""
+    sentence = f"Something real is missing that no effect of the catalogue explains{size}; nothing is named."
+    more = (
+        f"The residual's surface is shown below as measured; no physical parameter is quoted from it.{where}",
+        *_moved(verdict),
+    )
+    return Story("Unknown", "open", "Physics outside the catalogue", sentence, more)
+
+
+def _nothing_missing(verdict: Mapping[str, Any], evidence: Evidence) -> Story:
+    overall = (verdict.get("held_out") or {}).get("overall") or {}
+    after = finite(overall.get("rms_after"))
+    if after is None:
+        after = finite(overall.get("rms_before"))
+    sentence = "Nothing is missing that these data could show"
+    if after is not None:
+        sentence += f": data held back from the fit are predicted to {number(after)} times the sensor noise"
+    limits = [
+        f"{effect_phrase(d)} of {quantity(d.get('smallest'), d.get('unit'))}"
+        for d in verdict["detectable"]
+        if finite(d.get("smallest")) is not None and math.isfinite(finite(d.get("smallest")) or math.inf)
+    ][:3]
+    unseen = (
+        f"That is no proof of absence: anything smaller than, say, {joined(limits, 'or')} would have stayed unseen."
+    )
+    more = (unseen,) if limits else ()
+    return Story("Nothing missing", "found", "The model explains the recordings", f"{sentence}.", more)
+
+
+def _wrong_parameter(verdict: Mapping[str, Any], evidence: Evidence) -> Story:
+    parts = []
+    for name, item in verdict["parameters"].items():
+        fitted = quantity(item.get("value"), item.get("unit"), item.get("ci95"))
+        believed = quantity(item.get("believed"), item.get("unit"))
+        parts.append(f"{parameter_label(name)} is {fitted}, not {believed}{_sigmas(item)}")
+    gained = improvement(verdict)
+    sentence = f"The physics is right, a believed value is not: {joined(parts)}"
+    sentence += f"; with that, {gained}." if gained else "."
+    names = joined([parameter_label(name) for name in verdict["parameters"]])
+    return Story("Wrong parameter", "found", f"{capital(names)}: not what was believed", sentence)
+
+
+def _not_trusted(verdict: Mapping[str, Any], evidence: Evidence) -> Story:
+    failed = [c for c in evidence.checks if not c.get("passed")]
+    which = joined([f"{c.get('name')} ({c['detail']})" if c.get("detail") else str(c.get("name")) for c in failed[:3]])
+    sentence = "No answer: the fit failed its own checks" + (f": {which}." if which else ".")
+    more = ("What was tried is listed below so that the cause can be found; none of its numbers should be quoted.",)
+    return Story("Not trusted", "warning", "The fit failed its own checks", sentence, more)
+
+
+def _alternative(item: Mapping[str, Any]) -> str:
+    effects = item.get("effects") or ()
+    parameters = item.get("parameters") or {}
+    parts = [effects_phrase(effects)] if effects else []
+    if parameters:
+        names = joined([parameter_label(name) for name in parameters])
+        parts.append(f"another {names} than believed" if not effects else f"with another {names}")
+    return " ".join(parts) or "nothing more"
+
+
+def _moved(verdict: Mapping[str, Any]) -> tuple[str, ...]:
+    """What is said of believed values that moved beside the verdict proper."""
+    moved = [
+        f"{parameter_label(name)} to {quantity(item.get('value'), item.get('unit'), item.get('ci95'))} "
+        f"(believed {quantity(item.get('believed'), item.get('unit'))}{_sigmas(item)})"
+        for name, item in verdict["parameters"].items()
+    ]
+    return (f"Believed values moved too: {joined(moved)}.",) if moved else ()
+
+
+def _sigmas(item: Mapping[str, Any]) -> str:
+    value, believed, sigma = (finite(item.get(k)) for k in ("value", "believed", "sigma"))
+    if value is None or believed is None or not sigma or not math.isfinite(sigma):
+        return ""
+    return f", {number(abs(value - believed) / sigma, 2)} of its stated sigmas away"
+
+
+def change_text(change: Mapping[str, Any]) -> str:
+    """A changed trial in words: "target.mass = 63.2, speed = 0.2"."""
+    parts = []
+    for name, value in change.items():
+        if isinstance(value, Mapping):
+            text = quantity(value.get("value"), value.get("unit"))
+        elif isinstance(value, list):
+            text = ", ".join(number(v) if finite(v) is not None else str(v) for v in value)
+        else:
+            text = number(value) if isinstance(value, int | float) and not isinstance(value, bool) else str(value)
+        parts.append(f"{str(name).replace('_', ' ')} {text}")
+    return joined(parts) or "a different trial"
+
+
+def confidence_text(verdict: Mapping[str, Any]) -> str:
+    """The verdict's confidence for people."""
+    return percent(verdict.get("confidence"))
+
+
+_TELLERS = {
+    "named": _named,
+    "ambiguous": _ambiguous,
+    "unknown": _unknown,
+    "nothing_missing": _nothing_missing,
+    "wrong_parameter": _wrong_parameter,
+    "not_trusted": _not_trusted,
+}

@@ -1,0 +1,187 @@
+"""How reports speak of effects, places, parameters and numbers."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from spacerobot.effects.registry import all_effects
+
+_PLACES = {
+    "wrist": "in the wrist's guide",
+    "contact": "at the contact",
+    "arm": "in the arm",
+    "target": "on the target",
+    "base": "on the base",
+    "force_sensor": "in the force sensor",
+    "mocap": "in the position measurement",
+}
+
+_UNIT_TOKENS = {"N", "Ns", "Ns2", "Nm", "Nms", "Nms2", "m", "m2", "m3", "s", "s2", "rad", "rad2", "rad3", "kg", "Hz"}
+
+_SUPERSCRIPT = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
+
+_SMALL = {"m": (("mm", 1e-3), ("µm", 1e-6)), "s": (("ms", 1e-3), ("µs", 1e-6)), "rad": (("mrad", 1e-3), ("µrad", 1e-6))}
+
+MISSING = "–"
+"""Printed where there is no value."""
+
+
+def effect_title(name: str) -> str:
+    """An effect's few words for people; a name nobody registered is spelt out."""
+    known = all_effects().get(name)
+    return known.title if known is not None else name.replace("_", " ")
+
+
+def is_sensor(name: str) -> bool:
+    """Whether the effect is a property of a sensor, not of the physics."""
+    known = all_effects().get(name)
+    return known is not None and known.kind == "sensor"
+
+
+def place(where: str) -> str:
+    """Where an effect sits, as part of a sentence."""
+    if where in _PLACES:
+        return _PLACES[where]
+    if where.startswith("joint."):
+        return f"in joint {where.removeprefix('joint.')}"
+    head, dot, axis = where.partition(".")
+    if dot and head in ("target", "base"):
+        return f"{_PLACES[head]} ({axis})"
+    return f"in {where}"
+
+
+def effect_phrase(item: Mapping[str, Any]) -> str:
+    """ "Coulomb friction in the wrist's guide"."""
+    return f"{effect_title(str(item['effect']))} {place(str(item['where']))}"
+
+
+def effects_phrase(items: Sequence[Mapping[str, Any]]) -> str:
+    """Several effects as one phrase; "nothing more" for none."""
+    return joined([effect_phrase(item) for item in items]) if items else "nothing more"
+
+
+def joined(words: Sequence[str], last: str = "and") -> str:
+    """ "a", "a and b", "a, b and c"."""
+    if len(words) < 2:
+        return "".join(words)
+    return f"{', '.join(words[:-1])} {last} {words[-1]}"
+
+
+def parameter_label(name: str) -> str:
+    """A parameter's name without its unit: half_gap_m is "half gap"."""
+    *_, last = name.rpartition(".")
+    tokens = last.split("_")
+    while len(tokens) > 1 and tokens[-1] in _UNIT_TOKENS:
+        tokens.pop()
+    label = " ".join(tokens)
+    owner = name.removesuffix(last).removesuffix(".").replace(".", " ")
+    return f"{owner} {label}".strip()
+
+
+def unit_text(unit: str | None) -> str:
+    """A unit as printed: N/m^3 is N/m³; none for pure numbers."""
+    if not unit or unit == "1":
+        return ""
+    return re.sub(r"\^(-?\d+)", lambda m: m.group(1).translate(_SUPERSCRIPT), unit)
+
+
+def finite(value: Any) -> float | None:
+    """A JSON number as a float ("inf" included); None where there is none."""
+    if value is None or isinstance(value, bool):
+        return None
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        return None
+    return None if math.isnan(number) else number
+
+
+def number(value: Any, digits: int = 3) -> str:
+    """A number to some significant digits: 0.308, 5.3 × 10⁴, ∞."""
+    x = finite(value)
+    if x is None:
+        return MISSING
+    if math.isinf(x):
+        return "∞" if x > 0 else "−∞"
+    text = f"{x:.{digits}g}"
+    if "e" in text:
+        mantissa, exponent = text.split("e")
+        text = f"{mantissa} × 10{str(int(exponent)).translate(_SUPERSCRIPT)}"
+    elif abs(x) >= 1000 and "." not in text and len(text.lstrip("-")) >= 5:
+        text = f"{float(text):,.0f}".replace(",", "\u202f")
+    return text.replace("-", "−")
+
+
+def probability(p: Any) -> str:
+    """A p-value: "0.03", or "< 10⁻⁹" where more digits mean nothing."""
+    x = finite(p)
+    if x is None:
+        return MISSING
+    if x < 1e-9:
+        return "< 10⁻⁹"
+    if x < 1e-3:
+        return f"10{str(round(math.log10(x))).translate(_SUPERSCRIPT)}"
+    return number(x, 2)
+
+
+def percent(share: Any) -> str:
+    """A share of one as per cent."""
+    x = finite(share)
+    return MISSING if x is None else f"{100.0 * x:.0f} %"
+
+
+def _scaled(size: float, unit: str | None) -> tuple[str, float]:
+    """Name and size of the unit in which a value of this size reads best."""
+    small = _SMALL.get(unit or "")
+    if small is None or not 0.0 < size < 0.1:
+        return unit_text(unit), 1.0
+    return small[0] if size >= 1e-4 else small[1]
+
+
+def _decimals(values: Sequence[float], width: float) -> str:
+    """Format so that the width of the interval shows two digits."""
+    if not (width > 0.0 and math.isfinite(width)):
+        return ".3g"
+    places = 1 - math.floor(math.log10(width))
+    if places > 6 or max(abs(v) for v in values) >= 1e6:
+        return ".4g"
+    return f".{max(places, 0)}f"
+
+
+def quantity(value: Any, unit: str | None, ci95: Any = None) -> str:
+    """A value with its unit and 95 % interval: "0.308 N (95 %: 0.291 to 0.325)".
+
+    Lengths, times and angles are put into milli or micro units where that reads better.
+    """
+    x = finite(value)
+    if x is None:
+        return MISSING
+    label, factor = _scaled(abs(x), unit)
+    low, high = (finite(v) for v in ci95) if ci95 is not None and len(ci95) == 2 else (None, None)
+    tail = f"\u00a0{label}" if label else ""
+    if low is None or high is None or not (math.isfinite(low) and math.isfinite(high) and math.isfinite(x)):
+        text = f"{number(x / factor)}{tail}"
+        return (
+            text
+            if low is None or high is None
+            else f"{text} (95\u00a0%: {number(low / factor)} to {number(high / factor)})"
+        )
+    values = [x / factor, low / factor, high / factor]
+    spec = _decimals(values, (high - low) / factor)
+    texts = [number(v, 4) if "g" in spec else f"{v:{spec}}".replace("-", "−") for v in values]
+    return f"{texts[0]}{tail} (95\u00a0%: {texts[1]} to {texts[2]})"
+
+
+def parameters_text(parameters: Mapping[str, Any]) -> str:
+    """All parameters of an effect in one line."""
+    parts = []
+    for name, item in parameters.items():
+        if isinstance(item, Mapping):
+            text = quantity(item.get("value"), item.get("unit"), item.get("ci95"))
+        else:
+            text = number(item)
+        parts.append(text if len(parameters) == 1 else f"{parameter_label(name)} {text}")
+    return ", ".join(parts)
