@@ -1,0 +1,73 @@
+"""At its null values every effect of the catalogue leaves the baseline as it was, on both backends."""
+
+from __future__ import annotations
+
+import functools
+
+import numpy as np
+import pytest
+
+from spacerobot.effects.registry import all_effects
+from spacerobot.simulation.parts import ContactLaw, EffectAt, Servo, Target, Wrist
+from spacerobot.simulation.scene import Scene
+from spacerobot.simulation.simulate import simulate
+from spacerobot.simulation.trajectory import Trajectory
+
+TARGET = Target(speed=0.06, gap=0.002, contact_point=(0.15, 0.01), yaw_inertia=0.4)
+WRIST = Wrist(stiffness=5100.0, damping=3.0)
+SCENES = {
+    "held": Scene(wrist=WRIST, target=TARGET, contact=ContactLaw(damping=30.0)),
+    "servo": Scene(
+        wrist=WRIST, target=TARGET, contact=ContactLaw(damping=30.0), joints="servo", servo=Servo(5e3, 10.0)
+    ),
+    "chaser": Scene("chaser_pa10_wrist", wrist=WRIST, target=TARGET, joints="free", contact=ContactLaw(damping=30.0)),
+}
+DURATION = 0.25
+
+
+@functools.cache
+def baseline(scene: str, backend: str) -> Trajectory:
+    return simulate(SCENES[scene], backend=backend, duration=DURATION, tolerance=1e-11)
+
+
+def cases() -> list[tuple[str, str, str, str]]:
+    found = []
+    for scene, backend in (("held", "reduced"), ("held", "multibody"), ("servo", "multibody"), ("chaser", "multibody")):
+        mechanism = SCENES[scene].mechanism(backend)
+        for name, effect in all_effects().items():
+            places = effect.places(mechanism)
+            joints = [p for p in places if p.startswith("joint.")][1:2]  # one joint stands for all
+            others = [p for p in places if not p.startswith("joint.")]
+            new = others if scene == "held" else [p for p in others if p == "base"]
+            found += [(scene, backend, name, place) for place in (*new, *joints)]
+    return found
+
+
+@pytest.mark.parametrize(("scene", "backend", "name", "place"), cases())
+def test_nothing_changes(scene: str, backend: str, name: str, place: str) -> None:
+    effect = all_effects()[name]
+    nulls = {k: v for k, v in effect.nulls.items() if k != "time_s"}
+    if "time_s" in effect.nulls:
+        nulls["time_s"] = 0.1
+    edited = SCENES[scene].with_effects(EffectAt(name, place, nulls))
+    found = simulate(edited, backend=backend, duration=DURATION, tolerance=1e-11)
+    before = baseline(scene, backend)
+    for channels, known in ((found.channels, before.channels), (found.measured, before.measured)):
+        assert set(known) <= set(channels)
+        for channel, value in known.items():
+            scale = max(float(np.abs(value).max()), 1e-3)
+            assert np.abs(channels[channel] - value).max() <= 2e-8 * scale, channel
+    assert found.restitution.target == pytest.approx(before.restitution.target, abs=1e-9)
+    assert found.restitution.touches == before.restitution.touches
+
+
+def test_every_effect_has_a_place_somewhere() -> None:
+    placed = {name for _, _, name, _ in cases()}
+    assert placed == set(all_effects())
+
+
+@pytest.mark.parametrize("backend", ["reduced", "multibody"])
+def test_and_off_null_something_does(backend: str) -> None:
+    edited = SCENES["held"].with_effects(EffectAt("coulomb_friction", "wrist", {"force_N": 0.2}))
+    found = simulate(edited, backend=backend, duration=DURATION)
+    assert np.abs(found["target.x"] - baseline("held", backend)["target.x"]).max() > 1e-5
