@@ -40,12 +40,16 @@ def validate(verdict: Mapping[str, Any], where: str = "verdict") -> None:
     Raises:
         InputError: the first breach, with the path to it.
     """
-    breach = min(
-        _validator().iter_errors(plain(dict(verdict))), key=lambda e: [str(p) for p in e.absolute_path], default=None
-    )
+    breaches = _validator().iter_errors(plain(dict(verdict)))
+    breach = min(breaches, key=_rank, default=None)
     if breach is None:
         return
     while breach.context:  # inside a oneOf: the breach of the branch that came nearest says more
         breach = max(breach.context, key=lambda e: len(e.absolute_path))
     path = "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in breach.absolute_path)
     raise InputError(f"not a valid verdict: {breach.message}", where=f"{where}{path}")
+
+
+def _rank(breach: Any) -> tuple[bool, list[str]]:
+    """Plain breaches before those of the rules between keys, which may only follow from them."""
+    return breach.absolute_schema_path[0] == "allOf", [str(p) for p in breach.absolute_path]

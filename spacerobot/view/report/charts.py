@@ -37,15 +37,15 @@ def trace_chart(trace: Trace, height: float = 330.0) -> Markup:
     y = svg.span_of(trace.measured, trace.before, trace.after)
     upper = svg.Frame(66, 10, WIDTH - 82, 0.56 * (height - 60), x, y)
     svg.axes(root, upper, y_label=label, x_numbers=False)
+    svg.dots(root, upper, trace.time, trace.measured, "measured", radius=2.6)
     for values, klass in ((trace.before, "before"), (trace.after, "after")):
         if len(values):
             svg.line(root, upper, trace.time, values, klass)
-    svg.dots(root, upper, trace.time, trace.measured, "measured")
     residuals = [trace.residual(which) for which in ("before", "after")]
     if any(len(r) for r in residuals):
         top = upper.top + upper.height + 18
-        size = max([float(np.nanmax(np.abs(r))) for r in residuals if np.isfinite(r).any()] or [1.0])
-        lower = svg.Frame(66, top, WIDTH - 82, height - 42 - top, x, (-1.08 * max(size, 3.0), 1.08 * max(size, 3.0)))
+        least = np.array([-3.0, 3.0]) if trace.sigma else np.zeros(1)
+        lower = svg.Frame(66, top, WIDTH - 82, height - 42 - top, x, svg.span_of(*residuals, least))
         svg.axes(root, lower, "time [s]", "off by [σ]" if trace.sigma else f"off by [{unit_text(trace.unit) or '1'}]")
         if trace.sigma:
             svg.band(root, lower, -2.0, 2.0)
@@ -109,11 +109,11 @@ def parameter_chart(name: str, item: Mapping[str, Any]) -> Markup | None:
         return None
     sigma, unit = finite(item.get("sigma")), item.get("unit")
     half = 2.0 * sigma if sigma is not None and math.isfinite(sigma) else 0.0
-    label = f"{name}: believed {quantity(believed, unit)}, fitted {quantity(value, unit, item.get('ci95'))}."
-    root = svg.drawing(360, 62, label)
+    said = f"{name}: believed {quantity(believed, unit)}, fitted {quantity(value, unit, item.get('ci95'))}."
+    root = svg.drawing(360, 62, said)
     span = svg.span_of(np.array([*numbers, believed - half, believed + half]), pad=0.12)
     frame = svg.Frame(10, 6, 340, 32, span, (0.0, 1.0))
-    svg.axes(root, svg.Frame(10, 6, 340, 32, span, (0.0, 1.0)), y_label="")
+    svg.axes(root, frame, y_numbers=False)
     if half:
         width = frame.px(believed + half) - frame.px(believed - half)
         svg.add(root, "rect", klass="floor", x=frame.px(believed - half), y=8, width=width, height=28)

@@ -19,6 +19,7 @@ from spacerobot.view.report.words import (
     parameters_text,
     percent,
     quantity,
+    unit_of_name,
 )
 
 
@@ -82,7 +83,7 @@ def _named(verdict: Mapping[str, Any], evidence: Evidence) -> Story:
         badge = "Named"
         sentence = f"The model lacks {what}"
     gained = improvement(verdict)
-    sentence += f"; with it, {gained}." if gained else "."
+    sentence += f"; with {'it' if len(effects) == 1 else 'them'}, {gained}." if gained else "."
     return Story(badge, "found", capital(effects_phrase(effects)), sentence, _moved(verdict))
 
 
@@ -180,7 +181,7 @@ def _sigmas(item: Mapping[str, Any]) -> str:
 
 
 def change_text(change: Mapping[str, Any]) -> str:
-    """A changed trial in words: "target.mass = 63.2, speed = 0.2"."""
+    """A changed trial in words: "target mass 63.2 and speed 0.2 m/s"."""
     parts = []
     for name, value in change.items():
         if isinstance(value, Mapping):
@@ -188,8 +189,9 @@ def change_text(change: Mapping[str, Any]) -> str:
         elif isinstance(value, list):
             text = ", ".join(number(v) if finite(v) is not None else str(v) for v in value)
         else:
-            text = number(value) if isinstance(value, int | float) and not isinstance(value, bool) else str(value)
-        parts.append(f"{str(name).replace('_', ' ')} {text}")
+            numeric = isinstance(value, int | float) and not isinstance(value, bool)
+            text = quantity(value, unit_of_name(str(name))) if numeric else str(value)
+        parts.append(f"{parameter_label(str(name))} {text}")
     return joined(parts) or "a different trial"
 
 

@@ -81,10 +81,18 @@ def add(parent: Element, tag: str, text: str | None = None, **attributes: object
     return element
 
 
-def axes(parent: Element, frame: Frame, x_label: str = "", y_label: str = "", *, x_numbers: bool = True) -> None:
-    """Grid, ticks and labels."""
+def axes(
+    parent: Element,
+    frame: Frame,
+    x_label: str = "",
+    y_label: str = "",
+    *,
+    x_numbers: bool = True,
+    y_numbers: bool = True,
+) -> None:
+    """Grid, ticks and labels; an axis without numbers has its grid (x) or nothing (y)."""
     bottom, right = frame.top + frame.height, frame.left + frame.width
-    for value in ticks(*frame.y, count=max(2, int(frame.height / 38))):
+    for value in ticks(*frame.y, count=max(3, int(frame.height / 34))) if y_numbers else ():
         y = frame.py(value)
         add(parent, "line", klass="grid", x1=frame.left, x2=right, y1=y, y2=y)
         label = number(_clean(value, frame.y), 4)
@@ -96,7 +104,8 @@ def axes(parent: Element, frame: Frame, x_label: str = "", y_label: str = "", *,
             label = number(_clean(value, frame.x), 4)
             add(parent, "text", label, klass="tick", x=x, y=bottom + 15, text_anchor="middle")
     add(parent, "line", klass="axis", x1=frame.left, x2=right, y1=bottom, y2=bottom)
-    add(parent, "line", klass="axis", x1=frame.left, x2=frame.left, y1=frame.top, y2=bottom)
+    if y_numbers:
+        add(parent, "line", klass="axis", x1=frame.left, x2=frame.left, y1=frame.top, y2=bottom)
     if x_label and x_numbers:
         add(parent, "text", x_label, klass="label", x=frame.left + frame.width / 2, y=bottom + 32, text_anchor="middle")
     if y_label:

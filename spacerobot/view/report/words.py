@@ -77,8 +77,18 @@ def parameter_label(name: str) -> str:
     while len(tokens) > 1 and tokens[-1] in _UNIT_TOKENS:
         tokens.pop()
     label = " ".join(tokens)
-    owner = name.removesuffix(last).removesuffix(".").replace(".", " ")
+    owner = name.removesuffix(last).removesuffix(".").replace(".", " ").replace("_", " ")
     return f"{owner} {label}".strip()
+
+
+def unit_of_name(name: str) -> str:
+    """The unit that a name carries as its suffix: speed_m_s has m/s, force_N has N; none for dimensionless ones."""
+    tokens = name.rpartition(".")[2].split("_")
+    start = len(tokens)
+    while start > 1 and tokens[start - 1] in _UNIT_TOKENS:
+        start -= 1
+    units = [re.sub(r"(\d)$", r"^\1", t).replace("Ns", "N s").replace("Nms", "N m s") for t in tokens[start:]]
+    return "/".join(units)
 
 
 def unit_text(unit: str | None) -> str:

@@ -39,7 +39,7 @@
   }
   function axis(label, size) {
     return {
-      label: label, labelSize: 20, size: size, stroke: function () { return colour("quiet"); },
+      label: label, labelSize: 20, size: size, space: size > 40 ? 26 : 60, stroke: function () { return colour("quiet"); },
       grid: { stroke: function () { return colour("grid"); }, width: 1 },
       ticks: { stroke: function () { return colour("grid"); }, width: 1 },
     };
@@ -84,10 +84,13 @@
       (current.before.length ? ", baseline " + show(current.before[i]) + off("before") : "") +
       (current.after.length ? ", chosen model " + show(current.after[i]) + off("after") : "");
   }
-  function padded(values, atLeast) {
-    let largest = atLeast;
-    values.forEach(function (list) { list.forEach(function (v) { if (v != null) largest = Math.max(largest, Math.abs(v)); }); });
-    return 1.08 * largest;
+  function padded(lists, atLeast) {
+    let low = -atLeast, high = atLeast;
+    lists.forEach(function (list) {
+      list.forEach(function (v) { if (v != null) { low = Math.min(low, v); high = Math.max(high, v); } });
+    });
+    const margin = 0.06 * (high - low) || 1;
+    return [low - margin, high + margin];
   }
   function draw() {
     current = traces.find(function (t) { return t.channel === pickChannel.value && t.trial === pickTrial.value; });
@@ -103,16 +106,15 @@
       axes: [axis("", 26), axis(current.channel + " [" + unit + "]", left)],
       series: [{}, {
         label: "measured", stroke: function () { return colour("measured"); }, paths: function () { return null; },
-        points: { show: true, size: 4, width: 0, fill: function () { return colour("measured"); } },
+        points: { show: true, size: 5, width: 0, fill: function () { return colour("measured") + "99"; } },
       }, predicted("baseline", "before", [7, 4]), predicted("chosen model", "after")],
       hooks: { setScale: [share("upper", function () { return lower; })], setCursor: [say] },
     };
     upper = new uPlot(top, [current.time, current.measured, of("before"), of("after")], $("plot-values"));
     const rb = current.before.length ? residual(current, "before") : blank;
     const ra = current.after.length ? residual(current, "after") : blank;
-    const limit = padded([rb, ra], current.sigma ? 3 : 0) || 1;
     const under = {
-      width: width, height: 170, scales: { x: { time: false }, y: { range: [-limit, limit] } }, legend: { show: false },
+      width: width, height: 170, scales: { x: { time: false }, y: { range: padded([rb, ra], current.sigma ? 3 : 0) } }, legend: { show: false },
       cursor: { sync: sync, drag: { x: true, y: false }, points: { size: 6 } },
       axes: [axis("time [s]", 36), axis(current.sigma ? "off by [σ]" : "off by [" + unit + "]", left)],
       series: [{}, predicted("baseline", "before", [7, 4]), predicted("chosen model", "after")],

@@ -1,0 +1,105 @@
+"""Words, numbers, formulas and small charts of reports."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from spacerobot.effects.registry import all_effects
+from spacerobot.view.report import svg
+from spacerobot.view.report.formula import mathml
+from spacerobot.view.report.words import number, parameter_label, place, probability, quantity, unit_of_name
+
+
+@pytest.mark.parametrize(
+    ("given_", "said"),
+    [
+        ((0.308, "N", (0.291, 0.325)), "0.308 N (95 %: 0.291 to 0.325)"),
+        ((0.0042, "s", (0.00416, 0.00424)), "4.200 ms (95 %: 4.160 to 4.240)"),
+        ((2.1e-5, "m", (1e-5, 3.2e-5)), "21 µm (95 %: 10 to 32)"),
+        ((-0.5, "N", (-0.6, -0.4)), "−0.50 N (95 %: −0.60 to −0.40)"),
+        ((1.5, "1", (1.48, 1.52)), "1.500 (95 %: 1.480 to 1.520)"),
+        (("inf", "N/m", [1e5, "inf"]), "∞ N/m (95 %: 1 × 10⁵ to ∞)"),
+        ((None, "N", None), "–"),
+        ((12.0, "N/m^3", None), "12 N/m³"),
+    ],
+)
+def test_quantities(given_: tuple, said: str) -> None:
+    assert quantity(*given_).replace("\u00a0", " ") == said
+
+
+@settings(max_examples=200, derandomize=True)
+@given(st.floats(1e-12, 1e12), st.floats(1e-6, 0.5))
+def test_a_printed_interval_never_loses_its_ends(value: float, relative: float) -> None:
+    said = quantity(value, "kg", (value * (1 - relative), value * (1 + relative)))
+    low, high = said.split(":")[1].rstrip(")").split(" to ")
+    assert low.strip() != high.strip() or relative < 1e-3
+
+
+@settings(max_examples=200, derandomize=True)
+@given(st.floats(allow_nan=False, allow_infinity=False, min_value=-1e30, max_value=1e30))
+def test_numbers_keep_three_digits(value: float) -> None:
+    said = number(value).replace("−", "-").replace("\u202f", "")
+    superscripts = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
+    mantissa, _, exponent = said.partition(" × 10")
+    read = float(mantissa) * 10.0 ** int(exponent.translate(superscripts) or 0)
+    assert math.isclose(read, value, rel_tol=5.1e-3, abs_tol=1e-300)
+
+
+def test_probabilities_do_not_pretend() -> None:
+    assert probability(0.0) == "< 10⁻⁹"
+    assert probability(2e-7) == "10⁻⁷"
+    assert probability(0.031) == "0.031"
+
+
+def test_every_parameter_of_the_catalogue_has_a_label_without_its_unit() -> None:
+    for effect in all_effects().values():
+        for parameter in effect.parameters:
+            label = parameter_label(parameter.name)
+            assert label
+            assert "_" not in label
+            if parameter.unit not in ("1", "channel unit"):
+                assert unit_of_name(parameter.name) == parameter.unit
+
+
+def test_places_read_as_part_of_a_sentence() -> None:
+    assert place("joint.S2") == "in joint S2"
+    assert place("target.yaw") == "on the target (yaw)"
+    assert place("imu") == "in imu"
+
+
+@pytest.mark.parametrize("name", sorted(all_effects()))
+def test_every_formula_of_the_catalogue_renders(name: str) -> None:
+    said = mathml(all_effects()[name].formula)
+    assert said.startswith("<math ")
+    assert "\\" not in said.split(">", 1)[1]
+
+
+@pytest.mark.parametrize(
+    "latex", [r"\text{<script>x</script>}", r"\href{javascript:x}{y}", r"\frac{", "<img src=x>", ""]
+)
+def test_a_hostile_formula_is_shown_as_text(latex: str) -> None:
+    said = mathml(latex)
+    assert "<script" not in said
+    assert "href=" not in said
+    assert "<img" not in said
+
+
+@settings(max_examples=100, derandomize=True)
+@given(st.floats(-1e6, 1e6), st.floats(1e-6, 1e6))
+def test_ticks_are_round_and_inside(low: float, span: float) -> None:
+    values = svg.ticks(low, low + span)
+    assert 2 <= len(values) <= 12
+    assert all(low - 1e-6 * span <= v <= low + span * (1 + 1e-6) for v in values)
+    steps = np.diff(values)
+    np.testing.assert_allclose(steps, steps[0], rtol=1e-6, atol=1e-9 * max(abs(low), span))
+
+
+def test_span_of_nothing_and_of_one_value() -> None:
+    assert svg.span_of(np.array([np.nan])) == (0.0, 1.0)
+    low, high = svg.span_of(np.array([3.0]))
+    assert low < 3.0 < high
