@@ -1,0 +1,1 @@
+"""Where recording and model part: force and momentum balances in weak form, tested against the sensors' noise."""

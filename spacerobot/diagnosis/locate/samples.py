@@ -1,0 +1,87 @@
+"""How the integrals of test functions against a channel become weights on its samples."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csr_array, diags_array
+
+from spacerobot.diagnosis.locate.windows import Windows
+
+POINTS = 6
+"""Samples that an interpolation between sparse samples reads (a polynomial of degree 5)."""
+
+DENSE = 6.0
+"""A channel with this many samples a knot interval is summed as it is, by the trapezoid rule."""
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """Times at which integrands with one set of samples are evaluated. I test functions, N nodes, T samples.
+
+    Attributes:
+        nodes: ascending, shape (N,) [s].
+        phi: test functions and their first and second derivatives times the quadrature weights, shape (I, N) each.
+        read: from samples to nodes, shape (N, T).
+    """
+
+    nodes: np.ndarray
+    phi: tuple[csr_array, csr_array, csr_array]
+    read: csr_array
+
+    @classmethod
+    def of(cls, windows: Windows, time: np.ndarray, spacing: float) -> Grid:
+        """For samples at `time`, shape (T,), with test functions whose knots are `spacing` apart."""
+        step = float(np.median(np.diff(time))) if time.size > 1 else np.inf
+        if step * DENSE <= spacing:
+            nodes, weight = time, trapezoid(time)
+            read = csr_array(diags_array(np.ones(time.size)))
+        else:
+            nodes, weight = windows.nodes()
+            read = interpolation(time, nodes)
+        return cls.over(windows, nodes, weight, csr_array(read))
+
+    @classmethod
+    def over(cls, windows: Windows, nodes: np.ndarray, weight: np.ndarray, read: csr_array | None = None) -> Grid:
+        """From nodes and quadrature weights, shape (N,) each; `read` is the identity where absent."""
+        scale = diags_array(weight)
+        first, second, third = (csr_array(windows.values(nodes, k) @ scale) for k in range(3))
+        same = csr_array(diags_array(np.ones(nodes.size))) if read is None else read
+        return cls(nodes, (first, second, third), same)
+
+    def weights(self, order: int, modulation: np.ndarray | None = None) -> csr_array:
+        """int phi^(order) c y dt as weights on the samples of y, shape (I, T), with c given at the nodes."""
+        left = self.phi[order]
+        if modulation is not None:
+            left = left @ diags_array(modulation)
+        return csr_array(left @ self.read)
+
+    def integral(self, order: int, values: np.ndarray) -> np.ndarray:
+        """int phi^(order) y dt, shape (I,), of y given at the nodes, shape (N,)."""
+        return np.asarray(self.phi[order] @ values)
+
+
+def trapezoid(time: np.ndarray) -> np.ndarray:
+    """Weights of the trapezoid rule, shape (T,) [s]."""
+    step = np.diff(time)
+    return 0.5 * np.concatenate([step[:1], step[:-1] + step[1:], step[-1:]])
+
+
+def interpolation(time: np.ndarray, at: np.ndarray) -> csr_array:
+    """Local Lagrange interpolation from samples at `time`, shape (T,), to `at`, shape (N,); returns (N, T).
+
+    Outside the samples the end value is held.
+    """
+    points = min(POINTS, time.size)
+    inside = np.clip(at, time[0], time[-1])
+    first = np.clip(np.searchsorted(time, inside) - points // 2, 0, time.size - points)
+    columns = first[:, None] + np.arange(points)
+    t = time[columns]
+    value = np.ones(columns.shape)
+    for j in range(points):
+        for k in range(points):
+            if k != j:
+                value[:, j] *= (inside - t[:, k]) / (t[:, j] - t[:, k])
+    rows = np.repeat(np.arange(at.size), points)
+    return csr_array((value.ravel(), (rows, columns.ravel())), shape=(at.size, time.size))
