@@ -19,6 +19,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "mass": ("mass", "effective mass of a robot at one pose, frame and direction"),
     "simulate": ("simulate", "a wrist meets a free-flying body: predicted beside simulated"),
     "paper": ("paper", "Table 1, Figs. 5 and 6 and the equations of the paper, checked"),
+    "overlay": ("overlay", "a study's trials simulated and laid over their recordings"),
     "study": ("study", "write a first study file from a folder of recordings, or check one"),
 }
 """Name -> (module under spacerobot.cli with `configure(parser)` and `run(args) -> int | None`, its help).

@@ -1,0 +1,123 @@
+"""A compliant wrist that a floating target hits."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from spacerobot.diagnosis.data import TrialData, trial_data
+from spacerobot.diagnosis.forward.base import ForwardModel, TrialOverlay, Value, channels_of, overlaid, unit_of
+from spacerobot.diagnosis.rig_model import UNKNOWN_CENTRES, RigModel
+from spacerobot.dynamics.effective_mass import effective_mass
+from spacerobot.model.library import load
+from spacerobot.recordings.study import Study
+from spacerobot.recordings.trial import Trial
+from spacerobot.simulation.rig import DEFAULTS
+from spacerobot.support.errors import InputError
+
+BEFORE, AFTER = 0.1, 0.25
+"""Seconds of the contact force that are worth seeing before the first and after the last touch."""
+
+
+@dataclass(frozen=True, eq=False)
+class WristRig(ForwardModel):
+    """Hand, wrist and target of the reduced model, Eqs. 2 to 4 of Uyama et al. (2012).
+
+    Attributes:
+        study: whose baseline it is.
+        model: the rig.
+        trials: the recordings, by trial id.
+        hand_mass: effective mass of an arm that is not held [kg]; infinite for one that is.
+    """
+
+    kind = "a compliant wrist and a floating target (reduced model)"
+
+    study: Study
+    model: RigModel
+    trials: dict[str, TrialData]
+    hand_mass: float
+
+    @classmethod
+    def applies(cls, study: Study) -> bool:
+        """A target's track along the approach is recorded."""
+        return "target.x" in channels_of(study)
+
+    @classmethod
+    def of(cls, study: Study) -> Self:
+        """The rig as believed."""
+        for trial in study.trials:
+            if "target.x" not in study.recording(trial):
+                raise InputError("a trial without target.x has no start", given=trial.id, where=str(study.path))
+        trials = trial_data(study)
+        return cls(study, RigModel(study, trials), {t.id: t for t in trials}, _hand_mass(study))
+
+    @property
+    def values(self) -> tuple[Value, ...]:
+        """The rig's values."""
+        believed = [Value(name, value, unit_of(name)) for name, value in self._believed().items()]
+        defaults = [Value(n, v, unit_of(n), "default: the study does not say") for n, v in self._defaults().items()]
+        return (*believed, *defaults)
+
+    @property
+    def assumptions(self) -> tuple[str, ...]:
+        """What was taken for granted."""
+        held = math.isinf(self.hand_mass)
+        said = [
+            "Each trial starts from a straight line through the target's track before the first touch; the wrist "
+            "starts at rest.",
+            "The arm is held still." if held else f"The arm moves as one hand of {self.hand_mass:.3g} kg.",
+        ]
+        for name, value in self._defaults().items():
+            said.append(f"{name} is not stated: {value:g} {unit_of(name)} for all trials.")
+        unused = [name for name in self.study.values() if name not in DEFAULTS]
+        if unused:
+            said.append(f"Stated, but no part of this simulation: {', '.join(unused)}.")
+        return tuple(said)
+
+    def simulate(self, trial: Trial) -> TrialOverlay:
+        """One trial from its own approach."""
+        data = self.trials[trial.id]
+        values = {**self._believed(), **self._defaults(), **{n: v for n, v in trial.overrides.items() if n in DEFAULTS}}
+        start = np.array([nuisance.guess for nuisance in self.model.nuisances(data)])
+        found = self.model.predict(self.model.mechanism(values), data, start)
+        recording = self.study.recording(trial)
+        contact = [e.time for e in found.run.events if e.element == "contact"]
+        focus = (min(contact) - BEFORE, max(contact) + AFTER) if contact else None
+        channels = [
+            overlaid(recording[name], simulated, focus=focus if name == "contact.force" else None)
+            for block, rows in zip(data.blocks, found.blocks, strict=True)
+            for name, simulated in zip(block.channels, rows, strict=True)
+        ]
+        return TrialOverlay(trial.id, self.study.condition(trial), tuple(channels), found.touches)
+
+    def _believed(self) -> dict[str, float]:
+        own = {} if math.isinf(self.hand_mass) else {"hand.mass": self.hand_mass}
+        return {**self.model.base, **own}
+
+    def _defaults(self) -> dict[str, float]:
+        return {name: value for name, value in UNKNOWN_CENTRES.items() if name not in self.model.base}
+
+
+def _hand_mass(study: Study) -> float:
+    """The arm's effective mass at the wrist along the approach [kg]; infinite where it is held."""
+    baseline = study.baseline
+    if baseline.base == "fixed" and baseline.joints == "locked":
+        return math.inf
+    if baseline.joints == "servo":
+        raise InputError(
+            "an arm on servos needs their stiffness, which a study cannot state",
+            given="joints servo",
+            valid="joints locked or free",
+            where=str(study.path),
+        )
+    robot = load(study.robot_source or "pa10_wrist")
+    if baseline.base == "free" and not robot.floating:
+        robot = load(study.robot_source or "pa10_wrist", floating=True)
+    found = effective_mass(
+        robot, np.array(study.pose()), np.array(baseline.approach), base=baseline.base, joints=baseline.joints
+    )
+    return float(found.effective_mass_kg)
+

@@ -1,0 +1,1 @@
+"""A study's simulation laid over its recordings: figures and page."""

@@ -1,0 +1,73 @@
+"""The overlay's page: one HTML file that needs no other, with every figure inside."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from importlib.resources import files
+from typing import Any
+
+from jinja2 import Environment, StrictUndefined
+from matplotlib.figure import Figure
+
+from spacerobot import __version__
+from spacerobot.diagnosis.forward.base import ForwardModel, TrialOverlay
+from spacerobot.diagnosis.forward.residuals import Residuals, residuals
+from spacerobot.recordings.study import Study
+from spacerobot.view.overlay.figures import readable
+from spacerobot.view.plotting import svg_uri
+
+
+def page(
+    study: Study,
+    model: ForwardModel,
+    trials: list[TrialOverlay],
+    channels: Mapping[str, Residuals],
+    figures: Mapping[str, Figure],
+    glance: Figure,
+    left_out: list[str],
+) -> str:
+    """The page as HTML text.
+
+    Args:
+        study: what was simulated.
+        model: the forward model.
+        trials: all of them.
+        channels: residuals by channel, all trials together.
+        figures: of the trials that are drawn, by trial id.
+        glance: every trial's residuals in one figure.
+        left_out: recorded channels that the baseline does not predict.
+    """
+    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    environment.filters["figure"] = lambda value: f"{value:.3g}"
+    template = environment.from_string(
+        files("spacerobot.view").joinpath("templates/overlay.html").read_text(encoding="utf-8")
+    )
+    return template.render(
+        study=study,
+        model=model,
+        trials=trials,
+        rows=[_row(r) for r in channels.values()],
+        by_trial={t.id: [_row(residuals([c])) for c in t.channels if c.time.size] for t in trials},
+        images={trial: svg_uri(figure) for trial, figure in figures.items()},
+        glance=svg_uri(glance),
+        left_out=left_out,
+        estimated=[r.channel for r in channels.values() if not r.sigma_stated],
+        version=__version__,
+    )
+
+
+def _row(found: Residuals) -> dict[str, Any]:
+    factor, unit = readable(found.unit, found.rms)
+    return {
+        "channel": found.channel,
+        "unit": unit,
+        "samples": found.samples,
+        "rms": found.rms * factor,
+        "mean": found.mean * factor,
+        "largest": found.largest * factor,
+        "spread": found.spread * factor,
+        "sigma": found.sigma * factor,
+        "sigmas": found.rms_sigmas,
+        "chi2": found.chi2_per_sample,
+        "stated": found.sigma_stated,
+    }
