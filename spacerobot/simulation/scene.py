@@ -31,6 +31,18 @@ PA10_POSE = tuple(math.radians(d) for d in (0.0, 45.0, 0.0, 90.0, 0.0, -45.0, 0.
 PA10_JOINTS = ("S1", "S2", "S3", "E1", "E2", "W1", "W2")
 
 
+def _default_pose(robot: Robot) -> tuple[float, ...]:
+    """The rig's pose for the bundled arm, else zero or the limit nearest to it."""
+    if robot.chain == PA10_JOINTS:
+        return PA10_POSE
+    model, pose = robot.model, []
+    for name in robot.chain:
+        joint = model.joints[robot.joint_id(name)]
+        low, high = model.lowerPositionLimit[joint.idx_q], model.upperPositionLimit[joint.idx_q]
+        pose.append(float(min(max(0.0, low), high)) if joint.nq == 1 and low < high else 0.0)
+    return tuple(pose)
+
+
 @dataclass(frozen=True)
 class Scene:
     """One meeting of wrist and target. SI, world axes; x of every result grows along `approach`.
@@ -40,7 +52,8 @@ class Scene:
             at its tip.
         base: "fixed" or "free"; free where the robot floats if None.
         joints: "locked", "free" or "servo".
-        pose: joint positions from base to tip [rad or m]; the rig's pose for the bundled arm, else zero, if None.
+        pose: joint positions from base to tip [rad or m]; the rig's pose for the bundled arm, else zero or the
+            limit nearest to it, if None.
         approach: unit vector, the target's direction of motion; the wrist is turned to point against it.
         gravity: acceleration [m/s^2].
         wrist, contact, target: see there.
@@ -97,7 +110,7 @@ class Scene:
         if self.pose is not None:
             put("pose", vector(self.pose, len(loaded.chain), "pose", f"one for each of {', '.join(loaded.chain)}"))
         else:
-            put("pose", PA10_POSE if loaded.chain == PA10_JOINTS else (0.0,) * len(loaded.chain))
+            put("pose", _default_pose(loaded))
         if self.servo is not None:
             self.servo.per_joint(loaded.chain)
         if self.base == "free" and not loaded.floating:

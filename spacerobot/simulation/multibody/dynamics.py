@@ -179,6 +179,10 @@ class Dynamics:
     def _at(self, block: int, port: str) -> int:
         return int(self.packed.ints[block]) + self.names.ports.index(port)
 
+    def contact_places(self) -> np.ndarray:
+        """Where penetration, its rate, sideways displacement and its rate stand in the work array, shape (4,)."""
+        return np.array([self._at(block, port) for port in ("contact", "contact.slide") for block in (D, V)])
+
     def port_position(self, port: str) -> float:
         """Displacement of a port at the state last evaluated."""
         return float(self.w[self._at(D, port)])

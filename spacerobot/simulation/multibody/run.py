@@ -16,7 +16,7 @@ from spacerobot.simulation.multibody.integrate import Integrator, Kick, Steps
 from spacerobot.simulation.multibody.kernel import load
 from spacerobot.simulation.multibody.stepper import interpolate
 from spacerobot.simulation.reduced.arrays import FORCE, FRICTION, TAU
-from spacerobot.simulation.reduced.motion import PRESSED
+from spacerobot.simulation.reduced.motion import PRESSED, STICK
 from spacerobot.simulation.scene import Scene
 from spacerobot.support.errors import InputError
 
@@ -86,6 +86,7 @@ class MultibodyRun:
     start: float
     end: float
     dynamics: Dynamics = field(repr=False)
+    _memo: dict[str, MultibodySample] = field(default_factory=dict, repr=False)
 
     @property
     def starts_pressed(self) -> bool:
@@ -99,6 +100,9 @@ class MultibodyRun:
     def sample(self, times: np.ndarray) -> MultibodySample:
         """States at `times`, shape (T,); at an event's own time the side after it, outside the run the ends."""
         times = np.ascontiguousarray(times, dtype=float)
+        last = self._memo.get("last")
+        if last is not None and np.array_equal(last.time, times):
+            return last
         dyn, steps, model = self.dynamics, self.steps, self.assembly.model
         index = np.clip(np.searchsorted(steps.time, times, side="right") - 1, 0, steps.time.size - 1)
         n, count = len(self.mechanism.coordinates), times.size
@@ -122,6 +126,7 @@ class MultibodyRun:
         out = MultibodySample(time=times, **{k: np.empty((count, *shape)) for k, shape in shapes.items()})
         y, rate = np.empty(dyn.size), np.empty(dyn.size)
         ints, w, slider = dyn.packed.ints, dyn.w, dyn.features.index("slider")
+        touch, centre = dyn.contact_places(), np.empty((count, 3))
         with dyn.with_bias():
             for i, step in enumerate(index):
                 length = steps.length[step]
@@ -139,20 +144,20 @@ class MultibodyRun:
                 out.force[i] = w[ints[FORCE] : ints[FORCE] + dyn.forces]
                 out.friction[i] = w[ints[FRICTION] : ints[FRICTION] + dyn.frictions]
                 out.generalized[i] = w[ints[TAU] : ints[TAU] + dyn.nv]
-                for r in np.flatnonzero(dyn.modes[1 + dyn.forces :] == 0):  # held: not in TAU yet
-                    out.generalized[i] += out.friction[i, r] * dyn.port_row(self.mechanism.frictions[r].port)
-                for k, port in enumerate(("contact", "contact.slide")):
-                    out.contact[i, 2 * k] = dyn.port_position(port)
-                    out.contact[i, 2 * k + 1] = dyn.port_rate(port)
+                for r in range(dyn.frictions):
+                    if dyn.modes[1 + dyn.forces + r] == STICK:  # what holds is not in TAU yet
+                        out.generalized[i] += out.friction[i, r] * dyn.port_row(self.mechanism.frictions[r].port)
+                out.contact[i] = w[touch]
                 out.configuration[i], out.rates[i] = dyn.q, dyn.v
                 out.place[i] = dyn.scratch.place[1:]
                 out.kinetic[i] = 0.5 * dyn.v @ dyn.inertia @ dyn.v
                 out.potential[i] = pin.computePotentialEnergy(model, dyn.data, dyn.q)
                 momentum = pin.computeCentroidalMomentum(model, dyn.data, dyn.q, dyn.v)
-                centre = dyn.data.com[0]
-                out.momentum[i, :3] = momentum.linear
-                out.momentum[i, 3:] = momentum.angular + np.cross(centre, momentum.linear)
+                out.momentum[i, :3], out.momentum[i, 3:] = momentum.linear, momentum.angular
+                centre[i] = dyn.data.com[0]
                 out.work[i] = y[dyn.nq + dyn.nv :]
+        out.momentum[:, 3:] += np.cross(centre, out.momentum[:, :3])
+        self._memo["last"] = out
         return out
 
     def port(self, name: str, states: np.ndarray) -> np.ndarray:
