@@ -199,6 +199,7 @@ class Fitter:
         initials: Mapping[str, np.ndarray] | None = None,
         max_iterations: int = 40,
         hopeless: float = np.inf,
+        robust: bool = True,
     ) -> Fit:
         """The best parameters near a start.
 
@@ -211,6 +212,7 @@ class Fitter:
             initials: start of the trials' initial values.
             max_iterations: of Gauss-Newton, over all stages.
             hopeless: cost above which a fit that hardly falls any more is given up.
+            robust: whether the robust cost may come first; not where the start is a finished fit.
 
         Raises:
             SimulationError: the start cannot be simulated.
@@ -219,7 +221,7 @@ class Fitter:
         if state is None:
             raise SimulationError("the start of a fit cannot be simulated")
         used = 0
-        if state.chi2() > ROBUST_ABOVE * state.samples:
+        if robust and state.chi2() > ROBUST_ABOVE * state.samples:
             state, used, _, _, _ = self._descend(hypothesis, state, True, max_iterations // 2)
         for _ in range(RESCUES):
             state, _ = self.rescue(hypothesis, state)

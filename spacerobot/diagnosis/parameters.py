@@ -60,7 +60,9 @@ class Free:
 
 def believed(name: str, value: float, sigma: float) -> Free:
     """A believed value with its stated relative deviation."""
-    return Free(name, "believed", value, abs(value) * sigma, prior=True, lower=0.0 if value > 0.0 else -math.inf)
+    return Free(
+        name, "believed", value, abs(value) * sigma, prior=True, lower=0.05 * value if value > 0.0 else -math.inf
+    )
 
 
 def absorbing(name: str, value: float, sigma: float) -> Free:
@@ -75,7 +77,7 @@ def unknown(name: str, centre: float) -> Free:
 
 def scatter(condition: str, name: str, sigma: float) -> Free:
     """A condition's own relative change of a believed value; its value is a factor."""
-    return Free(f"{condition}|{name}", "scatter", 1.0, sigma, prior=True, lower=1e-3)
+    return Free(f"{condition}|{name}", "scatter", 1.0, sigma, prior=True, lower=0.2)
 
 
 def of_effect(effect: str, where: str, parameter: Parameter, start: float) -> Free:

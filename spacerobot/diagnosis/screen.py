@@ -105,7 +105,7 @@ class Screener:
     ) -> Screened | None:
         sites = (*fit.hypothesis.sites, site)
         made = hypothesis(self.believed, sites, start)
-        values = {**fit.values(), **_faint(site, start)}
+        values = {**fit.values(), **faint(site, start)}
         try:
             moved = self.fitter.state(made, made.start(values), state.own)
         except InputError:
@@ -123,12 +123,12 @@ class Screener:
         return Screened(site, start, column, amplitude**2 * norm, amplitude, norm)
 
 
-def _faint(site: Site, start: Mapping[str, float]) -> dict[str, float]:
+def faint(site: Site, start: Mapping[str, float], share: float = FAINT) -> dict[str, float]:
     """The start with its strengths cut, so that the residual still moves in proportion."""
     out = dict(start)
     for p in site.effect.parameters:
         if not (p.shape or p.log or math.isinf(p.null)):
-            out[site.key(p.name)] = p.null + FAINT * (start[site.key(p.name)] - p.null)
+            out[site.key(p.name)] = p.null + share * (start[site.key(p.name)] - p.null)
     return out
 
 

@@ -70,6 +70,23 @@ def fit_from(
     return second if second.cost < first.cost else first
 
 
+def fit_near(
+    fitter: Fitter,
+    believed: Believed,
+    sites: Sequence[Site],
+    near: Fit,
+    start: Mapping[str, float],
+    max_iterations: int = 8,
+    hopeless: float = np.inf,
+) -> Fit:
+    """Fit that begins at another fit, with the new effects' strengths small: what the effect adds, and no more."""
+    made = hypothesis(believed, sites, start)
+    warm = {**start, **near.values()}
+    return fitter.fit(
+        made, warm=warm, initials=near.initials(), max_iterations=max_iterations, hopeless=hopeless, robust=False
+    )
+
+
 def _contact(key: str) -> bool:
     return "contact." in key
 

@@ -1,0 +1,134 @@
+"""Fits side by side: worker processes that each hold the study, or the calling process where one job is asked for."""
+
+from __future__ import annotations
+
+import multiprocessing
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from spacerobot.diagnosis.data import trial_data
+from spacerobot.diagnosis.fit import Fit, Fitter
+from spacerobot.diagnosis.hypothesis import Label, Site
+from spacerobot.diagnosis.rig_model import RigModel
+from spacerobot.diagnosis.starts import fit_from
+from spacerobot.effects.registry import effect, load_file
+from spacerobot.recordings.study import Study
+from spacerobot.support.errors import SimulationError
+
+WARM, COLD = "warm", "cold"
+
+
+@dataclass(frozen=True)
+class Task:
+    """One fit to make.
+
+    Attributes:
+        label: effects and places.
+        start: start values by key.
+        initials: start of the trials' initial values.
+        hopeless: cost above which it may be given up.
+        max_iterations: of each fit.
+        without: trials left out.
+    """
+
+    label: Label
+    start: Mapping[str, float]
+    initials: Mapping[str, np.ndarray] | None = None
+    hopeless: float = np.inf
+    max_iterations: int = 40
+    without: tuple[str, ...] = ()
+
+
+@dataclass
+class Workshop:
+    """What a worker needs: the model, its trials, and a fitter."""
+
+    study: Study
+    make_model: Callable[[Study, Any], Any] = RigModel
+    threads: int = 1
+    fitters: dict[tuple[str, ...], Fitter] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.trials = trial_data(self.study)
+        self.model = self.make_model(self.study, self.trials)
+
+    def fitter(self, without: tuple[str, ...] = ()) -> Fitter:
+        """A fitter of all trials but some."""
+        if without not in self.fitters:
+            kept = [t for t in self.trials if t.id not in without]
+            self.fitters[without] = Fitter(self.model, kept, threads=self.threads)
+        return self.fitters[without]
+
+    def run(self, task: Task) -> Fit | None:
+        """Do a task; None where it cannot be simulated."""
+        sites = [Site(effect(name), where) for name, where in task.label]
+        try:
+            return fit_from(
+                self.fitter(task.without),
+                self.model.believed,
+                sites,
+                task.start,
+                task.initials,
+                task.max_iterations,
+                task.hopeless,
+            )
+        except SimulationError:
+            return None
+
+
+_workshop: Workshop | None = None
+
+
+def _open(study: Study, make_model: Callable[[Study, Any], Any], files: tuple[str, ...]) -> None:
+    global _workshop
+    import os
+
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+        os.environ[name] = "1"
+    for file in files:
+        load_file(Path(file))
+    _workshop = Workshop(study, make_model)
+
+
+def _run(task: Task) -> Fit | None:
+    assert _workshop is not None  # the initializer ran
+    return _workshop.run(task)
+
+
+class Pool:
+    """Runs tasks, in processes if more than one job is allowed; closes them on exit."""
+
+    def __init__(self, workshop: Workshop, jobs: int, files: Sequence[str] = ()) -> None:
+        self.workshop = workshop
+        self._executor: ProcessPoolExecutor | None = None
+        if jobs > 1:
+            self._executor = ProcessPoolExecutor(
+                jobs,
+                mp_context=multiprocessing.get_context("spawn"),
+                initializer=_open,
+                initargs=(workshop.study, workshop.make_model, tuple(files)),
+            )
+
+    def __enter__(self) -> Pool:
+        return self
+
+    def __exit__(self, kind: object, *_: object) -> None:
+        if self._executor is not None:
+            self._executor.shutdown(wait=kind is None, cancel_futures=True)
+
+    def run(self, tasks: Sequence[Task]) -> Iterator[tuple[Task, Fit | None]]:
+        """Results as they come; tasks begin in the order given."""
+        if self._executor is None:
+            for task in tasks:
+                yield task, self.workshop.run(task)
+            return
+        waiting: dict[Future[Fit | None], Task] = {self._executor.submit(_run, t): t for t in tasks}
+        while waiting:
+            done, _ = wait(waiting, return_when=FIRST_COMPLETED)
+            for future in done:
+                yield waiting.pop(future), future.result()
