@@ -108,21 +108,26 @@ class State:
 
 @dataclass(frozen=True, eq=False)
 class Track:
-    """One channel: what is known of it from a measured force, and the rest, smoothed.
+    """One channel: what the model expects of it under the measured force, and the remainder, smoothed.
 
     Attributes:
         smooth: of the samples minus `known`.
-        known_time, known: a double (or single, for a rate) integral of a measured force, shape (K,) each.
+        known_time, known: what is expected of the channel, shape (K,) each.
         known_rate: its derivative, shape (K,).
+        known_bend: the second derivative of the displacement, shape (K,).
         rate: whether the channel reads a rate.
-        integral: displacement at the knots of `known_time`, for a rate.
     """
 
     smooth: Smooth
     known_time: np.ndarray
     known: np.ndarray
     known_rate: np.ndarray
+    known_bend: np.ndarray
     rate: bool
+
+    def remainder(self, series: Series) -> np.ndarray:
+        """The samples minus what is expected of them, shape (T,)."""
+        return np.asarray(series.value - np.interp(series.time, self.known_time, self.known))
 
     def at(self, times: np.ndarray) -> State:
         """What it says of displacement and rate at ascending times, shape (N,)."""

@@ -11,6 +11,9 @@ from scipy.linalg import eigh
 DEGREE = 4
 SAMPLES_A_KNOT = 2.5
 MOST_KNOTS = 250
+CAUTION = 1.4
+"""Each degree of freedom counts this much in the cross-validation (Kim and Gu 2004, J. R. Stat. Soc. B 66, Sec. 3)."""
+
 BEYOND = 3.0
 """A value counts as different from zero beyond this many standard errors."""
 
@@ -59,7 +62,7 @@ class Smooth:
         for penalty in np.logspace(-6.0, 14.0, 61) / max(float(weight[-1]), 1e-300) * 1e-2:
             shrink = 1.0 / (1.0 + penalty * weight)
             left = total - 2.0 * float(along**2 @ shrink) + float((along * shrink) @ (along * shrink))
-            freedom = n - float(shrink.sum())
+            freedom = n - CAUTION * float(shrink.sum())
             if freedom <= 0.5:
                 continue
             score = max(left, 0.0) * n / freedom**2

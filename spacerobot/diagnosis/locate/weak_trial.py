@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from copy import copy
 from functools import cached_property
 
 import numpy as np
 from scipy.sparse import csr_array
 
 from spacerobot.diagnosis.data import TrialData
+from spacerobot.diagnosis.locate.driven import Driven, driven
 from spacerobot.diagnosis.locate.geometry import TARGET, YAW, push
 from spacerobot.diagnosis.locate.integral import Integral, total
 from spacerobot.diagnosis.locate.phases import (
@@ -34,6 +36,9 @@ JUMP = 5.0
 """Neighbouring force samples that differ by more than this many sigmas: a touch fell between them, who knows when."""
 
 JUMPS = "|jumps"
+
+EDGE = 5e-3
+"""A force this close [s] to a stretch of contact still drives the expected motion."""
 
 SOFTEN = 4e-3
 """Width [s] of the running mean of the contact force where it serves as a regressor."""
@@ -62,12 +67,13 @@ class WeakTrial:
         self.start = max(s.time[0] for s in moving)
         self.end = min(s.time[-1] for s in moving)
         self.spacing = max(SAMPLES_A_KNOT * max(s.step for s in moving), (self.end - self.start) / MOST_PIECES)
+        self.smoothed = False
         self._turned: dict[str, Smooth] = {}
         self.force = self._contact_force()
         self.touches = Touches(())
         if self.force is not None:
             self.touches = touches_in_force(self.force.time, self.force.value, self.force.sigma)
-        self._known = self._known_motion()
+        self._driven = self._expected()
         self.tracks = {c: self._track(c) for c in self.observers.rows}
         if self.force is None and mechanism.contact is not None:
             self.touches = self._touches_by_depth()
@@ -90,19 +96,15 @@ class WeakTrial:
                 return Series(channel, found.time, readout.sign * found.value, found.sigma)
         return None
 
-    def _known_motion(self) -> dict[str, tuple[np.ndarray, np.ndarray, np.ndarray]]:
-        """Per coordinate: acceleration, rate and position that the measured contact force alone would cause."""
+    def _expected(self) -> Driven:
+        """What the model expects of the measured contact force."""
         if self.force is None or not self.touches.stretches:
-            return {}
+            return driven(self.mechanism, np.array([self.start, self.end]), {})
         time = self.force.time
-        pressed = np.where(self.touches.inside(time, 5e-3), self.force.value, 0.0)
-        out = {}
-        for name, by in push(self.mechanism, self.yaw, time).items():
-            if name in self.observers.solution:
-                a = by * pressed / self.mechanism.coordinates[name].mass
-                v = _cumulated(time, a)
-                out[name] = (a, v, _cumulated(time, v))
-        return out
+        pressed = np.where(self.touches.inside(time, EDGE), self.force.value, 0.0)
+        return driven(
+            self.mechanism, time, {n: by * pressed for n, by in push(self.mechanism, self.yaw, time).items()}
+        )
 
     def yaw(self, times: np.ndarray) -> np.ndarray:
         """Smoothed yaw, zero where it is not measured."""
@@ -119,14 +121,11 @@ class WeakTrial:
     def _track(self, channel: str) -> Track:
         s = self.series[channel]
         rate = channel in self.observers.rates
-        time = np.array([self.start, self.end]) if self.force is None else self.force.time
-        known = np.zeros((3, time.size))
-        for coordinate, factor in self.observers.rows[channel].items():
-            if coordinate in self._known:
-                known += factor * np.array(self._known[coordinate])
-        base, slope = (known[1], known[0]) if rate else (known[2], known[1])
+        position, slope, bend = self._driven.along(self.observers.rows[channel])
+        base, derivative = (slope, bend) if rate else (position, slope)
+        time = self._driven.time
         smooth = Smooth.through(s.time, s.value - np.interp(s.time, time, base), s.sigma)
-        return Track(smooth, time, base, slope, rate)
+        return Track(smooth, time, base, derivative, bend, rate)
 
     def _touches_by_depth(self) -> Touches:
         if not {"wrist", TARGET} <= set(self.observers.solution):
@@ -174,6 +173,13 @@ class WeakTrial:
             return np.zeros(times.shape)
         return np.interp(times, self.force.time, self.soft_force)
 
+    def without_noise(self) -> WeakTrial:
+        """The same trial with its positions replaced by the smoothed ones."""
+        other = copy(self)
+        other.smoothed = True
+        other._integrals = {}
+        return other
+
     def pressed_windows(self) -> np.ndarray:
         """Test functions that lie in unbroken contact after the onset, shape (I,) bool."""
         keep = np.zeros(self.windows.count, dtype=bool)
@@ -217,18 +223,13 @@ class WeakTrial:
             return Integral(self.integral(0, track.at(self.nodes).d))
         sign, k = (-1.0, order - 1) if track.rate else (1.0, order)
         weights = sign * self.grid(series).weights(k)
-        value = weights @ (series.value - np.interp(series.time, track.known_time, track.known))
-        if self.force is not None and self._known:
-            if order == 2:  # what the force causes is bent at every touch: its curvature is the force itself
-                a = np.zeros(self.force.time.shape)
-                for coordinate, factor in self.observers.rows[channel].items():
-                    if coordinate in self._known:
-                        a += factor * self._known[coordinate][0]
-                grid = self.grid(self.force)
-                value = value + grid.integral(0, grid.read @ a)
-            else:
-                known = np.interp(self.nodes, track.known_time, track.known)
-                value = value + sign * self.integral(k, known)
+        remainder = track.smooth.value(series.time) if self.smoothed else track.remainder(series)
+        value = weights @ remainder
+        if order == 2 and self.force is not None:  # bent at every touch: taken where the force is sampled
+            grid = self.grid(self.force)
+            value = value + grid.integral(0, grid.read @ np.interp(self.force.time, track.known_time, track.known_bend))
+        elif order < 2:
+            value = value + sign * self.integral(k, np.interp(self.nodes, track.known_time, track.known))
         return Integral(value, {channel: weights})
 
     def contact_force(self, by: Callable[[np.ndarray], np.ndarray]) -> Integral:
@@ -274,7 +275,7 @@ class WeakTrial:
                 matrix = x * factor * (grid.weights(0, here[0]) - grid.weights(1, here[1]))
                 known = np.interp(self.nodes, track.known_time, track.known)
                 known_rate = np.interp(self.nodes, track.known_time, track.known_rate)
-                value += matrix @ (series.value - np.interp(series.time, track.known_time, track.known))
+                value += matrix @ (track.smooth.value(series.time) if self.smoothed else track.remainder(series))
                 value += x * factor * self.integral(0, by_d * known + by_v * known_rate)
                 weights[channel] = weights[channel] + matrix if channel in weights else matrix
         return Integral(value, weights)
@@ -282,8 +283,3 @@ class WeakTrial:
     def sigma(self, channel: str, count: int) -> np.ndarray:
         """Standard deviations of the samples of a channel, or of a source of noise of its own, shape (count,)."""
         return np.ones(count) if channel.endswith(JUMPS) else self.series[channel].sigma
-
-
-def _cumulated(time: np.ndarray, rate: np.ndarray) -> np.ndarray:
-    return np.concatenate([[0.0], np.cumsum(0.5 * np.diff(time) * (rate[1:] + rate[:-1]))])
-

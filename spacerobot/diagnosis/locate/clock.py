@@ -1,0 +1,78 @@
+"""The relative clock of force and positions: the delay at which the target's balance closes best."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from spacerobot.diagnosis.locate.geometry import TARGET, push
+from spacerobot.diagnosis.locate.located import Clock
+from spacerobot.diagnosis.locate.samples import trapezoid
+from spacerobot.diagnosis.locate.whitening import Whitener, noise, with_directions
+
+LARGEST = 0.02
+"""Delays sought, to either side [s]."""
+
+ROUNDS = 6
+"""Halvings of the spread around the best delay so far; each tries five."""
+
+
+def clocks(prepared: Mapping[str, Any]) -> tuple[Clock, ...]:
+    """The delay of the contact force against the target's track; none where either is not measured."""
+    used = [_Curve(p) for p in prepared.values() if p.weak.force is not None and TARGET in p.found]
+    used = [u for u in used if u.usable]
+    if not used:
+        return ()
+    tried: dict[float, float] = {}
+
+    def misfit(delay: float) -> float:
+        if delay not in tried:
+            tried[delay] = sum(u.chi2(delay) for u in used)
+        return tried[delay]
+
+    best, spread = 0.0, 0.5 * LARGEST
+    for _ in range(ROUNDS):
+        candidates = [best + k * spread for k in (-2, -1, 0, 1, 2) if abs(best + k * spread) <= LARGEST]
+        best = min(candidates, key=misfit)
+        spread *= 0.5
+    step = 2.0 * spread
+    low, middle, high = misfit(best - step), misfit(best), misfit(best + step)
+    bend = low - 2.0 * middle + high
+    if bend <= 0.0:
+        return ()
+    shift = 0.5 * step * (low - high) / bend
+    sensor = next(
+        (n for n, c in used[0].one.mechanism.sensors.items() if used[0].one.weak.force.channel in c), "contact.force"
+    )
+    lowest = middle - (low - high) ** 2 / (8.0 * bend)
+    return (Clock(sensor, best + shift, step * float(np.sqrt(2.0 / bend)), misfit(0.0) - lowest),)
+
+
+class _Curve:
+    """chi-squared of one trial's target balance against the delay of the force."""
+
+    def __init__(self, one: Any) -> None:
+        self.one = one
+        weak = one.weak
+        balance = one.found[TARGET]
+        self.usable = bool(weak.touches.stretches)
+        if not self.usable:
+            return
+        self.whiten = Whitener(with_directions(noise(weak, balance.residual), one.wrong[TARGET]))
+        self.weight = trapezoid(weak.force.time)
+        # only the contact is moved: outside it there is nothing but noise
+        pressed = weak.touches.inside(weak.force.time, 5e-3)
+        by = push(one.mechanism, weak.yaw, weak.force.time)[TARGET]
+        self.drive = np.where(pressed, by * weak.force.value * self.weight, 0.0)
+        self.rest = balance.residual.value - self._integral(0.0)
+
+    def _integral(self, delay: float) -> np.ndarray:
+        windows, time = self.one.weak.windows, self.one.weak.force.time
+        return np.asarray(windows.values(time - delay, 0) @ self.drive)
+
+    def chi2(self, delay: float) -> float:
+        """With the force read `delay` seconds late."""
+        white = self.whiten(self.rest + self._integral(delay))
+        return float(white @ white)

@@ -1,0 +1,74 @@
+"""Is a pattern in the residuals more than noise? Scores, p-values, sign flips of whole trials, Holm's correction."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.special import gammaln, log_ndtr
+
+ENOUGH_UNITS = 8
+"""Sign flips need this many independent stretches; with fewer trials each is cut into several."""
+
+MOST_EXACT = 12
+"""Up to this many units all sign flips are tried."""
+
+RANDOM_FLIPS = 4096
+
+
+def log_p_normal(z: float) -> float:
+    """Natural log of the two-sided p-value of a standard normal score."""
+    return float(min(np.log(2.0) + log_ndtr(-abs(z)), 0.0))
+
+
+def log_p_chi2(x: float, freedom: int) -> float:
+    """Natural log of the upper tail of chi-squared, also far beyond the smallest float."""
+    from scipy.stats import chi2
+
+    found = float(chi2.logsf(x, freedom))
+    if math.isfinite(found):
+        return min(found, 0.0)
+    half = 0.5 * freedom
+    return float(-0.5 * x + (half - 1.0) * math.log(0.5 * x) - gammaln(half))
+
+
+def combined(log_p: float, tries: int) -> float:
+    """Log of the p-value of the best of several independent tries (Sidak)."""
+    p = math.exp(log_p)
+    if p * tries < 1e-6:
+        return log_p + math.log(tries)
+    return math.log(-math.expm1(tries * math.log1p(-min(p, 1.0 - 1e-16))))
+
+
+def sign_flips(units: int, seed: int = 0) -> np.ndarray:
+    """Rows of +-1, the first all +1, shape (B, units): all of them, or as many at random."""
+    if units <= MOST_EXACT:
+        codes = np.arange(2 ** max(units - 1, 0))  # the other half are mirror images
+        return 1.0 - 2.0 * ((codes[:, None] >> np.arange(units)) & 1)
+    rng = np.random.default_rng(seed)
+    flips = rng.choice([-1.0, 1.0], size=(RANDOM_FLIPS, units))
+    flips[0] = 1.0
+    return flips
+
+
+def flip_p(scores: np.ndarray, flips: np.ndarray) -> float:
+    """Share of sign patterns under which the units' scores, shape (units,), agree at least as well as they do."""
+    sums = np.abs(flips @ scores)
+    return float(np.mean(sums >= sums[0] * (1.0 - 1e-12)))
+
+
+def holm(log_p: Sequence[float]) -> list[float]:
+    """p-values corrected for their number (Holm 1979), in the order given.
+
+    Args:
+        log_p: natural logs of the plain p-values.
+    """
+    order = np.argsort(log_p)
+    count = len(order)
+    out = [1.0] * count
+    worst = -math.inf
+    for rank, index in enumerate(order):
+        worst = max(worst, log_p[index] + math.log(count - rank))
+        out[index] = min(1.0, math.exp(min(worst, 0.0)))
+    return out
