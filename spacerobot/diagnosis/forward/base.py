@@ -147,9 +147,7 @@ def overlaid(
 def channels_of(study: Study, use: str | None = None) -> set[str]:
     """Names of the channels that some trial has, all or those of one `use` ("input" or "output")."""
     used = {name for trial in study.trials for name in trial.sources}
-    return {
-        c.name for s in study.streams.values() if s.name in used for c in s.channels if use is None or c.use == use
-    }
+    return {c.name for s in study.streams.values() if s.name in used for c in s.channels if use is None or c.use == use}
 
 
 def unit_of(name: str) -> str:

@@ -154,9 +154,7 @@ class DrivenAxis(ForwardModel):
                 Force("damper", port, DAMPER, (values.get("damping", 0.0),), role="damper"),
             ),
             inputs=(Input("drive", port, self._channel("torque")),),
-            readouts={
-                f"{port}.{kind}": Readout(f"{port}.{kind}", kind, port) for kind in ("position", "velocity")
-            },
+            readouts={f"{port}.{kind}": Readout(f"{port}.{kind}", kind, port) for kind in ("position", "velocity")},
         )
 
     @property
@@ -178,13 +176,13 @@ class DrivenAxis(ForwardModel):
 
 
 def start_state(time: np.ndarray, value: np.ndarray, start: float, span: float) -> tuple[float, float]:
-    """Value and rate at `start` from a parabola through the readings within half a `span` of it, five at least."""
+    """Value and rate at `start` from a cubic through the readings within half a `span` of it, five at least."""
     near = np.abs(time - start) <= 0.5 * span
     if near.sum() < 5:
         nearest = np.argsort(np.abs(time - start), kind="stable")[:5]
         near = np.zeros(time.size, dtype=bool)
         near[nearest] = True
-    order = min(2, int(near.sum()) - 1)
+    order = min(3, int(near.sum()) - 1)
     if order < 1:
         return float(value[near][0]), 0.0
     fit = np.polyfit(time[near] - start, value[near], order)

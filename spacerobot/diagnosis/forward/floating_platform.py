@@ -83,7 +83,7 @@ class FloatingPlatform(ForwardModel):
         follow = ", ".join(f"{joint} follows {channel}" for joint, channel in self.drives.items())
         return (
             f"The joints do exactly what is known of them: {follow}; cubic between samples, still outside of them.",
-            "The base starts with the straight line through its own track before the joints move; after that, linear "
+            "The start is the straight line through the track of the common centre of mass before the joints move; after that, linear "
             "and angular momentum stay what they are. The table is level.",
         )
 
@@ -113,16 +113,19 @@ class FloatingPlatform(ForwardModel):
         model = self._model(trial)
         begin = float(times[0])
         settled = max(joints.moves_at, begin + SETTLE)
-        start, rate = np.transpose([_line(recording, channel, begin, settled) for channel in TRACK])
-        half = 0.5 * start[2]
-        base = np.array([start[0], start[1], 0.0, 0.0, 0.0, math.sin(half), math.cos(half)])
         q, v = joints(begin)
-        turn = pin.utils.rotate("z", start[2])
-        drift = np.concatenate([turn.T @ [rate[0], rate[1], 0.0], [0.0, 0.0, rate[2]], v])
-        matrix = pin.computeCentroidalMap(model, model.createData(), np.concatenate([base, q]))
-        return base_motion(
-            model, joints, times, base=base, momentum=matrix @ drift, knots=joints.knots, tolerance=1e-8
-        )
+        yaw, spin = _line(*recording["base.yaw"].good(), begin, settled)
+        # the common centre of mass moves evenly, whichever way the platform turns meanwhile
+        data = model.createData()
+        ahead, left, _ = pin.centerOfMass(model, data, np.concatenate([pin.neutral(model)[:7], q]))
+        start, rate = np.transpose([_line(*_centre(recording, axis, ahead, left), begin, settled) for axis in "xy"])
+        turn = pin.utils.rotate("z", yaw)
+        arm = turn @ [ahead, left, 0.0]
+        base = np.array([*start, 0.0, 0.0, 0.0, math.sin(0.5 * yaw), math.cos(0.5 * yaw)]) - [*arm, 0, 0, 0, 0]
+        drift = turn.T @ (np.array([*rate, 0.0]) - np.cross([0.0, 0.0, spin], arm))
+        matrix = pin.computeCentroidalMap(model, data, np.concatenate([base, q]))
+        momentum = matrix @ np.concatenate([drift, [0.0, 0.0, spin], v])
+        return base_motion(model, joints, times, base=base, momentum=momentum, knots=joints.knots, tolerance=1e-8)
 
     def _model(self, trial: Trial) -> pin.Model:
         model = self.robot.model.copy()
@@ -184,13 +187,11 @@ class _Joints:
     """Joint positions and rates over time, in the model's order.
 
     Attributes:
-        moves_at: when the first joint has left its start by a milliradian (or a millimetre) [s].
+        moves_at: when the first joint has left its start by a tenth of a milliradian (or millimetre) [s].
         knots: times at which the motion is not smooth.
     """
 
-    def __init__(
-        self, robot: Robot, drives: Mapping[str, str], recording: Recording, pose: tuple[float, ...]
-    ) -> None:
+    def __init__(self, robot: Robot, drives: Mapping[str, str], recording: Recording, pose: tuple[float, ...]) -> None:
         from scipy.interpolate import CubicSpline
 
         rest = dict(zip(robot.chain, pose, strict=False)) if len(pose) == len(robot.chain) else {}
@@ -201,7 +202,7 @@ class _Joints:
             if channel not in recording:
                 raise InputError(f"the motion of joint {joint} is not recorded", given=channel)
             time, value = recording[channel].good()
-            left = np.abs(value - value[0]) > 1e-3
+            left = np.abs(value - value[0]) > 1e-4
             starts.append(time[np.argmax(left)] if left.any() else time[-1])
             ends |= {float(time[0]), float(time[-1])}
             self._motions.append((robot.velocity_index(joint) - 6, time[0], time[-1], CubicSpline(time, value)))
@@ -218,9 +219,17 @@ class _Joints:
         return q, v
 
 
-def _line(recording: Recording, channel: str, begin: float, end: float) -> tuple[float, float]:
+def _centre(recording: Recording, axis: str, ahead: float, left: float) -> tuple[np.ndarray, np.ndarray]:
+    """Times and one coordinate of the point (ahead, left) of the platform, from its own track."""
+    time, value = recording[f"base.position.{axis}"].good()
+    yaw = np.interp(time, *recording["base.yaw"].good())
+    if axis == "x":
+        return time, value + np.cos(yaw) * ahead - np.sin(yaw) * left
+    return time, value + np.sin(yaw) * ahead + np.cos(yaw) * left
+
+
+def _line(time: np.ndarray, value: np.ndarray, begin: float, end: float) -> tuple[float, float]:
     """Value at `begin` and rate of a straight line through the readings up to `end`."""
-    time, value = recording[channel].good()
     early = time <= end
     if early.sum() < 3:
         early = np.arange(time.size) < 3

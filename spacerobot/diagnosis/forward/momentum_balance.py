@@ -14,7 +14,7 @@ import numpy as np
 from spacerobot.recordings.recording import Recording
 from spacerobot.support.errors import InputError
 
-WIDTH = 40
+WIDTH = 400
 """Samples from the middle of a bump to its end where the motion is slow; fewer where it is fast."""
 
 
@@ -39,16 +39,19 @@ def balance(
         time, x = recording[f"joint.{joint}.position"].good()
         u = np.interp(time, *recording[f"joint.{joint}.torque"].good())
         step = float(np.median(np.diff(time)))
-        for table, force in _windows(x - x.mean(), u, step, _half_width(x, time.size)):
+        for table, force in _windows(x, u, step, _half_width(x, time.size)):
             known = sum((value * table[name] for name, value in stated.items() if name in table), np.zeros(force.size))
-            rows.append(np.column_stack([table[name] for name in wanted]))
+            columns = [table[name] for name in wanted]
+            if "stiffness" in wanted:  # where the spring is at rest need not be the log's zero
+                columns.append(table["offset"])
+            rows.append(np.column_stack(columns))
             forces.append(force - known)
     matrix, right = np.concatenate(rows), np.concatenate(forces)
     scale = np.linalg.norm(matrix, axis=0)
     if not (scale > 0.0).all() or np.linalg.cond(matrix / scale) > 1e6:
         raise InputError("the recording does not determine what is unknown", given=", ".join(wanted), where=joint)
     solved = np.linalg.lstsq(matrix / scale, right, rcond=None)[0] / scale
-    found = dict(zip(wanted, (float(v) for v in solved), strict=True))
+    found = dict(zip(wanted, (float(v) for v in solved), strict=False))
     if found.get("mass", 1.0) <= 0.0:
         raise InputError(
             "the recording balances only with a negative mass: is the sign of the drive right?",
@@ -84,5 +87,11 @@ def _windows(
         def against(kernel: np.ndarray, signal: np.ndarray, every: slice = every) -> np.ndarray:
             return np.correlate(signal, kernel, "valid")[every] * step
 
-        table = {"mass": against(second, x), "damping": -against(first, x), "stiffness": against(bump, x)}
+        offset = np.full(against(bump, x).size, bump.sum() * step)
+        table = {
+            "offset": offset,
+            "mass": against(second, x),
+            "damping": -against(first, x),
+            "stiffness": against(bump, x),
+        }
         yield table, against(bump, u)

@@ -120,4 +120,3 @@ def _hand_mass(study: Study) -> float:
         robot, np.array(study.pose()), np.array(baseline.approach), base=baseline.base, joints=baseline.joints
     )
     return float(found.effective_mass_kg)
-
