@@ -150,7 +150,5 @@ def summary(answer: dict[str, Any]) -> str:
     return "\n".join(lines)
 
 
-
-
 def _cell(value: float | None) -> str:
     return "-" if value is None else f"{float(value):.4g}"
