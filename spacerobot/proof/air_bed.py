@@ -71,7 +71,7 @@ def air_bed(
         sigma["target.yaw_inertia"] = 0.02
     built = {n: v * (1.0 + sigma.get(n, 0.0) * rng.standard_normal()) for n, v in believed.items()}
     over = 1.0 + sigma["target.mass"] * rng.standard_normal()
-    lateral = float(rng.choice([-1.0, 1.0]) * rng.uniform(0.01, 0.03)) if spinning else 0.0
+    lateral = round(float(rng.choice([-1.0, 1.0]) * rng.uniform(0.01, 0.03)), 4) if spinning else 0.0
     trials: list[Trial] = []
     for mass in MASSES:
         remounted = built["wrist.stiffness"] * (1.0 + SCATTER["wrist.stiffness"] * rng.standard_normal())
@@ -101,7 +101,7 @@ def air_bed(
             trials.append(Trial(name, values, {"target.mass": mass}, position, velocity, duration))
     values_stated: dict[str, object] = dict(believed)
     if turning:
-        values_stated["target.contact_point"] = [0.15, round(lateral, 4)]
+        values_stated["target.contact_point"] = [0.15, lateral]
     return Campaign(
         "Air-bed collisions",
         Belief(HEAD, values_stated, sigma, SCATTER),

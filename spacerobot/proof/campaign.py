@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from spacerobot.proof.engine.arm import ArmRig
 from spacerobot.proof.engine.missing import Missing
 from spacerobot.proof.engine.physics import apply
 from spacerobot.proof.engine.rig import Rig, Values
@@ -72,6 +73,7 @@ class Campaign:
         streams: the instruments.
         missing: what is hidden.
         seed: of the noise.
+        family: scene: "rig", "spinning", "chaser" or "servo arm".
     """
 
     title: str
@@ -81,6 +83,14 @@ class Campaign:
     streams: tuple[Stream, ...]
     missing: tuple[Missing, ...] = ()
     seed: int = 0
+    family: str = "rig"
+
+    def rig(self, number: int) -> Rig:
+        """The engine's rig of a trial, counted from 0, without what is hidden."""
+        values = self.trials[number].values
+        if self.family in ("chaser", "servo arm"):
+            return ArmRig(values, trial=number, floating=self.family == "chaser")
+        return Rig(values, trial=number)
 
     def with_missing(self, *missing: Missing) -> Campaign:
         """The same campaign with other hidden physics."""
@@ -99,7 +109,7 @@ def perform(campaign: Campaign) -> Readings:
     """
     found: Readings = {}
     for number, trial in enumerate(campaign.trials):
-        rig = apply(Rig(trial.values, trial=number), campaign.missing)
+        rig = apply(campaign.rig(number), campaign.missing)
         position, velocity = dict(trial.position), dict(trial.velocity)
         log = run(rig, position, velocity, trial.duration)
         if not log.touches:
@@ -119,11 +129,19 @@ def noisy(campaign: Campaign, clean: Readings) -> Readings:
     }
 
 
-def write_study(folder: Path, campaign: Campaign, readings: Readings) -> Path:
-    """Write study.toml and a file for each trial and stream; returns the study file."""
+def write_study(folder: Path, campaign: Campaign, readings: Readings, *, exact: bool = False) -> Path:
+    """Write study.toml and a file for each trial and stream; returns the study file.
+
+    Args:
+        folder: where.
+        campaign: whose.
+        readings: of its trials.
+        exact: write all digits, not those of the instruments.
+    """
     for trial in campaign.trials:
         for stream in campaign.streams:
-            write_text(folder / f"{trial.id}_{stream.name}.csv", _table(stream, readings[trial.id][stream.name]))
+            text = _table(stream, readings[trial.id][stream.name], exact)
+            write_text(folder / f"{trial.id}_{stream.name}.csv", text)
     path = folder / "study.toml"
     write_text(path, study_text(campaign))
     return path
@@ -170,8 +188,9 @@ def column(channel: str) -> str:
     return COLUMNS.get(channel, channel.replace(".", "_"))
 
 
-def _table(stream: Stream, reading: Reading) -> str:
-    digits = [max(0, math.ceil(-math.log10(c.quantum) - 1e-9)) for c in stream.channels]
+def _table(stream: Stream, reading: Reading, exact: bool) -> str:
+    extra = 5 if exact else 0
+    digits = [max(0, math.ceil(-math.log10(c.quantum) - 1e-9)) + extra for c in stream.channels]
     columns = [reading.value[c.name] for c in stream.channels]
     rows = [",".join(["time_s", *(column(c.name) for c in stream.channels)])]
     for i in np.flatnonzero(~reading.lost):

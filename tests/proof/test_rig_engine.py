@@ -99,7 +99,7 @@ def test_free_hand_agrees() -> None:
     log, ours = both(Values(hand_mass=25.0), ())
     theirs, own = restitutions(log, ours)
     assert theirs == pytest.approx(own, abs=1e-4)
-    momentum = 25.0 * log.velocity["hand"] + 0.7 * log.wrist()[1] + 9.0 * log.velocity["target"]
+    momentum = 25.0 * log.velocity["hand"] + 0.7 * log.slider[1] + 9.0 * log.velocity["target"]
     np.testing.assert_allclose(momentum, 0.9, rtol=1e-9)
 
 
@@ -120,7 +120,7 @@ def test_every_effect_agrees(item: Missing) -> None:
     grid = np.linspace(0.0, DURATION, 300)
     taken = ours.sample(grid)
     index = list(ours.layout.coordinates).index("wrist")
-    np.testing.assert_allclose(np.interp(grid, log.time, log.wrist()[0]), taken.position[:, index], atol=3e-5)
+    np.testing.assert_allclose(np.interp(grid, log.time, log.slider[0]), taken.position[:, index], atol=3e-5)
 
 
 @pytest.mark.parametrize("item", CASES, ids=lambda m: f"{m.effect}-{m.where}")

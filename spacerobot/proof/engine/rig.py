@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any, ClassVar
 
 from spacerobot.support.errors import InputError
 
@@ -113,6 +114,8 @@ class Rig:
         kicks: (time, joint, momentum).
         tilt: acceleration of whatever floats along x [m/s^2].
         trial: number of the trial in its campaign, from 0, for what changes with use.
+        tip, mount: names of the sites that touch and that carry the slider, where a whole arm moves.
+        steps: of the integration, apart and in contact [s].
     """
 
     values: Values
@@ -124,7 +127,9 @@ class Rig:
     levels: dict[str, Level] = field(default_factory=dict)
     kicks: list[tuple[float, str, float]] = field(default_factory=list)
     tilt: float = 0.0
-    slosh: float = 0.0
+    tip: ClassVar[str | None] = None
+    mount: ClassVar[str | None] = None
+    steps: ClassVar[tuple[float, float]] = (2.5e-4, 5e-5)
 
     def __post_init__(self) -> None:
         v = self.values
@@ -150,6 +155,12 @@ class Rig:
     def index(self) -> dict[str, int]:
         """Joint -> its number in MuJoCo."""
         return {name: i for i, name in enumerate(self.joints)}
+
+    def compile(self) -> Any:
+        """The MuJoCo model."""
+        import mujoco
+
+        return mujoco.MjModel.from_xml_string(self.xml())
 
     def xml(self) -> str:
         """The model as MJCF."""

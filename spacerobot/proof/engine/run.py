@@ -2,112 +2,158 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+from spacerobot.proof.engine.contact import Contact, Planar, Spatial
 from spacerobot.proof.engine.rig import Rig
 from spacerobot.support.errors import SimulationError
-
-FREE_STEP = 2.5e-4
-CONTACT_STEP = 5e-5
-"""Steps [s] of the Runge-Kutta integration, apart and in contact."""
-
-SLIDE_SPEED = 2e-4
-"""Speed [m/s] over which friction across the contact changes its sign."""
 
 
 @dataclass(frozen=True, eq=False)
 class Log:
-    """What happened, at every step. T steps; the moment of a touch is there twice, before and after."""
+    """What happened, at every step. T steps; the moment of a touch is there twice, before and after.
 
-    time: np.ndarray  # (T,) s
-    position: Mapping[str, np.ndarray]  # (T,) per joint, m or rad
+    Attributes:
+        time: shape (T,) [s].
+        position, velocity: by joint, shape (T,) [m or rad].
+        slider: world position and velocity of the slider along x, shape (T,) each.
+        hand: world displacement along x of what carries the slider, shape (T,).
+        force: contact force, positive in compression, shape (T,) [N].
+        touches: times [s].
+    """
+
+    time: np.ndarray
+    position: Mapping[str, np.ndarray]
     velocity: Mapping[str, np.ndarray]
-    force: np.ndarray  # (T,) contact force, N, positive in compression
+    slider: tuple[np.ndarray, np.ndarray]
+    hand: np.ndarray
+    force: np.ndarray
     touches: tuple[float, ...]
 
-    def wrist(self) -> tuple[np.ndarray, np.ndarray]:
-        """World position and velocity of the slider, shape (T,) each."""
-        x, v = self.position["wrist"], self.velocity["wrist"]
-        if "hand" in self.position:
-            return x + self.position["hand"], v + self.velocity["hand"]
-        return x, v
 
+class _Running:
+    """One rig in MuJoCo, from start to end."""
 
-class _Contact:
-    """The explicit force of the tip, and what it does to the degrees of freedom."""
+    def __init__(self, rig: Rig, position: Mapping[str, float], velocity: Mapping[str, float]) -> None:
+        import mujoco
 
-    def __init__(self, rig: Rig) -> None:
-        self.law = rig.contact
-        at = rig.index
-        self.wrist, self.target = at["wrist"], at["target"]
-        self.hand, self.across, self.yaw = at.get("hand"), at.get("target.y"), at.get("target.yaw")
-        self.pressed = False
-        self.armed = True  # after the surfaces parted under tension they meet again only from apart
+        self.mujoco, self.rig = mujoco, rig
+        self.model = rig.compile()
+        self.data = mujoco.MjData(self.model)
+        self.index = rig.index
+        self.data.qpos[:] = self.model.qpos0
+        self.spatial: Spatial | None = None
+        if rig.tip is not None:
+            self.spatial = Spatial(self.model, self.data, rig.tip, self.index["target"])
+        self.contact = Contact(rig.contact, self.spatial or Planar(rig))
+        for name, value in position.items():
+            self.data.qpos[self.index[name]] += value
+        for name, value in velocity.items():
+            self.data.qvel[self.index[name]] = value
+        self.hand = None if rig.mount is None else self.model.site(rig.mount).id
+        self.times: list[float] = []
+        self.states: list[list[float]] = []
+        self.places: list[tuple[float, float, float]] = []
+        self.forces: list[float] = []
+        self.touches: list[float] = []
 
-    def depth(self, q: list[float]) -> float:
-        """Penetration [m]."""
-        d = q[self.target] - q[self.wrist]
-        if self.hand is not None:
-            d -= q[self.hand]
-        if self.yaw is not None:
-            psi = q[self.yaw]
-            d += self.law.ahead * (math.cos(psi) - 1.0) - self.law.lateral * math.sin(psi)
-        return d
+    def callback(self, _model: Any, _data: Any) -> None:
+        """MuJoCo's passive forces: contact and explicit laws added to them."""
+        q, v = self.data.qpos.tolist(), self.data.qvel.tolist()
+        out = [0.0] * len(v)
+        f = self.contact.force(q, v)
+        if f:
+            self.contact.geometry.apply(q, v, f, out)
+        for law in self.rig.laws:
+            law(q, v, self.data.time, f, out)
+        passive = self.data.qfrc_passive
+        for i, value in enumerate(out):
+            if value:
+                passive[i] += value
 
-    def rate(self, q: list[float], v: list[float]) -> float:
-        """Penetration rate [m/s]."""
-        r = v[self.target] - v[self.wrist]
-        if self.hand is not None:
-            r -= v[self.hand]
-        if self.yaw is not None:
-            psi = q[self.yaw]
-            r -= (self.law.ahead * math.sin(psi) + self.law.lateral * math.cos(psi)) * v[self.yaw]
-        return r
+    def note(self) -> None:
+        """Write down where things are."""
+        self.refresh()
+        q, v = self.data.qpos.tolist(), self.data.qvel.tolist()
+        self.times.append(self.data.time)
+        self.states.append(q + v)
+        self.forces.append(self.contact.force(q, v))
+        if self.spatial is not None:
+            hand = 0.0 if self.hand is None else float(self.data.site_xpos[self.hand, 0])
+            speed = float(self.spatial.row() @ self.data.qvel)
+            self.places.append((self.spatial.tip(), speed, hand))
 
-    def force(self, q: list[float], v: list[float]) -> float:
-        """Force, positive in compression [N]."""
-        if not self.pressed:
-            return 0.0
-        d = self.depth(q)
-        if d <= 0.0 and self.law.hold == 0.0:
-            return 0.0
-        return max(self.law.force(d, self.rate(q, v)), -self.law.hold)
+    def refresh(self) -> None:
+        """Positions of bodies at the present state, where the contact needs them."""
+        if self.spatial is not None:
+            self.spatial.refresh()
 
-    def apply(self, q: list[float], v: list[float], f: float, out: list[float]) -> None:
-        """Add the force's share in every degree of freedom."""
-        out[self.wrist] += f
-        out[self.target] -= f
-        if self.hand is not None:
-            out[self.hand] += f
-        along, across = self.law.ahead, self.law.lateral
-        if self.yaw is not None:
-            psi = q[self.yaw]
-            along, across = (
-                along * math.cos(psi) - across * math.sin(psi),
-                along * math.sin(psi) + across * math.cos(psi),
-            )
-            out[self.yaw] += across * f
-        if self.law.mu > 0.0 and self.across is not None and f > 0.0:
-            spin = 0.0 if self.yaw is None else v[self.yaw]
-            slide = v[self.across] + along * spin
-            rub = -self.law.mu * f * math.tanh(slide / SLIDE_SPEED)
-            out[self.across] += rub
-            if self.yaw is not None:
-                out[self.yaw] += along * rub
+    def depth(self) -> float:
+        """Present penetration [m]."""
+        self.refresh()
+        return self.contact.geometry.depth(self.data.qpos.tolist())
 
-    def settle(self, q: list[float], v: list[float]) -> None:
-        """After a step: whether the surfaces still touch."""
-        d = self.depth(q)
-        if self.pressed:
-            parted = d <= 0.0 if self.law.hold == 0.0 else self.law.force(d, self.rate(q, v)) <= -self.law.hold
-            if parted:
-                self.pressed, self.armed = False, d <= 0.0
-        elif not self.armed and d <= 0.0:
-            self.armed = True
+    def step(self, h: float) -> None:
+        """One Runge-Kutta step."""
+        self.model.opt.timestep = h
+        self.mujoco.mj_step(self.model, self.data)
+
+    def levels(self) -> None:
+        """Set the dry friction that changes with the motion."""
+        for name, level in self.rig.levels.items():
+            i = self.index[name]
+            self.model.dof_frictionloss[i] = level(float(self.data.qvel[i]), float(self.data.qfrc_passive[i]))
+
+    def meet(self, before: tuple[float, np.ndarray, np.ndarray], h: float) -> None:
+        """Step from `before` to the touch itself: secant steps on the penetration, ending on its positive side."""
+        low, high = 0.0, h
+        deep = self.depth()
+        self.restore(before)
+        shallow = self.depth()
+        for k in range(12):
+            at = low + (high - low) * (-shallow) / (deep - shallow) if k % 3 < 2 else 0.5 * (low + high)
+            self.restore(before)
+            self.step(at)
+            d = self.depth()
+            if abs(d) < 1e-11:
+                return
+            if d > 0.0:
+                high, deep = at, d
+            else:
+                low, shallow = at, d
+        self.restore(before)
+        self.step(high)
+
+    def restore(self, before: tuple[float, np.ndarray, np.ndarray]) -> None:
+        """Back to an earlier state."""
+        self.data.time = before[0]
+        self.data.qpos[:] = before[1]
+        self.data.qvel[:] = before[2]
+
+    def log(self) -> Log:
+        """What happened.
+
+        Raises:
+            SimulationError: the state stopped being finite.
+        """
+        table = np.array(self.states)
+        bad = self.data.warning[self.mujoco.mjtWarning.mjWARN_BADQACC].number
+        if bad or not np.isfinite(table).all():
+            raise SimulationError("the rig in MuJoCo stopped being finite")
+        n = len(self.states[0]) // 2
+        position = {name: table[:, i] for name, i in self.index.items()}
+        velocity = {name: table[:, n + i] for name, i in self.index.items()}
+        if self.spatial is not None:
+            x, v, hand = np.array(self.places).T
+            slider, hand = (x, v), hand - hand[0]
+        else:
+            hand = position.get("hand", np.zeros(len(self.times)))
+            slider = position["wrist"] + hand, velocity["wrist"] + velocity.get("hand", 0.0)
+        return Log(np.array(self.times), position, velocity, slider, hand, np.array(self.forces), tuple(self.touches))
 
 
 def run(rig: Rig, position: Mapping[str, float], velocity: Mapping[str, float], duration: float) -> Log:
@@ -115,7 +161,7 @@ def run(rig: Rig, position: Mapping[str, float], velocity: Mapping[str, float], 
 
     Args:
         rig: what there is.
-        position, velocity: initial values by joint; zero where absent.
+        position, velocity: initial values by joint, from its rest; zero where absent.
         duration: in s.
 
     Raises:
@@ -123,111 +169,34 @@ def run(rig: Rig, position: Mapping[str, float], velocity: Mapping[str, float], 
     """
     import mujoco
 
-    model = mujoco.MjModel.from_xml_string(rig.xml())
-    data = mujoco.MjData(model)
-    index, contact = rig.index, _Contact(rig)
-    for name, value in position.items():
-        data.qpos[index[name]] = value
-    for name, value in velocity.items():
-        data.qvel[index[name]] = value
-    qpos, qvel, passive, losses = data.qpos, data.qvel, data.qfrc_passive, model.dof_frictionloss
-    laws, zeros = rig.laws, [0.0] * model.nv
-
-    def callback(_model: object, at: object) -> None:
-        q, v = qpos.tolist(), qvel.tolist()
-        out = zeros.copy()
-        f = contact.force(q, v)
-        if f:
-            contact.apply(q, v, f, out)
-        for law in laws:
-            law(q, v, data.time, f, out)
-        for i, value in enumerate(out):
-            if value:
-                passive[i] += value
-
-    times: list[float] = []
-    states: list[list[float]] = []
-    forces: list[float] = []
-    touches: list[float] = []
-
-    def note() -> None:
-        q, v = qpos.tolist(), qvel.tolist()
-        times.append(data.time)
-        states.append(q + v)
-        forces.append(contact.force(q, v))
-
-    def step(h: float) -> None:
-        model.opt.timestep = h
-        mujoco.mj_step(model, data)
-
-    def levels() -> None:
-        for name, level in rig.levels.items():
-            i = index[name]
-            losses[i] = level(float(qvel[i]), float(data.qfrc_passive[i]))
-
+    at = _Running(rig, position, velocity)
+    data, contact = at.data, at.contact
     kicks = sorted(rig.kicks)
-    mujoco.set_mjcb_passive(callback)
+    mujoco.set_mjcb_passive(at.callback)
     try:
-        mujoco.mj_forward(model, data)
-        note()
+        mujoco.mj_forward(at.model, data)
+        at.note()
         while data.time < duration - 1e-12:
-            levels()
-            h = min(CONTACT_STEP if contact.pressed else FREE_STEP, duration - data.time)
+            at.levels()
+            h = min(rig.steps[contact.pressed], duration - data.time)
             if kicks:
                 h = min(h, max(kicks[0][0] - data.time, 0.0))
             if h > 0.0:
-                before = (data.time, qpos.copy(), qvel.copy())
-                step(h)
-                if not contact.pressed and contact.armed and contact.depth(qpos.tolist()) > 0.0:
-                    _meet(contact, data, before, h, step)
-                    note()
+                before = (data.time, data.qpos.copy(), data.qvel.copy())
+                at.step(h)
+                at.refresh()
+                if not contact.pressed and contact.armed and at.depth() > 0.0:
+                    at.meet(before, h)
+                    at.note()
                     contact.pressed = True
-                    touches.append(data.time)
+                    at.touches.append(data.time)
                 else:
-                    contact.settle(qpos.tolist(), qvel.tolist())
+                    contact.settle(data.qpos.tolist(), data.qvel.tolist())
             if kicks and data.time >= kicks[0][0] - 1e-12:
-                note()
+                at.note()
                 _, joint, momentum = kicks.pop(0)
-                qvel[index[joint]] += momentum / rig.masses[joint.split(".")[0]]
-            note()
+                data.qvel[at.index[joint]] += momentum / rig.masses[joint.split(".")[0]]
+            at.note()
     finally:
         mujoco.set_mjcb_passive(None)
-    table = np.array(states)
-    if not np.isfinite(table).all() or data.warning[mujoco.mjtWarning.mjWARN_BADQACC].number:
-        raise SimulationError("the rig in MuJoCo stopped being finite")
-    n = len(index)
-    return Log(
-        np.array(times),
-        {name: table[:, i] for name, i in index.items()},
-        {name: table[:, n + i] for name, i in index.items()},
-        np.array(forces),
-        tuple(touches),
-    )
-
-
-def _meet(contact: _Contact, data: object, before: tuple, h: float, step: object) -> None:  # type: ignore[type-arg]
-    """Step from `before` to the touch itself: secant steps on the penetration, ending on its positive side."""
-    low, high = 0.0, h
-    q = data.qpos.tolist()  # type: ignore[attr-defined]
-    deep = contact.depth(q)
-    shallow = contact.depth(before[1].tolist())
-    at = h
-    for k in range(12):
-        at = low + (high - low) * (-shallow) / (deep - shallow) if k % 3 < 2 else 0.5 * (low + high)
-        _restore(data, before)
-        step(at)  # type: ignore[operator]
-        d = contact.depth(data.qpos.tolist())  # type: ignore[attr-defined]
-        if abs(d) < 1e-11:
-            return
-        if d > 0.0:
-            high, deep = at, d
-        else:
-            low, shallow = at, d
-    _restore(data, before)
-    step(high)  # type: ignore[operator]
-
-
-def _restore(data: object, before: tuple) -> None:  # type: ignore[type-arg]
-    data.time = before[0]  # type: ignore[attr-defined]
-    data.qpos[:] = before[1]  # type: ignore[attr-defined]
-    data.qvel[:] = before[2]  # type: ignore[attr-defined]
+    return at.log()

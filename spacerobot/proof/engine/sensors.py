@@ -74,12 +74,15 @@ class Reading:
 
 def truth_of(log: Log) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """Channel -> (times, values) of what happened."""
-    x, _ = log.wrist()
-    found = {"target.x": log.position["target"], "wrist.x": x, "contact.force": log.force}
+    found = {
+        "target.x": log.position["target"],
+        "wrist.x": log.slider[0],
+        "hand.x": log.hand,
+        "contact.force": log.force,
+    }
     for name in ("target.y", "target.yaw"):
         if name in log.position:
             found[name] = log.position[name]
-    found["hand.x"] = log.position.get("hand", np.zeros_like(log.time))
     return {name: (log.time, value) for name, value in found.items()}
 
 
@@ -153,7 +156,7 @@ def _channel(
 
 def _acceleration(log: Log) -> np.ndarray:
     """World acceleration of the slider from its velocity, one-sided where steps meet at one time."""
-    _, v = log.wrist()
+    v = log.slider[1]
     rate = np.zeros_like(v)
     dt = np.diff(log.time)
     slope = np.divide(np.diff(v), dt, out=np.zeros_like(dt), where=dt > 1e-12)

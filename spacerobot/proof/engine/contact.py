@@ -1,0 +1,146 @@
+"""The explicit force of the tip on the target, in the plane of the air bed or through a whole arm."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Protocol
+
+import numpy as np
+
+from spacerobot.proof.engine.rig import ContactLaw, Rig
+
+SLIDE_SPEED = 2e-4
+"""Speed [m/s] over which friction across the contact changes its sign."""
+
+
+class Geometry(Protocol):
+    """How deep the tip is in the target, and what a force between them does to the degrees of freedom."""
+
+    def depth(self, q: list[float]) -> float:
+        """Penetration [m]."""
+
+    def rate(self, q: list[float], v: list[float]) -> float:
+        """Penetration rate [m/s]."""
+
+    def apply(self, q: list[float], v: list[float], f: float, out: list[float]) -> None:
+        """Add the share of a force [N], positive in compression, in every degree of freedom."""
+
+
+class Planar:
+    """Hand, slider and target on one line; a target that may turn and move sideways."""
+
+    def __init__(self, rig: Rig) -> None:
+        self.law, at = rig.contact, rig.index
+        self.wrist, self.target = at["wrist"], at["target"]
+        self.hand, self.across, self.yaw = at.get("hand"), at.get("target.y"), at.get("target.yaw")
+
+    def depth(self, q: list[float]) -> float:
+        """See Geometry."""
+        d = q[self.target] - q[self.wrist]
+        if self.hand is not None:
+            d -= q[self.hand]
+        if self.yaw is not None:
+            psi = q[self.yaw]
+            d += self.law.ahead * (math.cos(psi) - 1.0) - self.law.lateral * math.sin(psi)
+        return d
+
+    def rate(self, q: list[float], v: list[float]) -> float:
+        """See Geometry."""
+        r = v[self.target] - v[self.wrist]
+        if self.hand is not None:
+            r -= v[self.hand]
+        if self.yaw is not None:
+            psi = q[self.yaw]
+            r -= (self.law.ahead * math.sin(psi) + self.law.lateral * math.cos(psi)) * v[self.yaw]
+        return r
+
+    def apply(self, q: list[float], v: list[float], f: float, out: list[float]) -> None:
+        """See Geometry; with friction across the contact."""
+        out[self.wrist] += f
+        out[self.target] -= f
+        if self.hand is not None:
+            out[self.hand] += f
+        along, across = self.law.ahead, self.law.lateral
+        if self.yaw is not None:
+            psi = q[self.yaw]
+            along, across = (
+                along * math.cos(psi) - across * math.sin(psi),
+                along * math.sin(psi) + across * math.cos(psi),
+            )
+            out[self.yaw] += across * f
+        if self.law.mu > 0.0 and self.across is not None and f > 0.0:
+            spin = 0.0 if self.yaw is None else v[self.yaw]
+            rub = -self.law.mu * f * math.tanh((v[self.across] + along * spin) / SLIDE_SPEED)
+            out[self.across] += rub
+            if self.yaw is not None:
+                out[self.yaw] += along * rub
+
+
+class Spatial:
+    """A tip at the end of a whole arm: its position and Jacobian along x come from MuJoCo."""
+
+    def __init__(self, model: Any, data: Any, site: str, target: int) -> None:
+        import mujoco
+
+        self._mujoco, self._model, self._data = mujoco, model, data
+        self._site, self._target = model.site(site).id, target
+        self._row = np.zeros((3, model.nv))
+        mujoco.mj_kinematics(model, data)
+        self._rest = float(data.site_xpos[self._site, 0])
+
+    def refresh(self) -> None:
+        """Bring positions and Jacobian up to the present state; a step leaves those of its start."""
+        self._mujoco.mj_kinematics(self._model, self._data)
+        self._mujoco.mj_comPos(self._model, self._data)
+
+    def tip(self) -> float:
+        """How far the tip is along x from where it began [m]."""
+        return float(self._data.site_xpos[self._site, 0]) - self._rest
+
+    def row(self) -> np.ndarray:
+        """Derivative of the tip's x, shape (nv,)."""
+        self._mujoco.mj_jacSite(self._model, self._data, self._row, None, self._site)
+        return self._row[0]
+
+    def depth(self, q: list[float]) -> float:
+        """See Geometry; of MuJoCo's present positions."""
+        return q[self._target] - self.tip()
+
+    def rate(self, q: list[float], v: list[float]) -> float:
+        """See Geometry."""
+        return v[self._target] - float(self.row() @ np.array(v))
+
+    def apply(self, q: list[float], v: list[float], f: float, out: list[float]) -> None:
+        """See Geometry; no friction across."""
+        for i, share in enumerate(self.row()):
+            out[i] += f * float(share)
+        out[self._target] -= f
+
+
+class Contact:
+    """The contact's law and whether it is pressed."""
+
+    def __init__(self, law: ContactLaw, geometry: Geometry) -> None:
+        self.law, self.geometry = law, geometry
+        self.pressed = False
+        self.armed = True  # after the surfaces parted under tension they meet again only from apart
+
+    def force(self, q: list[float], v: list[float]) -> float:
+        """Force, positive in compression [N]."""
+        if not self.pressed:
+            return 0.0
+        d = self.geometry.depth(q)
+        if d <= 0.0 and self.law.hold == 0.0:
+            return 0.0
+        return max(self.law.force(d, self.geometry.rate(q, v)), -self.law.hold)
+
+    def settle(self, q: list[float], v: list[float]) -> None:
+        """After a step: whether the surfaces still touch."""
+        d = self.geometry.depth(q)
+        if self.pressed:
+            pull = self.law.hold
+            parted = d <= 0.0 if pull == 0.0 else self.law.force(d, self.geometry.rate(q, v)) <= -pull
+            if parted:
+                self.pressed, self.armed = False, d <= 0.0
+        elif not self.armed and d <= 0.0:
+            self.armed = True

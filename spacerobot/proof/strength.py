@@ -1,0 +1,144 @@
+"""How strong a hidden effect is in a campaign: the oracle's likelihood ratio, and sizes that reach a given strength.
+
+A test that knows which effect may be there, and fits it, gains the noncentrality lambda over the baseline: what the
+baseline, refitted to the readings without noise, cannot explain. At the 5 % level it finds the effect in 95 % of
+repetitions where lambda reaches `critical(p)`, p being the number of the effect's parameters. The detection limit is
+the size at which it does; the strength is the square root of lambda over that, since lambda grows as the square.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+from scipy.optimize import brentq
+from scipy.stats import chi2, ncx2
+
+from spacerobot.diagnosis.data import trial_data
+from spacerobot.diagnosis.fit import Fitter
+from spacerobot.diagnosis.rig_model import RigModel
+from spacerobot.diagnosis.starts import fit_from
+from spacerobot.proof.campaign import Campaign, Readings, perform, write_study
+from spacerobot.proof.sizes import Kind
+from spacerobot.recordings.study import load_study
+from spacerobot.support.errors import InputError, SimulationError
+
+LEVEL, POWER = 0.05, 0.95
+
+NEAR = 1.15
+"""A size has reached its strength within this factor."""
+
+ATTEMPTS = 6
+
+
+@cache
+def critical(parameters: int) -> float:
+    """Noncentrality at which a likelihood-ratio test with so many parameters has its power."""
+    threshold = chi2.isf(LEVEL, parameters)
+    return float(brentq(lambda x: ncx2.sf(threshold, parameters, x) - POWER, 1e-3, 200.0))
+
+
+@dataclass(frozen=True, eq=False)
+class Strength:
+    """How visible the hidden physics of a campaign is.
+
+    Attributes:
+        noncentrality: lambda.
+        samples: readings that count.
+        parameters: of the hidden effects.
+        clean: the readings without noise.
+    """
+
+    noncentrality: float
+    samples: int
+    parameters: int
+    clean: Readings
+
+    @property
+    def limits(self) -> float:
+        """Size in detection limits."""
+        return math.sqrt(self.noncentrality / critical(self.parameters))
+
+    @property
+    def variance_ratio(self) -> float:
+        """Residual variance after the baseline's refit, over the noise variance."""
+        return 1.0 + self.noncentrality / self.samples
+
+
+def measure(campaign: Campaign) -> Strength:
+    """Refit the baseline to the readings without noise; believed values are centred on the truth.
+
+    Raises:
+        SimulationError: the baseline cannot be fitted.
+    """
+    clean = perform(campaign)
+    named = {n: campaign.as_built[n] for n in campaign.belief.values if n in campaign.as_built}
+    belief = replace(campaign.belief, values={**campaign.belief.values, **named})
+    over = campaign.as_built.get("target.mass over believed", 1.0)
+    trials = tuple(
+        replace(t, overrides={n: v * (over if n == "target.mass" else 1.0) for n, v in t.overrides.items()})
+        for t in campaign.trials
+    )
+    with TemporaryDirectory() as folder:
+        write_study(Path(folder), replace(campaign, belief=belief, trials=trials), clean, exact=True)
+        study = load_study(Path(folder))
+        data = trial_data(study)
+        model = RigModel(study, data)
+        fit = fit_from(Fitter(model, data), model.believed, (), {}, max_iterations=16)
+    remounted = {t.overrides.get("target.mass", 0.0): t.values.wrist_stiffness for t in campaign.trials}
+    scatter = campaign.belief.scatter.get("wrist.stiffness")
+    owed = 0.0
+    if scatter and len(remounted) > 1:
+        own = np.array(list(remounted.values())) / campaign.as_built["wrist.stiffness"] - 1.0
+        owed = float(np.sum((own / scatter) ** 2))
+    count = sum(len(m.values) for m in campaign.missing)
+    return Strength(max(fit.cost - owed, 0.0), fit.samples, max(count, 1), clean)
+
+
+def reach(
+    campaign: Campaign, kind: Kind, *, limits: float | None = None, variance_ratio: float | None = None
+) -> tuple[Campaign, Strength]:
+    """The campaign with the effect hidden at the size that makes it as strong as asked; as near as it comes.
+
+    Args:
+        campaign: with nothing missing.
+        kind: the effect.
+        limits: size in detection limits.
+        variance_ratio: residual variance after refit over the noise variance, instead.
+
+    Raises:
+        SimulationError: no size can be run.
+    """
+    if (limits is None) == (variance_ratio is None):
+        raise InputError("a size is asked for either in detection limits or as a variance ratio")
+    size, low, high = 1.0, 0.0, math.inf
+    best: tuple[float, Campaign, Strength] | None = None
+    for _ in range(ATTEMPTS):
+        hidden = campaign.with_missing(*campaign.missing, kind.at(size))
+        try:
+            found = measure(hidden)
+        except (SimulationError, InputError):
+            size, high = 0.5 * size, size
+            continue
+        if limits is not None:
+            ratio = limits / max(found.limits, 0.02)
+        else:
+            assert variance_ratio is not None
+            ratio = math.sqrt((variance_ratio - 1.0) / max(found.variance_ratio - 1.0, 1e-6))
+        off = abs(math.log(ratio))
+        if best is None or off < best[0]:
+            best = off, hidden, found
+        if off < math.log(NEAR) or (ratio > 1.0 and size >= kind.largest):
+            break
+        low, high = (size, high) if ratio > 1.0 else (low, size)
+        step = size * min(max(ratio, 0.05), 20.0)
+        if not low < step < high:
+            step = math.sqrt(max(low, 0.05 * high) * high) if math.isfinite(high) else 2.0 * size
+        size = min(step, kind.largest)
+    if best is None:
+        raise SimulationError(f"no size of {kind.effect} could be run")
+    return best[1], best[2]
