@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from spacerobot.proof.engine.arm import ArmRig, Servo, arm_mass, hand_mass, tip_lever
+from spacerobot.proof.engine.arm import ArmRig, Servo, arm_mass, hand_mass, tip_row
 from spacerobot.proof.engine.missing import Missing
 from spacerobot.proof.engine.physics import apply
 from spacerobot.proof.engine.rig import Rig, Values
@@ -24,7 +24,7 @@ def test_effective_masses_agree() -> None:
     free = Scene(robot="pa10_wrist", base="fixed", joints="free").hand.mass
     assert arm_mass(floating=True) == pytest.approx(chaser, rel=1e-9)
     assert arm_mass(floating=False) == pytest.approx(free, rel=1e-9)
-    assert hand_mass(ArmRig(Values(), floating=True, servo=Servo(1.0, 0.0))) < 0.1 * chaser
+    assert hand_mass(ArmRig(Values(), floating=True, servo=Servo(1.0))) < 0.1 * chaser
 
 
 def test_a_welded_arm_is_the_rig() -> None:
@@ -52,12 +52,16 @@ def test_a_free_chaser_recoils_as_its_effective_mass_says() -> None:
 
 
 def test_servos_give_way_as_one_spring() -> None:
-    """A slow push at the hand meets the servo springs' common stiffness."""
-    compliance = Missing("arm_compliance", "arm", {"mass_kg": 7.8, "stiffness_N_m": 1e5, "damping_Ns_m": 1500.0})
+    """A slow push at the hand meets the servo springs' common stiffness and damping."""
+    compliance = Missing("arm_compliance", "arm", {"mass_kg": 7.8, "stiffness_N_m": 1e5, "damping_Ns_m": 300.0})
     arm = apply(ArmRig(Values(wrist_stiffness=300.0, wrist_damping=20.0)), (compliance,))
     assert isinstance(arm, ArmRig)
-    assert arm.servo == Servo(1e5 * tip_lever(), 1500.0 * tip_lever())
-    log = run(arm, START, SPEED, 0.4)
-    at = int(np.argmax(log.slider[0]))
-    pushed = 300.0 * log.position["wrist"][at] + 20.0 * log.velocity["wrist"][at]
-    assert log.hand[at] == pytest.approx(pushed / 1e5, rel=0.02)
+    row, _ = tip_row()
+    assert arm.servo is not None
+    give = row / arm.servo.stiffness
+    assert 1.0 / float(row @ give) == pytest.approx(1e5)
+    assert 1e10 * float(give**2 @ np.array(arm.servo.damping)) == pytest.approx(300.0)
+    log = run(arm, START, SPEED, 0.6)
+    pushed = 300.0 * log.position["wrist"] + 20.0 * log.velocity["wrist"]
+    calm = (log.time > 0.2) & (log.time < 0.5) & (pushed > 1.0)
+    assert log.hand[calm].mean() == pytest.approx(pushed[calm].mean() / 1e5, rel=0.02)

@@ -27,11 +27,10 @@ BASE_TURNS = (("base.roll", "1 0 0"), ("base.pitch", "0 1 0"), ("base.yaw", "0 0
 
 @dataclass(frozen=True)
 class Servo:
-    """Springs that hold the joints of an arm [N m/rad, N m s/rad], with dry friction [N m] in each."""
+    """Springs and dampers that hold the joints of an arm: one stiffness [N m/rad], a damping for each [N m s/rad]."""
 
     stiffness: float
-    damping: float
-    friction: float = 0.0
+    damping: tuple[float, ...] = (0.0,) * 7
 
 
 @dataclass
@@ -62,9 +61,16 @@ class ArmRig(Rig):
         return self._index
 
     def add_hand(self, mass: float, stiffness: float, damping: float) -> None:
-        """Let the joints give way on servo springs that together are the hand's; the mass is the arm's own."""
-        lever = tip_lever()
-        self.servo = Servo(stiffness * lever, damping * lever)
+        """Let the joints give way on servo springs that together are the hand's; the mass is the arm's own.
+
+        All joints are equally stiff and, as far as their inertias differ, equally damped: c_j in proportion to
+        sqrt(I_j). Then K_hand = K / sum j^2 and c_hand = (K_hand / K)^2 sum j^2 c_j.
+        """
+        row, inertia = tip_row()
+        lever = float(row @ row)
+        even = np.sqrt(inertia)
+        share = damping * lever**2 / float(row**2 @ even)
+        self.servo = Servo(stiffness * lever, tuple((share * even).tolist()))
 
     def compile(self) -> Any:
         """The MuJoCo model."""
@@ -104,11 +110,11 @@ class ArmRig(Rig):
         import mujoco
 
         robot = load("pa10")
-        for name, angle in zip(robot.chain, POSE, strict=True):
+        for number, (name, angle) in enumerate(zip(robot.chain, POSE, strict=True)):
             joint = spec.joint(name)
             joint.limited = mujoco.mjtLimited.mjLIMITED_FALSE
             if self.servo is not None:
-                _set(joint, Joint("", "hinge", self.servo.stiffness, self.servo.damping, self.servo.friction))
+                _set(joint, Joint("", "hinge", self.servo.stiffness, self.servo.damping[number]))
             joint.armature = float(robot.model.armature[robot.velocity_index(name)])
             # the pose becomes the model's own zero, so that springs rest there and welds hold it
             body = joint.parent
@@ -187,21 +193,22 @@ def hand_mass(rig: ArmRig) -> float:
 
 
 @cache
-def tip_lever() -> float:
-    """Square of the arm's Jacobian row along x at the mount [m^2]: joint stiffness over the hand's, joints alike."""
+def tip_row() -> tuple[np.ndarray, np.ndarray]:
+    """The arm's Jacobian row along x at the mount, shape (7,) [m], and its joints' inertias, shape (7,) [kg m^2]."""
     import mujoco
 
-    rig = ArmRig(Values(), servo=Servo(1.0, 0.0))
+    rig = ArmRig(Values(), servo=Servo(1.0))
     model = rig.compile()
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
-    row = np.zeros((3, model.nv))
+    row, full = np.zeros((3, model.nv)), np.zeros((model.nv, model.nv))
     mujoco.mj_jacSite(model, data, row, None, model.site("mount").id)
-    j = np.array([row[0][i] for name, i in rig.index.items() if name.startswith("joint.")])
-    return float(j @ j)
+    mujoco.mj_fullM(model, data, full)
+    joints = [i for name, i in rig.index.items() if name.startswith("joint.")]
+    return row[0][joints], np.diag(full)[joints]
 
 
 @cache
 def arm_mass(*, floating: bool) -> float:
     """Effective mass behind the wrist along x, from MuJoCo: of a chaser, its joints welded, or of free joints [kg]."""
-    return hand_mass(ArmRig(Values(), floating=floating, servo=None if floating else Servo(1.0, 0.0)))
+    return hand_mass(ArmRig(Values(), floating=floating, servo=None if floating else Servo(1.0)))

@@ -172,6 +172,7 @@ def run(rig: Rig, position: Mapping[str, float], velocity: Mapping[str, float], 
     at = _Running(rig, position, velocity)
     data, contact = at.data, at.contact
     kicks = sorted(rig.kicks)
+    mujoco.set_mju_user_warning(lambda text: None)  # it would write a file where the user stands; `log` checks
     mujoco.set_mjcb_passive(at.callback)
     try:
         mujoco.mj_forward(at.model, data)
@@ -199,4 +200,5 @@ def run(rig: Rig, position: Mapping[str, float], velocity: Mapping[str, float], 
             at.note()
     finally:
         mujoco.set_mjcb_passive(None)
+        mujoco.set_mju_user_warning(None)
     return at.log()
