@@ -1,0 +1,313 @@
+// The player: moves the bodies along the time line, draws arrow, trails and track, and answers buttons and keys.
+(function () {
+  "use strict";
+  const $ = function (id) { return document.getElementById(id); };
+  const film = JSON.parse($("film").textContent);
+  const bytes = function (text) {
+    const raw = atob(text), out = new Uint8Array(raw.length);
+    for (let i = 0; i < raw.length; i += 1) out[i] = raw.charCodeAt(i);
+    return out;
+  };
+  const numbers = new Float32Array(bytes(film.numbers).buffer);
+  const take = function (place) { return numbers.subarray(place[0], place[0] + place[1]); };
+  const T = MeshCat.THREE, time = take(film.time), last = time.length - 1;
+  let viewer;
+  try {
+    viewer = new MeshCat.Viewer($("pane"));
+  } catch (error) {
+    $("trouble").hidden = false;
+    return;
+  }
+  const asked = new URLSearchParams(location.hash.slice(1));
+  SpacerobotStage.build(viewer, film, asked.get("light") === "full");
+  JSON.parse($("messages").textContent).forEach(function (m) { viewer.handle_command_bytearray(bytes(m)); });
+  SpacerobotStage.dull(viewer);
+  const world = new T.Group();
+  viewer.scene.add(world);
+
+  // What moves.
+  const bodies = film.bodies.map(function (b) {
+    const body = { object: viewer.scene_tree.find(b.path).object, poses: take(b.poses), moving: b.moving, kind: b.kind };
+    if (b.mismatch) body.mismatch = take(b.mismatch);
+    if (b.stretch) body.stretch = take(b.stretch);
+    if (b.kind === "ghost") {
+      body.materials = [];
+      body.object.traverse(function (o) { if (o.material) body.materials.push(o.material); });
+    }
+    return body;
+  });
+  const trails = film.trails.map(function (t) {
+    const geometry = new T.BufferGeometry();
+    geometry.setAttribute("position", new T.BufferAttribute(take(t.points), 3));
+    const colour = new T.Color(t.colour[0], t.colour[1], t.colour[2]).convertSRGBToLinear();
+    const line = new T.Line(geometry, new T.LineBasicMaterial({ color: colour }));
+    line.frustumCulled = false;
+    world.add(line);
+    return { name: t.name, line: line };
+  });
+  const marker = function (radius, colour, glow) {
+    const mesh = new T.Mesh(new T.SphereGeometry(radius, 24, 16), new T.MeshStandardMaterial({
+      color: colour, roughness: 0.35, metalness: 0.1, emissive: colour, emissiveIntensity: glow,
+    }));
+    world.add(mesh);
+    return mesh;
+  };
+  function quartered(radius) {
+    // The sign for a centre of mass: a ball whose eighths are black and yellow by turns.
+    const ball = new T.SphereGeometry(radius, 32, 16).toNonIndexed(), p = ball.attributes.position, colours = [];
+    for (let i = 0; i < p.count; i += 3) {
+      const sum = function (get) { return p[get](i) + p[get](i + 1) + p[get](i + 2); };
+      const dark = sum("getX") * sum("getY") * sum("getZ") > 0;
+      for (let k = 0; k < 3; k += 1) colours.push(...(dark ? [0.01, 0.01, 0.015] : [0.93, 0.58, 0.05]));
+    }
+    ball.setAttribute("color", new T.Float32BufferAttribute(colours, 3));
+    const mesh = new T.Mesh(ball, new T.MeshBasicMaterial({ vertexColors: true, depthTest: false, transparent: true }));
+    mesh.renderOrder = 6;
+    return mesh;
+  }
+  let arrow = null, touch = null, centre = null, ellipsoid = null;
+  if (film.arrow) {
+    const size = (film.close ? film.close.reach : film.reach);
+    const paint = new T.MeshStandardMaterial({ color: 0xe0341f, roughness: 0.4, emissive: 0xe0341f, emissiveIntensity: 0.35 });
+    const r = 0.02 * size, shaft = new T.Mesh(new T.CylinderGeometry(r, r, 1, 24), paint);
+    shaft.geometry.rotateX(Math.PI / 2).translate(0, 0, 0.5);
+    const head = new T.Mesh(new T.ConeGeometry(2.4 * r, 5.5 * r, 28), paint);
+    head.geometry.rotateX(Math.PI / 2).translate(0, 0, 2.75 * r);
+    const group = new T.Group();
+    group.add(shaft, head);
+    world.add(group);
+    arrow = { group: group, shaft: shaft, head: head, tip: 5.5 * r, force: take(film.arrow.force), point: take(film.arrow.point),
+      direction: take(film.arrow.direction), scale: film.arrow.scale };
+    touch = marker(1.3 * r, 0xffd23f, 0.9);
+    touch.material.depthTest = false;
+    touch.renderOrder = 5;
+  }
+  if (film.centreOfMass) {
+    centre = { track: take(film.centreOfMass), mesh: quartered(0.024 * film.reach) };
+    world.add(centre.mesh);
+    const path = new T.BufferGeometry();
+    path.setAttribute("position", new T.BufferAttribute(centre.track, 3));
+    centre.line = new T.Line(path, new T.LineBasicMaterial({ color: 0xf7c948 }));
+    centre.line.frustumCulled = false;
+    world.add(centre.line);
+  }
+  if (film.ellipsoid) {
+    ellipsoid = new SpacerobotMass.Ellipsoid(world, film.ellipsoid.scale, film.ellipsoid.limit, film.place === "space");
+    ellipsoid.centre = take(film.ellipsoid.centre);
+    ellipsoid.mobility = take(film.ellipsoid.mobility);
+  }
+
+  // Between two samples.
+  let i0 = 0, share = 0;
+  function locate(t) {
+    let low = 0, high = last;
+    while (high - low > 1) {
+      const middle = (low + high) >> 1;
+      if (time[middle] <= t) low = middle; else high = middle;
+    }
+    i0 = low;
+    share = last === 0 ? 0 : Math.min(1, Math.max(0, (t - time[low]) / (time[low + 1] - time[low])));
+  }
+  function mix(array, width, out) {
+    const a = i0 * width, b = Math.min(i0 + 1, last) * width;
+    for (let k = 0; k < width; k += 1) out[k] = array[a + k] * (1 - share) + array[b + k] * share;
+    return out;
+  }
+  const v3 = [0, 0, 0], v9 = new Array(9).fill(0), v1 = [0];
+  const qa = new T.Quaternion(), qb = new T.Quaternion();
+  function heat(sigmas) {
+    // Green within the noise, amber at about five sigmas, vermilion from ten on.
+    const x = Math.min(1, Math.max(0, (sigmas - 1) / 9));
+    const stops = [[0, 0.62, 0.45], [0.9, 0.76, 0.16], [0.84, 0.37, 0]], k = x < 0.5 ? 0 : 1, f = (x - 0.5 * k) * 2;
+    return new T.Color().setRGB(...stops[k].map(function (v, c) { return v * (1 - f) + stops[k + 1][c] * f; })).convertSRGBToLinear();
+  }
+  function pose(body) {
+    const p = body.poses, o = body.object;
+    if (!body.moving) {
+      o.position.set(p[0], p[1], p[2]);
+      o.quaternion.set(p[3], p[4], p[5], p[6]);
+      return;
+    }
+    const a = 7 * i0, b = 7 * Math.min(i0 + 1, last);
+    o.position.set(p[a] + share * (p[b] - p[a]), p[a + 1] + share * (p[b + 1] - p[a + 1]), p[a + 2] + share * (p[b + 2] - p[a + 2]));
+    qa.set(p[a + 3], p[a + 4], p[a + 5], p[a + 6]);
+    qb.set(p[b + 3], p[b + 4], p[b + 5], p[b + 6]);
+    o.quaternion.copy(qa.slerp(qb, share));
+  }
+  function show(t) {
+    locate(t);
+    bodies.forEach(function (body) {
+      pose(body);
+      if (body.stretch) body.object.scale.z = mix(body.stretch, 1, v1)[0];
+      if (body.mismatch) {
+        const colour = heat(mix(body.mismatch, 1, v1)[0]);
+        body.materials.forEach(function (m) { m.color.copy(colour); });
+      }
+    });
+    const drawn = i0 + 1 + (share > 0.5 ? 1 : 0);
+    trails.forEach(function (trail) { trail.line.geometry.setDrawRange(0, drawn); });
+    if (arrow) {
+      const force = mix(arrow.force, 1, v1)[0], on = Math.abs(force) > 1e-9 && arrow.wanted !== false;
+      const p = mix(arrow.point, 3, v3).slice(), d = mix(arrow.direction, 3, [0, 0, 0]);
+      const sign = force < 0 ? -1 : 1, length = Math.abs(force) * arrow.scale, head = Math.min(arrow.tip, 0.6 * length);
+      arrow.group.visible = touch.visible = on;
+      if (on) {
+        arrow.group.position.set(p[0], p[1], p[2]);
+        arrow.group.quaternion.setFromUnitVectors(new T.Vector3(0, 0, 1), new T.Vector3(sign * d[0], sign * d[1], sign * d[2]).normalize());
+        arrow.shaft.scale.z = Math.max(length - head, 1e-6);
+        arrow.head.scale.setScalar(head / arrow.tip);
+        arrow.head.position.z = length - head;
+        touch.position.set(p[0], p[1], p[2]);
+      }
+    }
+    if (centre) {
+      const p = mix(centre.track, 3, v3);
+      centre.mesh.position.set(p[0], p[1], p[2]);
+      centre.line.geometry.setDrawRange(0, drawn);
+    }
+    if (ellipsoid) ellipsoid.set(mix(ellipsoid.centre, 3, v3), mix(ellipsoid.mobility, 9, v9));
+    film.readouts.forEach(function (r) { r.cell.textContent = text(mix(take(r.values), 1, v1)[0], r.digits) + (r.unit ? " " + r.unit : ""); });
+    $("clock").textContent = (film.start + t).toFixed(film.length < 5 ? 3 : 2) + " s";
+    $("time").value = t;
+    $("time").setAttribute("aria-valuetext", $("clock").textContent);
+    viewer.set_dirty();
+  }
+  function text(v, digits) {
+    if (!isFinite(v) || Math.abs(v) > 1e30) return "∞";
+    return (Math.abs(v) < 0.5 * Math.pow(10, -digits) ? 0 : v).toFixed(digits).replace("-", "−");
+  }
+
+  // What is said and what can be pressed.
+  film.readouts.forEach(function (r) {
+    const name = document.createElement("dt"), value = document.createElement("dd");
+    name.textContent = r.name;
+    $("readouts").append(name, value);
+    r.cell = value;
+  });
+  function toggle(label, objects, then) {
+    const box = document.createElement("input"), line = document.createElement("label");
+    box.type = "checkbox";
+    box.checked = true;
+    line.append(box, " " + label);
+    box.addEventListener("change", function () {
+      objects.forEach(function (o) { o.visible = box.checked; });
+      if (then) then(box.checked);
+      show(now);
+    });
+    $("switches").append(line);
+  }
+  const ghosts = bodies.filter(function (b) { return b.kind === "ghost"; });
+  if (ghosts.length) toggle("recording", ghosts.map(function (b) { return b.object; }));
+  if (arrow) toggle("force", [], function (on) { arrow.wanted = on; });
+  if (ellipsoid) toggle("effective mass", [ellipsoid.group]);
+  if (centre) toggle("centre of mass", [centre.mesh, centre.line]);
+  if (trails.length) toggle("trails", trails.map(function (t) { return t.line; }));
+  const said = [];
+  const round = function (v) { return Number(v.toPrecision(2)); };
+  if (arrow) said.push("Force arrow: 10 cm is " + round(0.1 / arrow.scale) + " N.");
+  if (ellipsoid) said.push("Violet: effective mass felt in each direction, 10 cm is " + round(0.1 / ellipsoid.scale) + " kg.");
+  if (centre) said.push("Black and yellow: centre of mass.");
+  $("legend").textContent = said.join(" ");
+  if (ghosts.length) {
+    const swatch = document.createElement("span"), line = document.createElement("span");
+    swatch.className = "swatch";
+    line.append(" Translucent: the recording; simulated and recorded agree ", swatch, " or are 10 σ apart.");
+    $("legend").append(line);
+  }
+  const VIEWS = [["Whole", [1.1, -1.7, 0.75]], ["Side", [0.02, -1, 0.12]], ["Top", [0.001, -0.02, 1]], ["Front", [1, -0.02, 0.15]]];
+  if (film.close) VIEWS.splice(1, 0, ["Contact", [0.35, -1, 0.42]]);
+  VIEWS.forEach(function (view, i) {
+    const button = document.createElement("button");
+    button.type = "button";
+    button.textContent = view[0];
+    button.title = "key " + (i + 1);
+    button.addEventListener("click", function () { see(view[0]); });
+    $("views").append(button);
+  });
+  function see(name) {
+    const view = VIEWS.find(function (v) { return v[0].toLowerCase() === name.toLowerCase(); }) || VIEWS[0];
+    const at = view[0] === "Contact" ? film.close : film;
+    viewer.set_3d_pane_size();
+    SpacerobotStage.look(viewer, at.focus, at.reach, view[1]);
+  }
+
+  // The time line.
+  const chart = film.readouts.find(function (r) { return r.name === film.chart; });
+  if (chart) {
+    const values = take(chart.values), top = Math.max.apply(null, Array.from(values, Math.abs).filter(isFinite)) || 1;
+    let d = "M0 40";
+    for (let i = 0; i <= last; i += 1) {
+      d += "L" + (1000 * time[i] / film.length).toFixed(1) + " " + (40 - 38 * Math.min(1, Math.abs(values[i]) / top)).toFixed(1);
+    }
+    const path = document.createElementNS("http://www.w3.org/2000/svg", "path");
+    path.setAttribute("d", d + "L1000 40Z");
+    $("chart").append(path);
+  }
+  let previous = -1, lower = false;
+  film.marks.forEach(function (m) {
+    const line = document.createElement("span"), label = document.createElement("b"), share = m.time / film.length;
+    line.style.left = 100 * share + "%";
+    lower = share - previous < 0.07 && !lower;
+    previous = share;
+    line.className = (share > 0.92 ? "left " : "") + (lower ? "lower" : "");
+    label.textContent = m.label;
+    line.append(label);
+    $("marks").append(line);
+  });
+  const SPEEDS = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10];
+  const natural = SPEEDS.reduce(function (best, s) {
+    return Math.abs(Math.log(film.length / s / 9)) < Math.abs(Math.log(film.length / best / 9)) ? s : best;
+  }, 1);
+  SPEEDS.forEach(function (s) {
+    const o = document.createElement("option");
+    o.value = s;
+    o.textContent = s + "×";
+    o.selected = s === natural;
+    $("speed").append(o);
+  });
+  $("time").max = film.length;
+  let now = 0, playing = false, before = null;
+  function play(on) {
+    if (on && now >= film.length) now = 0;
+    playing = on && film.length > 0;
+    before = null;
+    $("play").textContent = playing ? "❚❚" : "▶";
+    $("play").setAttribute("aria-label", playing ? "Pause" : "Play");
+  }
+  function seek(t) {
+    now = Math.min(film.length, Math.max(0, t));
+    show(now);
+  }
+  function tick(stamp) {
+    requestAnimationFrame(tick);
+    if (!playing) return;
+    if (before !== null) {
+      now += Math.min(stamp - before, 100) / 1000 * Number($("speed").value);
+      if (now >= film.length) {
+        if ($("loop").checked) now -= film.length; else { now = film.length; play(false); }
+      }
+      show(Math.min(now, film.length));
+    }
+    before = stamp;
+  }
+  $("play").addEventListener("click", function () { play(!playing); });
+  $("time").addEventListener("input", function () { play(false); seek(Number(this.value)); });
+  document.addEventListener("keydown", function (event) {
+    if (event.ctrlKey || event.metaKey || event.altKey || /^(SELECT|TEXTAREA)$/.test(event.target.tagName)) return;
+    const step = film.length / (event.shiftKey ? 20 : 200);
+    if (event.key === " " && !/^(BUTTON|INPUT)$/.test(event.target.tagName)) play(!playing);
+    else if (event.key === "ArrowRight" && event.target.id !== "time") { play(false); seek(now + step); }
+    else if (event.key === "ArrowLeft" && event.target.id !== "time") { play(false); seek(now - step); }
+    else if (/^[1-9]$/.test(event.key) && VIEWS[event.key - 1]) see(VIEWS[event.key - 1][0]);
+    else return;
+    event.preventDefault();
+  });
+
+  // #t=0.5&view=contact in the address opens the page there, still.
+  see(asked.get("view") || "Whole");
+  seek(asked.has("t") ? Number(asked.get("t")) || 0 : 0);
+  $("bar").hidden = film.length === 0;
+  if (!asked.has("t") && !window.matchMedia("(prefers-reduced-motion: reduce)").matches) play(true);
+  window.addEventListener("load", function () { see(asked.get("view") || "Whole"); });
+  requestAnimationFrame(tick);
+})();

@@ -1,0 +1,156 @@
+"""One HTML file that shows a film: meshcat's own viewer, the film's messages, a stage and a player, all inside."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import importlib.util
+import json
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+
+from spacerobot import __version__
+from spacerobot.support.errors import SpacerobotError
+from spacerobot.support.jsonio import plain
+from spacerobot.view.scene3d.film import Array, Film
+from spacerobot.view.scene3d.messages import messages, path_of
+
+_SCRIPTS = ("stage.js", "mass.js", "player.js")
+
+
+def page(film: Film) -> str:
+    """The film as HTML text that opens offline and asks nothing of any network."""
+    scripts = (_viewer(), *(_asset(name) for name in _SCRIPTS))
+    template = _environment().get_template("scene.html")
+    return template.render(
+        film=film,
+        version=__version__,
+        style=_asset("scene.css"),
+        scripts=scripts,
+        policy=_policy(scripts),
+        messages=Markup(_script_safe([base64.b64encode(m).decode() for m in messages(film)])),  # noqa: S704
+        data=Markup(_script_safe(_data(film))),  # noqa: S704 - JSON with every bracket escaped
+    )
+
+
+def _script_safe(value: Any) -> str:
+    text = json.dumps(plain(value), allow_nan=False, separators=(",", ":"))
+    return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
+
+
+@cache
+def _environment() -> Environment:
+    return Environment(
+        autoescape=True,
+        undefined=StrictUndefined,
+        loader=PackageLoader("spacerobot.view.scene3d", "assets"),
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+
+
+@cache
+def _asset(name: str) -> Markup:
+    path = files("spacerobot.view.scene3d").joinpath("assets", name)
+    return Markup(path.read_text(encoding="utf-8").strip())  # noqa: S704 - files of this package
+
+
+@cache
+def _viewer() -> Markup:
+    """meshcat's viewer, found without importing meshcat, which would open sockets and load a notebook's machinery."""
+    spec = importlib.util.find_spec("meshcat")
+    for folder in (spec.submodule_search_locations or []) if spec is not None else []:
+        path = Path(folder) / "viewer" / "dist" / "main.min.js"
+        if path.is_file():
+            text = path.read_text(encoding="utf-8").strip()
+            # An end tag inside a string would end the script of the page.
+            return Markup(text.replace("</script", "<\\/script"))  # noqa: S704 - a file of an installed package
+    raise SpacerobotError("meshcat's viewer is not installed: main.min.js is missing from the package meshcat")
+
+
+def _policy(scripts: tuple[Markup, ...]) -> str:
+    """Only these scripts run, nothing is fetched. Styles may be inline, for the viewer makes its own."""
+    digests = (base64.b64encode(hashlib.sha256(str(s).encode()).digest()).decode() for s in scripts)
+    allowed = " ".join(f"'sha256-{d}'" for d in digests)
+    return (
+        f"default-src 'none'; script-src {allowed}; style-src 'unsafe-inline'; img-src data: blob:; "
+        "base-uri 'none'; form-action 'none'"
+    )
+
+
+class _Blob:
+    """Arrays of numbers behind one another, as the page reads them: (offset, count) in 32-bit floats."""
+
+    def __init__(self) -> None:
+        self.parts: list[Array] = []
+        self.size = 0
+
+    def put(self, values: Any) -> list[int]:
+        array = np.ascontiguousarray(values, dtype=np.float32).ravel()
+        place = [self.size, int(array.size)]
+        self.parts.append(array)
+        self.size += int(array.size)
+        return place
+
+    def text(self) -> str:
+        joined = np.concatenate(self.parts) if self.parts else np.zeros(0)
+        return base64.b64encode(joined.astype("<f4").tobytes()).decode()
+
+
+def _data(film: Film) -> dict[str, Any]:
+    blob = _Blob()
+    bodies = []
+    for body in film.bodies:
+        entry: dict[str, Any] = {
+            "path": path_of(body).strip("/").split("/"),
+            "kind": body.kind,
+            "poses": blob.put(body.poses),
+            "moving": len(body.poses) > 1,
+        }
+        if body.mismatch is not None:
+            entry["mismatch"] = blob.put(np.nan_to_num(body.mismatch))
+        if body.stretch is not None:
+            entry["stretch"] = blob.put(body.stretch)
+        bodies.append(entry)
+    found: dict[str, Any] = {
+        "time": blob.put(film.time - film.time[0]),
+        "start": float(film.time[0]),
+        "length": float(film.time[-1] - film.time[0]),
+        "bodies": bodies,
+        "trails": [{"name": t.name, "points": blob.put(t.points), "colour": t.colour} for t in film.trails],
+        "readouts": [
+            {"name": r.name, "unit": r.unit, "digits": r.digits, "values": blob.put(r.values)} for r in film.readouts
+        ],
+        "marks": [{"time": m.time - float(film.time[0]), "label": m.label} for m in film.marks],
+        "chart": film.chart,
+        "place": film.place,
+        "focus": film.focus,
+        "reach": film.reach,
+        "floor": film.floor,
+        "close": None if film.close is None else {"focus": film.close[0], "reach": film.close[1]},
+    }
+    if film.arrow is not None:
+        direction = np.broadcast_to(film.arrow.direction, (len(film.time), 3))
+        found["arrow"] = {
+            "force": blob.put(film.arrow.force),
+            "point": blob.put(film.arrow.point),
+            "direction": blob.put(direction),
+            "scale": film.arrow.scale,
+        }
+    if film.ellipsoid is not None:
+        found["ellipsoid"] = {
+            "centre": blob.put(film.ellipsoid.centre),
+            "mobility": blob.put(film.ellipsoid.mobility),
+            "scale": film.ellipsoid.scale,
+            "limit": film.ellipsoid.limit,
+        }
+    if film.centre_of_mass is not None:
+        found["centreOfMass"] = blob.put(film.centre_of_mass)
+    found["numbers"] = blob.text()
+    return found
