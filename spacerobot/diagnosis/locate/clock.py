@@ -10,7 +10,6 @@ import numpy as np
 from spacerobot.diagnosis.locate.geometry import TARGET, push
 from spacerobot.diagnosis.locate.located import Clock
 from spacerobot.diagnosis.locate.samples import trapezoid
-from spacerobot.diagnosis.locate.whitening import Whitener, noise, with_directions
 
 LARGEST = 0.02
 """Delays sought, to either side [s]."""
@@ -60,7 +59,7 @@ class _Curve:
         self.usable = bool(weak.touches.stretches)
         if not self.usable:
             return
-        self.whiten = Whitener(with_directions(noise(weak, balance.residual), one.wrong[TARGET]))
+        self.whiten = one.tested(TARGET).whiten
         self.weight = trapezoid(weak.force.time)
         # only the contact is moved: outside it there is nothing but noise
         pressed = weak.touches.inside(weak.force.time, 5e-3)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -12,8 +13,11 @@ from spacerobot.diagnosis.locate.laws import depth_of
 from spacerobot.diagnosis.locate.weak_trial import WeakTrial
 from spacerobot.effects.mechanism import Mechanism
 
-LARGE = 0.85
-"""Displacements beyond this share of the study's largest, on either side, are large."""
+LARGE = (0.6, 0.7, 0.8, 0.86, 0.9, 0.94, 0.97)
+"""Where "large" displacements may begin, as shares of the study's largest on either side; the best one counts."""
+
+LOSS = 0.03
+"""Damping ratio of a hidden resonator while it is sought; about half a decade around it look alike."""
 
 FREQUENCY = "frequency"
 
@@ -25,33 +29,58 @@ class Extent:
     low: float
     high: float
 
-    def large(self, d: np.ndarray) -> np.ndarray:
+    def large(self, d: np.ndarray, share: float) -> np.ndarray:
         """How far beyond the threshold, signed, zero below it, shape of d."""
-        return np.maximum(d - LARGE * self.high, 0.0) + np.minimum(d - LARGE * self.low, 0.0)
+        return np.maximum(d - share * self.high, 0.0) + np.minimum(d - share * self.low, 0.0)
 
 
-def regressors(weak: WeakTrial, mechanism: Mechanism, balance: Balance, extent: Extent) -> dict[str, np.ndarray]:
-    """Force patterns at the trial's nodes by what they depend on, shape (Q,) each.
+@dataclass(frozen=True, eq=False)
+class Pattern:
+    """A force pattern at the nodes in one or several variants, of which the best counts. V variants.
+
+    Attributes:
+        values: shape (V, Q).
+        at: what distinguishes the variants (a frequency [Hz], a threshold [m or rad]), shape (V,); nan if nothing.
+    """
+
+    values: np.ndarray
+    at: np.ndarray
+
+    @classmethod
+    def single(cls, values: np.ndarray) -> Pattern:
+        """Without variants; shape (Q,)."""
+        return cls(values[None, :], np.array([np.nan]))
+
+
+def regressors(
+    weak: WeakTrial, mechanism: Mechanism, balance: Balance, extent: Extent, frequencies: np.ndarray
+) -> dict[str, Pattern]:
+    """Force patterns of a balance by what they depend on.
 
     Motion counts where it stands clear of its noise, so that no pattern is made of the noise it is tested against.
     """
     if balance.kind == LAW:
-        return _of_contact(weak, mechanism)
+        return {name: Pattern.single(b) for name, b in _of_contact(weak, mechanism).items()}
+    waves = Pattern(resonances(weak, mechanism, balance, frequencies), frequencies)
     if balance.kind == STILL:
-        return {"constant": np.ones(weak.nodes.shape), "force": weak.pressing(weak.nodes)}
+        one, force = np.ones(weak.nodes.shape), weak.pressing(weak.nodes)
+        return {"constant": Pattern.single(one), "force": Pattern.single(force), FREQUENCY: waves}
     state = weak.port_state(balance.row, weak.nodes)
-    d, v = state.moved, state.moving
-    return {
+    d, v, way = state.moved, state.moving, state.way
+    single = {
         "constant": np.full(weak.nodes.shape, balance.mass),
         "displacement": d,
         "displacement^3": d**3,
-        "large displacement": extent.large(d),
         "velocity": v,
-        "sign of velocity": np.sign(v),
+        "sign of velocity": way,
         "velocity^2": v * np.abs(v),
-        "direction of motion": np.abs(np.sign(v)),
+        "direction of motion": np.abs(way),
         "force": weak.pressing(weak.nodes),
     }
+    found = {name: Pattern.single(b) for name, b in single.items()}
+    shares = np.array(LARGE)
+    large = np.array([extent.large(d, share) for share in shares])
+    return {**found, "large displacement": Pattern(large, shares * max(extent.high, -extent.low)), FREQUENCY: waves}
 
 
 def _of_contact(weak: WeakTrial, mechanism: Mechanism) -> dict[str, np.ndarray]:
@@ -68,23 +97,37 @@ def _of_contact(weak: WeakTrial, mechanism: Mechanism) -> dict[str, np.ndarray]:
     }
 
 
-def oscillation(weak: WeakTrial, frequency: float) -> np.ndarray:
-    """Sine and cosine of a frequency [Hz] from the first touch on (from the start without one), shape (2, Q)."""
-    begin = weak.touches.first if weak.touches.stretches else weak.start
-    phase = 2.0 * np.pi * frequency * (weak.nodes - begin)
-    on = weak.nodes >= begin
-    return np.where(on, np.array([np.sin(phase), np.cos(phase)]), 0.0)
+def resonances(weak: WeakTrial, mechanism: Mechanism, balance: Balance, frequencies: np.ndarray) -> np.ndarray:
+    """What a hidden mass on a spring would push with, for each frequency [Hz], shape (F, Q).
+
+    A body's known load over its mass, a(t), shakes the hidden mass; the force back is the hidden mass times its
+    relative acceleration, a - Omega int a(s) e^(-zeta omega (t - s)) sin Omega (t - s) ds for small zeta, so that
+    the pattern's coefficient is the hidden mass. A port that should stand still shows the integral itself.
+    """
+    if balance.kind == STILL:
+        time, a = weak.shaking(mechanism, ("wrist",), 1.0)
+    else:
+        time, a = weak.shaking(mechanism, balance.name.split(" + "), balance.mass)
+    if not np.any(a):
+        return np.zeros((frequencies.size, weak.nodes.size))
+    omega = 2.0 * np.pi * frequencies[:, None]
+    pole = omega * (-LOSS + 1j)
+    start = time[0]
+    held = np.concatenate([np.zeros((omega.size, 1)), np.cumsum(np.exp(-pole * (time - start)) * a, axis=1)], axis=1)
+    upto = np.searchsorted(time, weak.nodes, side="right")
+    step = float(np.median(np.diff(time)))
+    answer = (np.exp(pole * np.maximum(weak.nodes - start, 0.0)) * held[:, upto]).imag * step
+    if balance.kind == STILL:
+        return np.asarray(answer)
+    return np.asarray(np.interp(weak.nodes, time, a, left=0.0, right=0.0) - omega * answer)
 
 
-def extents(trials: Mapping[str, WeakTrial], found: Mapping[str, Mapping[str, Balance]]) -> dict[str, Extent]:
-    """Balance -> largest displacements over all trials."""
+def extents(prepared: Mapping[str, Any]) -> dict[str, Extent]:
+    """Balance -> largest displacements over all trials (`Prepared` by id)."""
     out: dict[str, Extent] = {}
-    for key, weak in trials.items():
-        for name, balance in found[key].items():
-            if not balance.row:
-                out[name] = Extent(0.0, 0.0)
-                continue
-            d = weak.port_state(balance.row, weak.nodes).moved
+    for one in prepared.values():
+        for name, balance in one.found.items():
             old = out.get(name, Extent(0.0, 0.0))
+            d = one.weak.port_state(balance.row, one.weak.nodes).moved
             out[name] = Extent(min(old.low, float(d.min())), max(old.high, float(d.max())))
     return out

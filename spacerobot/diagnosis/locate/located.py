@@ -27,11 +27,11 @@ class Row:
         share: of the balance's residual beyond its noise, 0 to 1, that the pattern explains.
         p: of the pattern being noise, corrected for the number of patterns sought, and not below what sign flips
             of whole trials allow.
-        score: the pattern's coefficient over its standard error under the sensor noise (square root of the fall of
-            chi-squared for "frequency").
-        coefficient, error: of the pattern, SI; the frequency [Hz] and its resolution for "frequency".
+        score: the pattern's coefficient over its standard error under the sensor noise.
+        coefficient, error: of the pattern, SI (of a "frequency" the hidden mass [kg]).
+        at: the frequency [Hz] of "frequency", the threshold [m or rad] of "large displacement", else nan.
         log_p: natural log of the uncorrected p-value against the sensor noise.
-        p_flips: share of sign patterns over trials that would agree as well; 1 where it does not apply.
+        p_flips: share of sign patterns over stretches of the trials that would agree as well.
     """
 
     balance: str
@@ -42,6 +42,7 @@ class Row:
     score: float
     coefficient: float
     error: float
+    at: float
     log_p: float
     p_flips: float
 

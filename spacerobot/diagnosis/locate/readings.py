@@ -6,10 +6,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import erf
 
 from spacerobot.diagnosis.data import TrialData
-from spacerobot.diagnosis.locate.smoothing import BEYOND, Smooth
+from spacerobot.diagnosis.locate.smoothing import BEYOND, Pieces
 from spacerobot.effects.mechanism import Mechanism
+
+NEARBY = 0.06
+"""Seconds around a motion that stands clear of its noise that count as moving too."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,6 +94,7 @@ def _solve(rows: Mapping[str, Mapping[str, float]], coordinates: tuple[str, ...]
 class State:
     """Smoothed displacement and rate at given times, with standard errors. N times."""
 
+    time: np.ndarray  # (N,) s, ascending
     d: np.ndarray  # (N,) m or rad
     v: np.ndarray  # (N,)
     d_error: np.ndarray  # (N,)
@@ -97,13 +102,29 @@ class State:
 
     @property
     def moved(self) -> np.ndarray:
-        """d where it stands clear of its error, else zero, shape (N,)."""
-        return np.where(np.abs(self.d) > BEYOND * self.d_error, self.d, 0.0)
+        """d where it stands clear of its error nearby, else zero, shape (N,)."""
+        return np.where(_clear(self.time, self.d, self.d_error), self.d, 0.0)
 
     @property
     def moving(self) -> np.ndarray:
-        """v where it stands clear of its error, else zero, shape (N,)."""
-        return np.where(np.abs(self.v) > BEYOND * self.v_error, self.v, 0.0)
+        """v where it stands clear of its error nearby, else zero, shape (N,)."""
+        return np.where(_clear(self.time, self.v, self.v_error), self.v, 0.0)
+
+    @property
+    def way(self) -> np.ndarray:
+        """Expected sign of v, in (-1, 1), zero at rest, shape (N,)."""
+        return erf(self.moving / (np.sqrt(2.0) * np.maximum(self.v_error, 1e-300)))
+
+
+def _clear(time: np.ndarray, value: np.ndarray, error: np.ndarray) -> np.ndarray:
+    """Whether a value exceeds BEYOND errors within NEARBY; an oscillation is not chopped at its zeros."""
+    strong = time[np.abs(value) > BEYOND * error]
+    if not strong.size:
+        return np.zeros(time.shape, dtype=bool)
+    after = np.searchsorted(strong, time)
+    before = np.clip(after - 1, 0, None)
+    gap = np.minimum(np.abs(time - strong[before]), np.abs(time - strong[np.minimum(after, strong.size - 1)]))
+    return np.asarray(gap <= NEARBY)
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,14 +132,14 @@ class Track:
     """One channel: what the model expects of it under the measured force, and the remainder, smoothed.
 
     Attributes:
-        smooth: of the samples minus `known`.
+        smooth: of the samples minus `known`, stretch by stretch.
         known_time, known: what is expected of the channel, shape (K,) each.
         known_rate: its derivative, shape (K,).
         known_bend: the second derivative of the displacement, shape (K,).
         rate: whether the channel reads a rate.
     """
 
-    smooth: Smooth
+    smooth: Pieces
     known_time: np.ndarray
     known: np.ndarray
     known_rate: np.ndarray
@@ -135,6 +156,7 @@ class Track:
         slope = np.interp(times, self.known_time, self.known_rate)
         if not self.rate:
             return State(
+                times,
                 self.smooth.value(times) + base,
                 self.smooth.value(times, 1) + slope,
                 self.smooth.error(times),
@@ -143,4 +165,4 @@ class Track:
         v = self.smooth.value(times) + base
         step = np.concatenate([[0.0], 0.5 * np.diff(times) * (v[1:] + v[:-1])])
         error = self.smooth.error(times)
-        return State(np.cumsum(step), v, np.zeros_like(v), error)
+        return State(times, np.cumsum(step), v, np.zeros_like(v), error)

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Sequence
 
 import numpy as np
 from scipy.special import gammaln, log_ndtr
-
-ENOUGH_UNITS = 8
-"""Sign flips need this many independent stretches; with fewer trials each is cut into several."""
 
 MOST_EXACT = 12
 """Up to this many units all sign flips are tried."""
@@ -41,6 +39,7 @@ def combined(log_p: float, tries: int) -> float:
     return math.log(-math.expm1(tries * math.log1p(-min(p, 1.0 - 1e-16))))
 
 
+@functools.lru_cache(maxsize=8)
 def sign_flips(units: int, seed: int = 0) -> np.ndarray:
     """Rows of +-1, the first all +1, shape (B, units): all of them, or as many at random."""
     if units <= MOST_EXACT:
@@ -52,9 +51,13 @@ def sign_flips(units: int, seed: int = 0) -> np.ndarray:
     return flips
 
 
-def flip_p(scores: np.ndarray, flips: np.ndarray) -> float:
-    """Share of sign patterns under which the units' scores, shape (units,), agree at least as well as they do."""
-    sums = np.abs(flips @ scores)
+def flip_p(scores: np.ndarray, seed: int = 0) -> float:
+    """Share of sign patterns under which the units' scores, shape (U,), agree at least as well as they do.
+
+    Units without any score are left out.
+    """
+    told = scores[np.abs(scores) > 1e-9 * np.abs(scores).max(initial=0.0)]
+    sums = np.abs(sign_flips(told.size, seed) @ told)
     return float(np.mean(sums >= sums[0] * (1.0 - 1e-12)))
 
 

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from scipy.interpolate import BSpline
 from scipy.linalg import eigh
+from scipy.sparse import csr_array, diags_array
 
 DEGREE = 4
 SAMPLES_A_KNOT = 2.5
@@ -14,7 +17,7 @@ MOST_KNOTS = 250
 CAUTION = 1.4
 """Each degree of freedom counts this much in the cross-validation (Kim and Gu 2004, J. R. Stat. Soc. B 66, Sec. 3)."""
 
-BEYOND = 3.0
+BEYOND = 4.0
 """A value counts as different from zero beyond this many standard errors."""
 
 
@@ -81,14 +84,57 @@ class Smooth:
         return np.sqrt(np.square(_basis(times, self.knots, order) @ self.root).sum(axis=1))
 
 
-def _basis(times: np.ndarray, knots: np.ndarray, order: int) -> object:
+LEAST_SAMPLES = 8
+
+
+@dataclass(frozen=True, eq=False)
+class Pieces:
+    """Smooth signals one after another, each as rough as its own stretch of time asks for.
+
+    Attributes:
+        cuts: where one ends and the next begins, shape (n - 1,) [s].
+        parts: n of them.
+    """
+
+    cuts: np.ndarray
+    parts: tuple[Smooth, ...]
+
+    @classmethod
+    def through(cls, time: np.ndarray, value: np.ndarray, sigma: np.ndarray, cuts: Sequence[float]) -> Pieces:
+        """As `Smooth.through` between the cuts [s]; a stretch with too few samples joins the one before."""
+        edges = [0]
+        for cut in cuts:
+            at = int(np.searchsorted(time, cut))
+            if at - edges[-1] >= LEAST_SAMPLES and time.size - at >= LEAST_SAMPLES:
+                edges.append(at)
+        edges.append(time.size)
+        parts = tuple(Smooth.through(time[a:b], value[a:b], sigma[a:b]) for a, b in pairwise(edges))
+        return cls(np.array([0.5 * (time[e - 1] + time[e]) for e in edges[1:-1]]), parts)
+
+    def value(self, times: np.ndarray, order: int = 0) -> np.ndarray:
+        """Signal or derivative at ascending times, shape (len(times),)."""
+        return self._joined([p.value(t, order) for p, t in self._split(times)])
+
+    def error(self, times: np.ndarray, order: int = 0) -> np.ndarray:
+        """Standard error of the same, shape (len(times),)."""
+        return self._joined([p.error(t, order) for p, t in self._split(times)])
+
+    def _split(self, times: np.ndarray) -> list[tuple[Smooth, np.ndarray]]:
+        return list(zip(self.parts, np.split(times, np.searchsorted(times, self.cuts)), strict=True))
+
+    @staticmethod
+    def _joined(parts: list[np.ndarray]) -> np.ndarray:
+        return np.concatenate(parts)
+
+
+def _basis(times: np.ndarray, knots: np.ndarray, order: int) -> csr_array:
+    if times.size == 0:
+        return csr_array((0, knots.size - DEGREE - 1))
     inside = np.clip(times, knots[DEGREE], knots[-DEGREE - 1])
     degree = DEGREE - order
     count = knots.size - DEGREE - 1
     kept = knots[order : knots.size - order]
     basis = BSpline.design_matrix(inside, kept, degree)
-    from scipy.sparse import csr_array, diags_array
-
     out = csr_array(basis)
     step = float(knots[1] - knots[0])
     for k in range(order, 0, -1):  # coefficients of the derivative are differences of the coefficients

@@ -10,7 +10,6 @@ import numpy as np
 from spacerobot.diagnosis.locate.balances import LAW, STILL, Balance
 from spacerobot.diagnosis.locate.laws import depth_of
 from spacerobot.diagnosis.locate.located import Surface
-from spacerobot.diagnosis.locate.whitening import Whitener, noise
 
 BINS = 15
 
@@ -64,15 +63,13 @@ def _surface(
     gram, right = np.zeros((BINS, BINS)), np.zeros(BINS)
     weight, mean = np.zeros(BINS), np.zeros(BINS)
     for one, q in zip(present, x, strict=True):
-        balance = one.found[name]
+        tested = one.tested(name)
         index = np.clip(np.searchsorted(edges, q, side="right") - 1, 0, BINS - 1)
         member = np.zeros((q.size, BINS))
         member[np.arange(q.size), index] = 1.0
-        residual = balance.residual.rows(balance.keep)
-        whiten = Whitener(noise(one.weak, residual))
-        columns = whiten(np.asarray(one.weak.integral(0, member))[balance.keep])
+        columns = tested.exact(one.seen(name, member))
         gram += columns.T @ columns
-        right += columns.T @ whiten(residual.value)
+        right += columns.T @ tested.exact(tested.residual.value)
         np.add.at(mean, index, q)
         np.add.at(weight, index, 1.0)
     power = np.diag(gram)

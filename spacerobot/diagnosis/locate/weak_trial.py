@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from copy import copy
 from functools import cached_property
 
@@ -22,7 +22,7 @@ from spacerobot.diagnosis.locate.phases import (
 )
 from spacerobot.diagnosis.locate.readings import Observers, Series, State, Track, observers, series_of
 from spacerobot.diagnosis.locate.samples import Grid
-from spacerobot.diagnosis.locate.smoothing import Smooth
+from spacerobot.diagnosis.locate.smoothing import Pieces, Smooth
 from spacerobot.diagnosis.locate.windows import Splines
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.support.errors import InputError
@@ -124,7 +124,8 @@ class WeakTrial:
         position, slope, bend = self._driven.along(self.observers.rows[channel])
         base, derivative = (slope, bend) if rate else (position, slope)
         time = self._driven.time
-        smooth = Smooth.through(s.time, s.value - np.interp(s.time, time, base), s.sigma)
+        cuts = (self.touches.first, self.touches.last) if self.touches.stretches else ()
+        smooth = Pieces.through(s.time, s.value - np.interp(s.time, time, base), s.sigma, cuts)
         return Track(smooth, time, base, derivative, bend, rate)
 
     def _touches_by_depth(self) -> Touches:
@@ -157,7 +158,7 @@ class WeakTrial:
             v += x * s.v
             dd += (x * s.d_error) ** 2
             vv += (x * s.v_error) ** 2
-        return State(d, v, np.sqrt(dd), np.sqrt(vv))
+        return State(times, d, v, np.sqrt(dd), np.sqrt(vv))
 
     @cached_property
     def soft_force(self) -> np.ndarray:
@@ -193,6 +194,22 @@ class WeakTrial:
                     keep[first : first + part.count] |= inside
             first += part.count
         return keep
+
+    def shaking(self, mechanism: Mechanism, coordinates: Sequence[str], mass: float) -> tuple[np.ndarray, np.ndarray]:
+        """Times (T,) and the known load on some coordinates over a mass [m/s^2 or rad/s^2], shape (T,) each.
+
+        The load is the contact force, softened, or else the recorded drives.
+        """
+        if self.force is not None:
+            by = push(mechanism, self.yaw, self.force.time)
+            sums = sum((by[c] for c in coordinates if c in by), np.zeros(self.force.time.shape))
+            return self.force.time, sums * self.soft_force / mass
+        for item in mechanism.inputs:
+            factor = sum(mechanism.ports[item.port].get(c, 0.0) for c in coordinates) * item.gain
+            if factor and item.channel in self.series:
+                series = self.series[item.channel]
+                return series.time, factor * series.value / mass
+        return np.array([self.start, self.end]), np.zeros(2)
 
     # --- integrals -----------------------------------------------------------------------------------------------
 
