@@ -1,0 +1,1 @@
+"""Models that let one diagnosis run on many recordings: joints, axes, free bodies, arms."""

@@ -1,0 +1,140 @@
+"""Prediction of what a fit has not seen: folds by condition, and a held-out trial's own start."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from spacerobot.diagnosis.data import TrialData
+from spacerobot.diagnosis.fit import Fitter
+from spacerobot.diagnosis.hypothesis import Hypothesis
+from spacerobot.diagnosis.models.model import Model
+from spacerobot.diagnosis.models.noise import split
+from spacerobot.support.errors import SimulationError
+
+FOLDS = 4
+"""Into how many parts a study of one condition is divided."""
+
+HEAD = 0.1
+"""Share of a held-out trial that may be read to find out how it starts."""
+
+
+def parent(trial: TrialData) -> str:
+    """The recorded trial that a piece or window belongs to."""
+    return trial.id.split("@")[0]
+
+
+def folds(trials: Sequence[TrialData]) -> list[tuple[str, tuple[str, ...]]]:
+    """What is left out in turn: conditions; where there is but one, its trials; where there is but one, parts of it.
+
+    Returns:
+        (label, trial ids) each; at least two, unless there is but one trial in one piece.
+    """
+    for label in (lambda t: t.condition, parent):
+        names = list(dict.fromkeys(label(t) for t in trials))
+        if len(names) > 1:
+            return [(n, tuple(t.id for t in trials if label(t) == n)) for n in names]
+    parts = np.array_split(np.array([t.id for t in trials]), min(FOLDS, len(trials)))
+    return [(f"part {i + 1}", tuple(str(x) for x in p)) for i, p in enumerate(parts)]
+
+
+@dataclass(frozen=True, eq=False)
+class HeldOut:
+    """Prediction errors of trials that the fit had not seen.
+
+    Attributes:
+        residual: trial -> weighted residual, shape (S,), predicted minus measured, zero where not counted.
+        counted: trial -> which samples count, shape (S,).
+    """
+
+    residual: Mapping[str, np.ndarray]
+    counted: Mapping[str, np.ndarray]
+
+    def squares(self) -> dict[str, float]:
+        """Mean square of the weighted residual, by trial."""
+        return {k: float(r @ r) / max(int(self.counted[k].sum()), 1) for k, r in self.residual.items()}
+
+    @property
+    def mean_square(self) -> float:
+        """Over all samples."""
+        total = sum(float(r @ r) for r in self.residual.values())
+        return total / max(sum(int(c.sum()) for c in self.counted.values()), 1)
+
+    def rms(self, trials: Sequence[TrialData]) -> dict[str, float]:
+        """By channel, in the channel's unit."""
+        squares: dict[str, float] = {}
+        counts: dict[str, int] = {}
+        for trial in trials:
+            if trial.id not in self.residual:
+                continue
+            found = split(self.residual[trial.id], trial)
+            counted = split(self.counted[trial.id], trial)
+            for block in trial.blocks:
+                for c, channel in enumerate(block.channels):
+                    good = counted[channel].astype(bool)
+                    value = found[channel][good] / block.weight[c][good]
+                    squares[channel] = squares.get(channel, 0.0) + float(value @ value)
+                    counts[channel] = counts.get(channel, 0) + int(good.sum())
+        return {c: float(np.sqrt(s / max(counts[c], 1))) for c, s in squares.items()}
+
+
+def start_of(
+    fitter: Fitter, model: Model, hypothesis: Hypothesis, z: np.ndarray, trial: TrialData, head: float = HEAD
+) -> np.ndarray:
+    """How an unseen trial starts, shape (N,): the reading at its start, corrected by its first moments alone.
+
+    One Gauss-Newton step of the head's residual with the reading as a prior of its own standard deviation.
+    """
+    nuisances = model.nuisances(trial)
+    guess = np.array([n.guess for n in nuisances])
+    if not nuisances or head <= 0.0:
+        return guess
+    base, keep = fitter.residual(hypothesis, z, trial, guess)
+    early = keep & np.concatenate(
+        [np.tile(b.time <= trial.start + head * (trial.end - trial.start), len(b.channels)) for b in trial.blocks]
+    )
+    if not early.any():
+        return guess
+    scales = np.array([n.scale for n in nuisances])
+    columns = np.empty((base.size, scales.size))
+    for n, scale in enumerate(scales):
+        moved = guess.copy()
+        moved[n] += scale
+        columns[:, n] = fitter.residual(hypothesis, z, trial, moved)[0] - base
+    j, r = columns[early], base[early]
+    step = -np.linalg.solve(j.T @ j + np.eye(scales.size), j.T @ r)
+    return guess + scales * step
+
+
+def predict_held_out(
+    model: Model,
+    trials: Sequence[TrialData],
+    made: Hypothesis,
+    warm: Mapping[str, float],
+    left_out: Sequence[tuple[str, tuple[str, ...]]],
+    initials: Mapping[str, np.ndarray] | None = None,
+    max_iterations: int = 12,
+) -> HeldOut:
+    """Every trial predicted by a fit that has not seen its fold.
+
+    Raises:
+        SimulationError: a fold cannot be fitted, or a trial not be predicted.
+    """
+    residual: dict[str, np.ndarray] = {}
+    counted: dict[str, np.ndarray] = {}
+    for _, ids in left_out:
+        seen = [t for t in trials if t.id not in ids]
+        unseen = [t for t in trials if t.id in ids]
+        if not seen:
+            raise SimulationError("nothing is left to fit when a fold is left out")
+        own = None if initials is None else {t.id: initials[t.id] for t in seen}
+        fit = Fitter(model, seen).fit(  # type: ignore[arg-type]
+            made, warm=warm, initials=own, max_iterations=max_iterations
+        )
+        fitter = Fitter(model, unseen)  # type: ignore[arg-type]
+        for trial in unseen:
+            r, keep = fitter.residual(made, fit.z, trial, start_of(fitter, model, made, fit.z, trial))
+            residual[trial.id], counted[trial.id] = np.where(keep, r, 0.0), keep
+    return HeldOut(residual, counted)

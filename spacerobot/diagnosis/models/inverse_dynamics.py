@@ -1,0 +1,268 @@
+"""Joint logs as a torque balance: what the arm's rigid-body model asks for, against what was measured.
+
+tau = M(q) a + h(q, v) - (what acts at the joints), every term seen through the same test functions. The motion is
+the recorded one, so nothing is simulated, nothing drifts, and most parameters enter linearly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from spacerobot.diagnosis.data import Block, TrialData
+from spacerobot.diagnosis.hypothesis import Believed, Site
+from spacerobot.diagnosis.models.grid import Grid
+from spacerobot.diagnosis.models.measured import port_forces, through_sensor
+from spacerobot.diagnosis.models.model import FIRST_NOISE, Model, Predicted, conditions_of
+from spacerobot.diagnosis.models.sizes import Sizes, sizes_of
+from spacerobot.diagnosis.models.weak import Bump
+from spacerobot.effects.effect import Effect
+from spacerobot.effects.laws import DAMPER, SPRING
+from spacerobot.effects.mechanism import Mechanism
+from spacerobot.effects.primitives import Coordinate, Force
+from spacerobot.model.robot import Robot
+
+SHARP = 5
+"""Least samples to either side of the test function through which velocities are taken, for laws with kinks."""
+
+POINTS = 20
+"""Points to either side at which a balance's test function is evaluated; faster logs are smoothed and thinned."""
+
+WIDTH = 0.1
+"""Half width of the balance's test functions, as a share of the motion's own time (its length over its speed)."""
+
+PIECES = 8
+"""Into how many parts a trial is cut, so that there is something to hold out."""
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A stretch of measured motion. T samples, J joints."""
+
+    step: float  # s
+    position: np.ndarray  # (T, J)
+    velocity: np.ndarray  # (T, J)
+    acceleration: np.ndarray  # (T, J)
+    rigid: np.ndarray  # (T, J) torque that the rigid body asks for
+    stride: int
+
+
+class InverseDynamics(Model):
+    """The torque balance of one joint, or of several, along the measured motion.
+
+    Attributes:
+        joints: the joints whose balance is compared.
+    """
+
+    metric = "torque balance"
+
+    def __init__(
+        self,
+        robot: Robot,
+        gravity: Sequence[float],
+        grids: Mapping[str, tuple[Grid, str, Mapping[str, float]]],
+        joints: Sequence[str],
+        *,
+        compared: Sequence[str] | None = None,
+        values: Mapping[str, float] | None = None,
+        unknown: Sequence[str] = (),
+        sensor: str = "torques",
+    ) -> None:
+        """From joint logs.
+
+        Args:
+            robot: its Pinocchio model gives the rigid part; joints without a log are held at neutral.
+            gravity: world axes [m/s^2].
+            grids: trial -> (joint.NAME.position, .torque and perhaps .velocity on an even grid, condition, overrides).
+            joints: names of the logged joints.
+            compared: those whose balance counts; all if None.
+            values: believed values, "joint.NAME.mass", ".damping", ".stiffness", ".armature".
+            unknown: names of values that are to be fitted.
+            sensor: what verdicts call the torque sensors.
+        """
+        self.joints = tuple(joints)
+        self.compared = tuple(joints if compared is None else compared)
+        self.name = self.compared[0] if len(self.compared) == 1 else "joints"
+        self.sensor = sensor
+        arm = _Rigid(robot, gravity, self.joints)
+        raw = {k: _kinematics(g, self.joints, SHARP) for k, (g, _, _) in grids.items()}
+        own = {j: _sizes(raw.values(), i) for i, j in enumerate(self.joints)}
+        self.sizes = {f"joint.{j}": s for j, s in own.items()} | {"": own[self.compared[0]]}
+        self._level = np.array([own[j].force for j in self.compared])
+        self._motion: dict[str, Motion] = {}
+        self._bump: dict[str, Bump] = {}
+        pace = WIDTH * min(own[j].time for j in self.compared)
+        trials: list[TrialData] = []
+        for key, (grid, condition, overrides) in grids.items():
+            thin = max(1, int(pace / grid.step / POINTS))
+            log = raw[key] if 3 * thin <= SHARP else _kinematics(grid, self.joints, 3 * thin)  # or noise folds over
+            log = log.thinned(thin, arm)
+            trials += self._cut(key, log, condition, overrides, max(SHARP, round(pace / log.step)))
+        self.trials = tuple(trials)
+        inertia = arm.inertia(np.concatenate([m.position[:: m.stride] for m in self._motion.values()]))
+        self._mass = {f"joint.{j}": float(x) for j, x in zip(self.joints, inertia, strict=True)}
+        self.base = dict(values or {})
+        centres = {n: own[n.split(".")[1]].of(_UNITS[n.split(".")[2]]) for n in unknown}
+        self.believed = Believed(self.base, {}, {}, conditions_of(trials), centres)
+
+    def _cut(self, key: str, log: _Log, condition: str, overrides: Mapping[str, float], half: int) -> list[TrialData]:
+        """The trial in pieces, each with its motion and with its torque seen through the test functions."""
+        bump = Bump.of(half, log.step)
+        stride = max(1, half // 2)
+        channels = tuple(f"joint.{j}.torque" for j in self.compared)
+        index = [self.joints.index(j) for j in self.compared]
+        out = []
+        for n, part in enumerate(np.array_split(np.arange(log.time.size), PIECES)):
+            if part.size < 4 * half:
+                continue
+            seen = bump.smooth(log.torque[part][:, index])[::stride].T
+            clean = np.convolve(~log.good[part], np.ones(2 * half + 1), "valid")[::stride] < 0.5
+            at = log.time[part][half:-half][::stride]
+            weight = np.where(clean, 1.0, 0.0) / (FIRST_NOISE * self._level[:, None])
+            name = f"{key}@{n}"
+            block = Block(self.sensor, channels, at, np.where(clean, seen, 0.0), weight)
+            out.append(TrialData(name, condition, dict(overrides), (block,), float(at[0]), float(at[-1])))
+            motion = (log.position[part], log.velocity[part], log.acceleration[part], log.rigid[part])
+            self._motion[name] = Motion(log.step, *motion, stride)
+            self._bump[name] = bump
+        return out
+
+    def sites(self, effects: Iterable[Effect] | None = None) -> list[Site]:
+        """As everywhere; of one joint among several, those at it: a shared sensor or a coupling is no joint's own."""
+        felt = {f"joint.{j}" for j in self.compared}
+        every = super().sites(effects)
+        if len(self.compared) == len(self.joints):
+            return every
+        return [s for s in every if s.where in felt and s.effect.name != "transmission_coupling"]
+
+    def mechanism(self, values: Mapping[str, float], trial: TrialData) -> Mechanism:
+        """Joints with their believed springs, dampers and inertia; the coupling between them is the rigid part."""
+        coordinates, forces = {}, []
+        for joint in self.joints:
+            name = f"joint.{joint}"
+            mass = values.get(f"{name}.mass", self._mass[name]) + values.get(f"{name}.armature", 0.0)
+            coordinates[name] = Coordinate(name, mass)
+            if f"{name}.stiffness" in values:
+                forces.append(Force(f"{name}.spring", name, SPRING, (values[f"{name}.stiffness"],), role="spring"))
+            if values.get(f"{name}.damping"):
+                forces.append(Force(f"{name}.damper", name, DAMPER, (values[f"{name}.damping"],), role="damper"))
+        return Mechanism(
+            coordinates=coordinates,
+            ports={name: {name: 1.0} for name in coordinates},
+            forces=tuple(forces),
+            sensors={self.sensor: tuple(f"joint.{j}.torque" for j in self.compared)},
+        )
+
+    def predict(self, mechanism: Mechanism, trial: TrialData, initial: np.ndarray) -> Predicted:
+        """The torques that the model asks for along the measured motion, through the test functions."""
+        motion, bump = self._motion[trial.id], self._bump[trial.id]
+        names = [f"joint.{j}" for j in self.joints]
+        position = {n: motion.position[:, i] for i, n in enumerate(names)}
+        velocity = {n: motion.velocity[:, i] for i, n in enumerate(names)}
+        # inertia beyond the rigid model's: a payload, a mass that is fitted
+        beyond = [mechanism.coordinates[n].mass - self._mass[n] for n in names]
+        asked = motion.rigid + motion.acceleration * beyond
+        rows = np.array([[mechanism.ports[p].get(c, 0.0) for c in names] for p in names])
+        if not np.array_equal(rows, np.eye(len(names))):  # drives that see their neighbours
+            asked = np.linalg.solve(rows.T, asked.T).T
+        acting = port_forces(mechanism, position, velocity)
+        out = []
+        for joint in self.compared:
+            name = f"joint.{joint}"
+            torque = asked[:, names.index(name)] - acting.get(name, 0.0)
+            maps = tuple(m for m in mechanism.maps if m.channel == f"{name}.torque")
+            torque = through_sensor(maps, torque, motion.step)
+            out.append(bump.smooth(torque)[:: motion.stride])
+        return Predicted((np.array(out),))
+
+
+_UNITS = {"mass": "kg", "armature": "kg", "damping": "N s/m", "stiffness": "N/m", "friction": "N"}
+
+
+class _Rigid:
+    """Pinocchio's inverse dynamics of the logged joints, the others at rest."""
+
+    def __init__(self, robot: Robot, gravity: Sequence[float], joints: Sequence[str]) -> None:
+        self.robot = robot
+        self.model = pin.Model(robot.model)
+        self.model.gravity.linear = np.array(gravity, dtype=float)
+        self.data = self.model.createData()
+        self.index = [robot.velocity_index(j) for j in joints]
+        self.joints = tuple(joints)
+
+    def _full(self, position: np.ndarray) -> np.ndarray:
+        return self.robot.configuration(others=dict(zip(self.joints, position.tolist(), strict=True)))
+
+    def torque(self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
+        """Shape (T, J) [N m or N]."""
+        v, a = np.zeros(self.model.nv), np.zeros(self.model.nv)
+        out = np.empty_like(position)
+        for t in range(position.shape[0]):
+            v[self.index], a[self.index] = velocity[t], acceleration[t]
+            out[t] = pin.rnea(self.model, self.data, self._full(position[t]), v, a)[self.index]
+        return out
+
+    def inertia(self, positions: np.ndarray) -> np.ndarray:
+        """Mean diagonal of the joint-space inertia over some poses, shape (J,)."""
+        some = positions[:: max(1, positions.shape[0] // 50)]
+        found = []
+        for position in some:
+            pin.crba(self.model, self.data, self._full(position))
+            found.append(np.diag(self.data.M)[self.index])
+        return np.asarray(np.mean(found, axis=0))
+
+
+@dataclass(frozen=True, eq=False)
+class _Log:
+    """Smoothed joint logs of one trial. T samples, J joints."""
+
+    time: np.ndarray  # (T,)
+    step: float
+    position: np.ndarray  # (T, J)
+    velocity: np.ndarray
+    acceleration: np.ndarray
+    torque: np.ndarray
+    good: np.ndarray  # (T,) bool
+    rigid: np.ndarray  # (T, J), empty before it is asked for
+
+    def thinned(self, by: int, arm: _Rigid) -> _Log:
+        """Every `by`-th sample, with the rigid body's torque."""
+        some = slice(None, None, by)
+        q, v, a = self.position[some], self.velocity[some], self.acceleration[some]
+        rigid = arm.torque(q, v, a)
+        good = np.array([self.good[i : i + by].all() for i in range(0, self.time.size, by)])
+        return _Log(self.time[some], self.step * by, q, v, a, self.torque[some], good, rigid)
+
+
+def _kinematics(grid: Grid, joints: Sequence[str], half: int) -> _Log:
+    """Position, velocity, acceleration and torque through one narrow test function.
+
+    Where the velocity was logged too it is used: a logger's late rows cost a position derived twice far more.
+    """
+    sharp = Bump.of(half, grid.step)
+    position, torque = (np.stack([grid.value[f"joint.{j}.{w}"] for j in joints], axis=1) for w in _LOGGED)
+    if all(f"joint.{j}.velocity" in grid.value for j in joints):
+        rates = np.stack([grid.value[f"joint.{j}.velocity"] for j in joints], axis=1)
+        velocity, acceleration = sharp.smooth(rates), sharp.rate(rates)
+    else:
+        velocity, acceleration = sharp.rate(position), sharp.acceleration(position)
+    good = np.convolve(~grid.good, np.ones(2 * half + 1), "valid") < 0.5
+    time, empty = grid.time[half:-half], np.zeros((0, len(joints)))
+    return _Log(time, grid.step, sharp.smooth(position), velocity, acceleration, sharp.smooth(torque), good, empty)
+
+
+_LOGGED = ("position", "torque")
+
+
+def _sizes(logs: Iterable[_Log], index: int) -> Sizes:
+    every = list(logs)
+    torque = np.concatenate([g.torque[:, index] for g in every])
+    return sizes_of(
+        torque,
+        np.concatenate([g.position[:, index] for g in every]),
+        np.concatenate([g.velocity[:, index] for g in every]),
+        float(np.sqrt(np.mean(torque**2))),
+    )

@@ -1,0 +1,91 @@
+"""An effect's own kernels, evaluated on measured motion instead of inside a simulation."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from spacerobot.effects.kernel import padded
+from spacerobot.effects.mechanism import Mechanism
+from spacerobot.effects.primitives import ChannelMap
+from spacerobot.simulation.reduced.arrays import LAWS
+from spacerobot.support.jit import jit
+
+
+@jit
+def _along(laws: Any, law: int, d: Any, v: Any, aux: Any, p: Any, out: Any) -> None:
+    for i in range(d.size):
+        out[i] = laws[law](d[i], v[i], aux[i], p)
+
+
+@jit
+def _sliding(laws: Any, law: int, v: Any, normal: Any, p: Any, out: Any) -> None:
+    for i in range(v.size):
+        if v[i] > 0.0:
+            out[i] = -laws[law](v[i], normal[i], 0.0, p)
+        elif v[i] < 0.0:
+            out[i] = laws[law](v[i], normal[i], 0.0, p)
+        else:
+            out[i] = 0.0
+
+
+def port_forces(
+    mechanism: Mechanism, position: Mapping[str, np.ndarray], velocity: Mapping[str, np.ndarray]
+) -> dict[str, np.ndarray]:
+    """What the mechanism's forces and frictions exert at each port along a measured motion.
+
+    Friction is read as sliding, and as nothing where the velocity is exactly zero: what holds a body at rest takes
+    whatever value the rest of the balance asks for, and a balance learns nothing from it.
+
+    Args:
+        mechanism: forces and frictions; those at ports without a measured motion are left out.
+        position, velocity: by coordinate, shape (T,) each [m or rad, and per s].
+
+    Returns:
+        port -> force along it, shape (T,) [N or N m].
+    """
+    count = next(iter(position.values())).size
+    laws = LAWS.laws
+    moving = {p: row for p, row in mechanism.ports.items() if row and all(c in position for c in row)}
+
+    def seen(port: str, states: Mapping[str, np.ndarray]) -> np.ndarray:
+        return np.ascontiguousarray(sum(k * states[c] for c, k in moving[port].items()), dtype=float)
+
+    out: dict[str, np.ndarray] = {}
+    value = np.empty(count)
+    for force in mechanism.forces:
+        sense = force.sense or force.port
+        if force.port not in moving or sense not in moving or (force.aux is not None and force.aux not in moving):
+            continue
+        aux = np.zeros(count) if force.aux is None else seen(force.aux, velocity)
+        law = LAWS.index(force.kernel.force)
+        _along(LAWS.laws, law, seen(sense, position), seen(sense, velocity), aux, padded(force.p), value)
+        out[force.port] = out.get(force.port, 0.0) + value
+    for friction in mechanism.frictions:
+        if friction.port not in moving or friction.normal is not None:
+            continue
+        law = LAWS.index(friction.level)
+        laws = LAWS.laws
+        _sliding(laws, law, seen(friction.port, velocity), np.ones(count), padded(friction.p), value)
+        out[friction.port] = out.get(friction.port, 0.0) + value
+    return out
+
+
+def through_sensor(maps: tuple[ChannelMap, ...], value: np.ndarray, step: float) -> np.ndarray:
+    """A channel on an even grid of `step` seconds, shape (T,), as its sensor's maps show it."""
+    for m in sorted(maps, key=lambda m: m.rank):
+        if m.kind == "low_pass" and np.isfinite(m.value):
+            from scipy.signal import lfilter
+
+            decay = float(np.exp(-2.0 * np.pi * m.value * step))
+            value = lfilter([1.0 - decay], [1.0, -decay], value, zi=[decay * value[0]])[0]
+        elif m.kind == "delay" and m.value != 0.0:
+            grid = np.arange(value.size) * step
+            value = np.interp(grid - m.value, grid, value)
+        elif m.kind == "gain":
+            value = value * m.value
+        elif m.kind == "offset":
+            value = value + m.value
+    return value

@@ -1,0 +1,131 @@
+"""Motion simulated from a window's start under the recorded drives, against what was recorded: output error."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+
+from spacerobot.diagnosis.data import TrialData
+from spacerobot.diagnosis.hypothesis import Believed
+from spacerobot.diagnosis.models.model import Model, Predicted
+from spacerobot.diagnosis.models.sizes import Sizes
+from spacerobot.diagnosis.models.windows import Drive, cut, local, spread_over
+from spacerobot.diagnosis.rig_model import Nuisance
+from spacerobot.effects.mechanism import Mechanism
+from spacerobot.simulation.reduced.run import simulate
+from spacerobot.simulation.sensors import read_channels
+
+BUDGET = 12_000
+"""Readings that a fit looks at; windows of longer recordings are taken evenly over them."""
+
+NEAR = 0.05
+"""Readings within this share of the motion's own time tell how a window starts."""
+
+LOOSEST = 1e-6
+"""Relative tolerance of the integrator."""
+
+Build = Callable[[Mapping[str, float], TrialData], Mechanism]
+
+
+class Simulated(Model):
+    """Any mechanism of the reduced backend, with its recorded drives, window by window."""
+
+    metric = "simulated motion"
+
+    def __init__(
+        self,
+        name: str,
+        build: Build,
+        recorded: Sequence[TrialData],
+        drives: Mapping[str, Drive],
+        *,
+        believed: Believed,
+        sizes: Mapping[str, Sizes],
+        window: float,
+        at_rest: bool = False,
+        budget: int = BUDGET,
+    ) -> None:
+        """From recordings.
+
+        Args:
+            name: of the body or joint.
+            build: values and trial to its baseline mechanism.
+            recorded: whole trials, weighted.
+            drives: trial -> its recorded inputs; none where nothing drives.
+            believed: values and unknowns.
+            sizes: what is typical, by place.
+            window: length of a window [s]; infinite for whole trials.
+            at_rest: whether trials are known to begin at rest.
+            budget: readings that a fit looks at.
+        """
+        self.name, self.build, self.believed, self.sizes = name, build, believed, sizes
+        self.base = dict(believed.values)
+        self.drives = dict(drives)
+        self.recorded = {t.id: t for t in recorded}
+        self.at_rest = at_rest
+        windows = [w for t in recorded for w in cut(t, window)]
+        self.trials = tuple(spread_over(windows, budget))
+        self._starts: dict[str, tuple[Nuisance, ...]] = {}
+
+    def mechanism(self, values: Mapping[str, float], trial: TrialData) -> Mechanism:
+        """The baseline of one trial with these values."""
+        return self.build(values, trial)
+
+    def nuisances(self, trial: TrialData) -> tuple[Nuisance, ...]:
+        """Initial position and velocity of every coordinate that some channel shows."""
+        if trial.id not in self._starts:
+            values = {**self.base, **self.believed.unknown, **trial.overrides}
+            self._starts[trial.id] = tuple(self._start(self.build(values, trial), trial))
+        return self._starts[trial.id]
+
+    def _start(self, mechanism: Mechanism, trial: TrialData) -> list[Nuisance]:
+        whole = self.recorded[trial.id.split("@")[0]]
+        reach = NEAR * self.sizes[""].time
+        found = []
+        for coordinate in mechanism.coordinates:
+            known = [r for r in mechanism.readouts.values() if r.of == coordinate and r.channel in whole.channels]
+            shown = {r.kind: r for r in known}
+            if "position" in shown:
+                time, value, _ = whole.channel(shown["position"].channel)
+                near = local(time, value, trial.start, reach)
+                found.append(Nuisance(coordinate, False, near.value, max(near.value_sigma, 1e-12)))
+                if not (self.at_rest and trial.start <= whole.start) and "velocity" not in shown:
+                    found.append(Nuisance(coordinate, True, near.slope, max(near.slope_sigma, 1e-12)))
+            if "velocity" in shown:
+                time, value, _ = whole.channel(shown["velocity"].channel)
+                near = local(time, value, trial.start, reach)
+                found.append(Nuisance(coordinate, True, near.value, max(near.value_sigma, 1e-12)))
+        return found
+
+    def predict(self, mechanism: Mechanism, trial: TrialData, initial: np.ndarray) -> Predicted:
+        """Simulate the window from its initial values and read its channels."""
+        position: dict[str, float] = {}
+        velocity: dict[str, float] = {}
+        for nuisance, value in zip(self.nuisances(trial), initial, strict=True):
+            (velocity if nuisance.rate else position)[nuisance.coordinate] = float(value)
+        for name, coordinate in mechanism.coordinates.items():  # what a body carries starts along with it
+            if coordinate.carrier is not None:
+                position[name] = position.get(coordinate.carrier, 0.0)
+                velocity[name] = velocity.get(coordinate.carrier, 0.0)
+        drive = self.drives.get(trial.id.split("@")[0])
+        step, inputs = 0.25 * self.sizes[""].time, None
+        if drive is not None and mechanism.inputs:
+            # a late sensor shows what happened before the window began; drives are cut with some margin
+            first, last = np.searchsorted(drive.time, [trial.start, trial.end + 1e-9])
+            part = slice(max(int(first) - 2, 0), int(last) + 2)
+            inputs = (drive.time[part], {c: v[part] for c, v in drive.value.items()})
+            step = min(step, 2.0 * float(np.median(np.diff(drive.time))))
+        run = simulate(
+            mechanism,
+            position=position,
+            velocity=velocity,
+            start=trial.start,
+            end=trial.end + 1e-9,
+            tolerance=LOOSEST,
+            inputs=inputs,
+            max_step=step,
+        )
+        return Predicted(
+            tuple(np.array(list(read_channels(run, mechanism, b.channels, b.time).values())) for b in trial.blocks)
+        )

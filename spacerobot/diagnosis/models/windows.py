@@ -1,0 +1,105 @@
+"""Recorded motion cut into windows that restart, how each begins, and the drives that act in it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from spacerobot.diagnosis.data import Block, TrialData
+
+ENOUGH = 256
+"""Readings a window keeps; more frequent ones are thinned, since a fit gains nothing from them."""
+
+
+@dataclass(frozen=True, eq=False)
+class Drive:
+    """Recorded inputs of one trial on times of their own. U inputs, T times."""
+
+    time: np.ndarray  # (T,) s
+    value: Mapping[str, np.ndarray]  # channel -> (T,)
+
+
+def held(time: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """A command that holds until the next one, as corner points to be joined by lines: times and values, (2 T,)."""
+    step = float(np.median(np.diff(time)))
+    ends = np.append(time[1:], time[-1] + step) - 1e-6 * step
+    return np.stack([time, ends], axis=1).ravel(), np.repeat(value, 2)
+
+
+def band_limited(time: np.ndarray, value: np.ndarray, factor: int) -> tuple[np.ndarray, np.ndarray]:
+    """A sampled signal between its samples: times and values at `factor` times the rate.
+
+    By Fourier interpolation of the signal and its mirror image, so that the ends do not ring.
+    """
+    from scipy.signal import resample
+
+    both = np.concatenate([value, value[::-1]])
+    fine = resample(both, factor * both.size)[: factor * value.size]
+    step = float(np.median(np.diff(time)))
+    return time[0] + step / factor * np.arange(fine.size), np.asarray(fine)
+
+
+def refinement(value: np.ndarray) -> int:
+    """How many points a sample needs for lines between them to follow a signal: 1 where neighbours are alike."""
+    spread = float(np.std(value))
+    if spread == 0.0:
+        return 1
+    bend = float(np.sqrt(np.mean(np.diff(value, 2) ** 2))) / spread  # of the order of (omega dt)^2
+    return int(np.clip(np.ceil(np.sqrt(bend / 0.02)), 1, 8))
+
+
+def cut(trial: TrialData, length: float) -> list[TrialData]:
+    """The trial in windows of `length` seconds (an infinite one: whole), a rest of less than half of one left out."""
+    span = trial.end - trial.start
+    count = 1 if span < 1.5 * length else int(span / length + 0.5)
+    out = []
+    for n in range(count):
+        begin = trial.start + n * length
+        end = trial.end if count == 1 else begin + length
+        blocks = tuple(b for b in (_within(b, begin, end) for b in trial.blocks) if b.time.size)
+        if blocks and any((b.weight > 0.0).sum() > 4 for b in blocks):
+            name = f"{trial.id}@{n}" if count > 1 else trial.id
+            out.append(replace(trial, id=name, blocks=blocks, start=float(begin), end=float(min(end, trial.end))))
+    return out
+
+
+def _within(block: Block, begin: float, end: float) -> Block:
+    index = np.flatnonzero((block.time >= begin - 1e-9) & (block.time < end - 1e-9))
+    index = index[:: max(1, index.size // ENOUGH)]
+    return replace(block, time=block.time[index], value=block.value[:, index], weight=block.weight[:, index])
+
+
+def spread_over(trials: list[TrialData], samples: int) -> list[TrialData]:
+    """So many of the windows, evenly over all of them, that they hold about this many readings."""
+    total = sum(t.samples for t in trials)
+    keep = max(2, int(len(trials) * min(1.0, samples / max(total, 1))))
+    index = np.unique(np.linspace(0, len(trials) - 1, keep).round().astype(int))
+    return [trials[i] for i in index]
+
+
+@dataclass(frozen=True)
+class Local:
+    """Value and slope of a channel at a moment, with their standard deviations."""
+
+    value: float
+    slope: float
+    value_sigma: float
+    slope_sigma: float
+
+
+def local(time: np.ndarray, value: np.ndarray, at: float, reach: float, least: int = 8) -> Local:
+    """A cubic fitted to the readings within `reach` seconds of a moment, and to `least` of them at least."""
+    order = np.argsort(np.abs(time - at))
+    count = max(least, int((np.abs(time - at) <= reach).sum()))
+    near = np.sort(order[:count])
+    t, y = time[near] - at, value[near]
+    scale = max(float(np.abs(t).max()), 1e-12)
+    powers = (t / scale)[:, None] ** np.arange(min(4, max(2, near.size - 2)))
+    found, *_ = np.linalg.lstsq(powers, y, rcond=None)
+    rest = y - powers @ found
+    variance = float(rest @ rest) / max(near.size - powers.shape[1], 1)
+    covariance = variance * np.linalg.pinv(powers.T @ powers)
+    sigma = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    return Local(float(found[0]), float(found[1] / scale), float(sigma[0]), float(sigma[1] / scale))

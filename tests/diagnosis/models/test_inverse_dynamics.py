@@ -1,0 +1,109 @@
+"""Torque balance along measured motion: planted friction comes back, a right model is left alone."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from helpers_models import ARM, arm_log, real_study
+
+from spacerobot.diagnosis.fit import Fitter
+from spacerobot.diagnosis.hypothesis import hypothesis
+from spacerobot.diagnosis.models.choose import models_for
+from spacerobot.diagnosis.models.grow import grow
+from spacerobot.diagnosis.models.held_out import folds
+from spacerobot.diagnosis.models.inverse_dynamics import InverseDynamics
+from spacerobot.diagnosis.models.noise import floor_of, reweighted
+from spacerobot.model.library import load
+
+GRAVITY = (0.0, 0.0, -9.81)
+PLANTED = {"shoulder": (1.2, 0.4, 0.0), "elbow": (0.0, 0.0, 0.0)}
+
+
+def model_of(extra: dict[str, tuple[float, float, float]], joint: str) -> InverseDynamics:
+    robot = load(ARM)
+    grids = {f"run{n}": (arm_log(robot, n, extra), f"motion {n}", {}) for n in range(2)}
+    return InverseDynamics(robot, GRAVITY, grids, ("shoulder", "elbow"), compared=[joint])
+
+
+def fitted(model: InverseDynamics, *labels: tuple[str, str]):  # type: ignore[no-untyped-def]
+    by = {s.label: s for s in model.sites()}
+    made = hypothesis(model.believed, [by[label] for label in labels])
+    fit = Fitter(model, model.trials).fit(made)
+    trials = reweighted(model.trials, floor_of({k: t.residual for k, t in fit.trials.items()}, model.trials))
+    return Fitter(model, trials).fit(made, warm=fit.values())
+
+
+def test_planted_friction_comes_back_within_its_error() -> None:
+    place = "joint.shoulder"
+    fit = fitted(model_of(PLANTED, "shoulder"), ("coulomb_friction", place), ("viscous_friction", place))
+    found = np.array([fit.values()[f"{e}@{place}.{p}"] for e, p in _NAMES])
+    steps = np.array([f.slope(z) for f, z in zip(fit.hypothesis.free, fit.z, strict=True)])
+    error = np.sqrt(np.diag(fit.covariance)) * steps
+    assert np.abs(found - [1.2, 0.4]) == pytest.approx([0.0, 0.0], abs=0.02)
+    assert (np.abs(found - [1.2, 0.4]) < 4.0 * error).all()
+
+
+_NAMES = (("coulomb_friction", "force_N"), ("viscous_friction", "coefficient_Ns_m"))
+
+
+def test_a_right_model_leaves_the_torque_noise_alone() -> None:
+    """A residual as small as the noise seen through the test functions: the balance itself adds nothing."""
+    model = model_of({}, "elbow")
+    fit = fitted(model)
+    state = Fitter(model, model.trials).state(fit.hypothesis, fit.z, {t.id: np.zeros(0) for t in model.trials})
+    rest = np.concatenate([state.raw[t.id] / t.blocks[0].weight.ravel() for t in model.trials])
+    assert np.sqrt(np.mean(rest**2)) < 0.02
+
+
+def test_growth_names_what_was_planted_and_nothing_else() -> None:
+    found = grow(model_of(PLANTED, "shoulder"))
+    assert set(found.after.label) == {("coulomb_friction", "joint.shoulder"), ("viscous_friction", "joint.shoulder")}
+    before, after = found.rms()
+    assert after["joint.shoulder.torque"] < 0.05 * before["joint.shoulder.torque"]
+
+
+def test_growth_adds_nothing_to_a_right_model() -> None:
+    found = grow(model_of({}, "elbow"))
+    assert found.after.label == ()
+    assert found.rms()[0] == found.rms()[1]
+
+
+def test_folds_are_conditions_then_parts() -> None:
+    two = model_of({}, "elbow").trials
+    assert [name for name, _ in folds(two)] == ["motion 0", "motion 1"]
+    one = [t for t in two if t.condition == "motion 0"]
+    parts = folds(one)
+    assert len(parts) == 4
+    assert sorted(i for _, ids in parts for i in ids) == sorted(t.id for t in one)
+
+
+@pytest.mark.real
+def test_emps_friction_against_the_published_values() -> None:
+    """Janot, Gautier, Brunot (2019): M 95.1 kg, F_v 203.5, F_c 20.4 N, offset 3.2 N; relative error 4.1 % and 6.0 %."""
+    (model,) = models_for(real_study("emps"))
+    by = {s.label: s for s in model.sites()}
+    names = ("coulomb_friction", "viscous_friction", "preload")
+    made = hypothesis(model.believed, [by[(n, "joint.axis")] for n in names])
+    seen = [t for t in model.trials if t.condition == "plain"]
+    fit = Fitter(model, seen).fit(made)
+    found = fit.values()
+    assert found["joint.axis.mass"] == pytest.approx(95.1, rel=0.02)
+    assert found["coulomb_friction@joint.axis.force_N"] == pytest.approx(20.4, rel=0.05)
+    assert found["viscous_friction@joint.axis.coefficient_Ns_m"] == pytest.approx(203.5, rel=0.03)
+    assert abs(found["preload@joint.axis.force_N"]) == pytest.approx(3.2, rel=0.1)
+    state = Fitter(model, model.trials).state(made, fit.z, {t.id: np.zeros(0) for t in model.trials})
+    for condition, limit in (("plain", 0.041), ("pulses", 0.054)):
+        chosen = [t for t in model.trials if t.condition == condition]
+        error = sum(np.sum((state.raw[t.id] / t.blocks[0].weight.ravel()) ** 2) for t in chosen)
+        assert np.sqrt(error / sum(np.sum(t.blocks[0].value ** 2) for t in chosen)) < limit
+
+
+@pytest.mark.real
+def test_franka_joints_have_friction() -> None:
+    models = models_for(real_study("franka_exciting"))
+    assert [m.name for m in models] == [f"panda_joint{i}" for i in range(1, 8)]
+    found = grow(models[6], most=2)
+    assert ("coulomb_friction", "joint.panda_joint7") in found.after.label
+    before, after = (x["joint.panda_joint7.torque"] for x in found.rms())
+    assert before == pytest.approx(0.28, abs=0.03)
+    assert after < 0.07
