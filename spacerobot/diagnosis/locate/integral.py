@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.sparse import csr_array, vstack
+from scipy.sparse import csr_array
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,15 +44,3 @@ def total(parts: list[Integral], count: int) -> Integral:
         out = out + part
     return out
 
-
-def stacked(parts: list[Integral]) -> Integral:
-    """Integrals of several balances below one another."""
-    channels = dict.fromkeys(c for p in parts for c in p.weights)
-    width = {c: p.weights[c].shape[1] for p in parts for c in p.weights}
-    weights = {
-        c: csr_array(
-            vstack([p.weights.get(c, csr_array((p.value.size, width[c]))) for p in parts], format="csr")
-        )
-        for c in channels
-    }
-    return Integral(np.concatenate([p.value for p in parts]), weights)

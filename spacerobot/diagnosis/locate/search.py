@@ -8,10 +8,10 @@ from collections.abc import Mapping
 import numpy as np
 
 from spacerobot.diagnosis.locate import significance
+from spacerobot.diagnosis.locate.balances import BODY
 from spacerobot.diagnosis.locate.dependence import FREQUENCY, Extent, Pattern, regressors
-from spacerobot.diagnosis.locate.integral import stacked
 from spacerobot.diagnosis.locate.located import ALL, Row, Total
-from spacerobot.diagnosis.locate.prepared import Prepared, Tested
+from spacerobot.diagnosis.locate.prepared import Prepared
 from spacerobot.diagnosis.locate.scores import Score, Verdict
 from spacerobot.diagnosis.locate.sensors import faults
 
@@ -55,27 +55,26 @@ class Search:
         self.totals[name] = Total(name, unit, chi2, freedom, p)
 
     def sensors(self, prepared: Mapping[str, Prepared]) -> None:
-        """Test the faults of every suspect sensor in all balances of each trial together."""
+        """Test the faults of every suspect sensor in all bodies' balances of each trial together.
+
+        The bodies' balances share little noise: each trial's scores are added up as if they shared none.
+        """
         for one in prepared.values():
-            if not one.suspects:
-                continue
-            used = list(one.found.values())
-            stack = stacked([b.residual.rows(b.keep) for b in used])
-            names = dict.fromkeys(v for b in used for v in one.wrong[b.name])
-            wrong = {
-                v: np.concatenate([one.wrong[b.name].get(v, np.zeros(b.keep.size))[b.keep] for b in used])
-                for v in names
-            }
-            tested = Tested.of(one.weak, stack, wrong)
             for sensor, channels in one.suspects.items():
-                old = self.totals.get(sensor, Total(sensor, "", 0.0, 0, 1.0))
-                chi2, freedom = old.chi2 + float(tested.white @ tested.white), old.freedom + tested.white.size
-                self.totals[sensor] = Total(sensor, "", chi2, freedom, 1.0)
-                for depends_on, column in faults(one.weak, channels, stack).items():
-                    if np.any(column):
+                for name, balance in one.found.items():
+                    if balance.kind != BODY:
+                        continue
+                    tested = one.tested(name)
+                    columns = faults(one.weak, channels, tested.residual)
+                    if not any(np.any(c) for c in columns.values()):
+                        continue
+                    old = self.totals.get(sensor, Total(sensor, "", 0.0, 0, 1.0))
+                    chi2, freedom = old.chi2 + float(tested.white @ tested.white), old.freedom + tested.white.size
+                    self.totals[sensor] = Total(sensor, "", chi2, freedom, 1.0)
+                    for depends_on, column in columns.items():
+                        score = self._score((sensor, ALL, depends_on), np.array([np.nan]))
                         rows = column[:, None]
-                        test = self._score((sensor, ALL, depends_on), np.array([np.nan]))
-                        test.add(tested.white, tested.whiten(rows), tested.exact(rows))
+                        score.add(tested.white, tested.whiten(rows), tested.exact(rows))
 
     def _score(self, key: Key, at: np.ndarray) -> Score:
         return self.scores.setdefault(key, Score(at))

@@ -11,24 +11,24 @@ STENCIL = 2e-3
 """Half width [s] of the difference that stands for a force's rate."""
 
 
-def faults(weak: WeakTrial, channels: tuple[str, ...], stack: Integral) -> dict[str, np.ndarray]:
-    """Change of stacked balances per unit of each fault of a sensor, by what it depends on.
+def faults(weak: WeakTrial, channels: tuple[str, ...], residual: Integral) -> dict[str, np.ndarray]:
+    """Change of a balance per unit of each fault of a sensor, by what it depends on.
 
     A reading late by tau shows q - tau q', so its error is -tau times the rate.
 
     Args:
         weak: the trial.
         channels: of the sensor.
-        stack: all balances of the trial, one below another, R rows.
+        residual: the balance's, R rows.
 
     Returns:
         "time" (per second), "gain" (per 1), "constant" (per unit), shape (R,) each.
     """
-    out = {name: np.zeros(stack.value.size) for name in ("time", "gain", "constant")}
+    out = {name: np.zeros(residual.value.size) for name in ("time", "gain", "constant")}
     for channel in channels:
-        if channel not in stack.weights or channel not in weak.series:
+        if channel not in residual.weights or channel not in weak.series:
             continue
-        weights = stack.weights[channel]
+        weights = residual.weights[channel]
         value, rate = _signal(weak, channel)
         out["time"] += -(weights @ rate)
         out["gain"] += weights @ value
