@@ -11,7 +11,7 @@ import pinocchio as pin
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.simulation.multibody.assembly import Assembly
 from spacerobot.simulation.multibody.kernel import CIRCLE, STRAIGHT, Scratch, accelerate, exert, load, sense
-from spacerobot.simulation.multibody.ports import layout_of, with_fields_as_forces
+from spacerobot.simulation.multibody.ports import for_bodies, layout_of
 from spacerobot.simulation.reduced.arrays import BIAS, FORCE, FRICTION, LAWS, RAW, W_ROWS, D, System, V, assemble, pack
 from spacerobot.simulation.reduced.events import fix_edges
 from spacerobot.simulation.reduced.motion import PRESSED, STICK, TINY, guards, level
@@ -32,7 +32,7 @@ class Dynamics:
 
     def __init__(self, assembly: Assembly, mechanism: Mechanism) -> None:
         self.assembly = assembly
-        self.mechanism = with_fields_as_forces(mechanism)
+        self.mechanism = for_bodies(mechanism)
         self.model, self.data = assembly.model, assembly.model.createData()
         self.layout, self.features = layout_of(assembly, self.mechanism)
         system, self.names = assemble(self.mechanism)
@@ -48,6 +48,8 @@ class Dynamics:
         self.scratch = Scratch(
             np.zeros((f, nv)),
             np.zeros((f, 3)),
+            np.zeros((5, 3)),
+            np.zeros((2, 3, 3)),
             np.zeros((5, 3)),
             np.zeros((nv, nv)),
             np.zeros(nv),
@@ -166,6 +168,10 @@ class Dynamics:
     def friction_force(self, r: int) -> float:
         """Force of friction `r` along its port at the state last evaluated [N]."""
         return float(self.w[self.packed.ints[FRICTION] + r])
+
+    def force_place(self, i: int) -> int:
+        """Where force `i` (the contact is 0) stands in the work array."""
+        return int(self.packed.ints[FORCE] + i)
 
     def contact_push(self) -> float:
         """What the contact's law asks for beyond its holding force [N], at the state last evaluated."""

@@ -16,7 +16,7 @@ from spacerobot.simulation.multibody.stepper import error_norm, interpolant, sta
 from spacerobot.simulation.reduced.motion import APART, PRESSED, RELEASED, STICK
 from spacerobot.support.errors import SimulationError
 
-MAX_STEPS, MAX_EVENTS = 500_000, 20_000
+MAX_STEPS, MAX_EVENTS = 500_000, 5_000
 _CONTACT = {APART: "apart", PRESSED: "touch", RELEASED: "release"}
 _SAFETY, _SHRINK, _GROW = 0.9, 0.2, 6.0
 

@@ -51,9 +51,10 @@ class Layout(NamedTuple):
     support: np.ndarray  # (5, nv) 1 where a velocity moves the body
     local: np.ndarray  # (5, 3) the frame's origin in its joint; the target's is its contact point
     axes: np.ndarray  # (3, 3) rows approach, lateral, up
-    tip_axes: np.ndarray  # (2, 3) rows: contact normal and lateral direction in the tip's joint
-    attitude: np.ndarray  # (3, 3) target at the start
+    tip_axes: np.ndarray  # (3, 3) rows: contact normal, lateral and upward direction in the tip's joint
+    ahead: np.ndarray  # (3,) approach at the start, in the target's body
     split: np.ndarray  # (1,) int: first velocity of the target
+    rise: np.ndarray  # (1,) int: port of the upward sliding, or -1
 
 
 class Scratch(NamedTuple):
@@ -62,6 +63,8 @@ class Scratch(NamedTuple):
     row: np.ndarray  # (nf, nv)
     value: np.ndarray  # (nf, 3): displacement, rate, bias acceleration
     place: np.ndarray  # (5, 3) frame origins in the world
+    motion: np.ndarray  # (2, 3, 3)
+    vectors: np.ndarray  # (5, 3)
     factor: np.ndarray  # (nv, nv) Cholesky factor
     free: np.ndarray  # (nv,) acceleration
     held: np.ndarray  # (R, nv) M^-1 W^T of stuck ports
@@ -116,6 +119,18 @@ def configuration_rate(q: Any, v: Any, joints: Any, out: Any) -> None:
 
 
 @jit
+def _turned(rotation: Any, a: Any, out: Any) -> None:
+    """out = rotation a."""
+    for i in range(3):
+        out[i] = rotation[i, 0] * a[0] + rotation[i, 1] * a[1] + rotation[i, 2] * a[2]
+
+
+@jit
+def _along(a: Any, b: Any) -> float:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@jit
 def _row(jacobian: Any, mask: Any, n: Any, p: Any, sign: float, out: Any) -> None:
     """out += sign * velocity along n of the body point at p, per unit velocity."""
     m0 = p[1] * n[2] - p[2] * n[1]
@@ -136,15 +151,26 @@ def _row(jacobian: Any, mask: Any, n: Any, p: Any, sign: float, out: Any) -> Non
 @jit
 def _drift(jacobian: Any, rate: Any, mask: Any, v: Any, p: Any, out: Any) -> None:
     """Angular velocity, velocity and bias acceleration of the body point at p: out shape (3, 3)."""
-    twist, drift = np.zeros(6), np.zeros(6)
-    for i in range(v.size):
-        if mask[i]:
-            for k in range(6):
-                twist[k] += jacobian[k, i] * v[i]
-                drift[k] += rate[k, i] * v[i]
-    out[0] = twist[3:]
-    out[1] = twist[:3] + np.cross(twist[3:], p)
-    out[2] = drift[:3] + np.cross(drift[3:], p) + np.cross(twist[3:], out[1])
+    for k in range(3):
+        for i in range(3):
+            out[k, i] = 0.0
+    for k in range(3):
+        drift, turn = 0.0, 0.0
+        for i in range(v.size):
+            if mask[i]:
+                out[0, k] += jacobian[3 + k, i] * v[i]
+                out[1, k] += jacobian[k, i] * v[i]
+                drift += rate[k, i] * v[i]
+                turn += rate[3 + k, i] * v[i]
+        out[2, k] += drift
+        out[2, (k + 1) % 3] -= turn * p[(k + 2) % 3]  # (angular bias) x p
+        out[2, (k + 2) % 3] += turn * p[(k + 1) % 3]
+    for k in range(3):
+        i, j = (k + 1) % 3, (k + 2) % 3
+        out[1, k] += out[0, i] * p[j] - out[0, j] * p[i]
+    for k in range(3):
+        i, j = (k + 1) % 3, (k + 2) % 3
+        out[2, k] += out[0, i] * out[1, j] - out[0, j] * out[1, i]
 
 
 @jit
@@ -170,11 +196,19 @@ def sense(
     """Rows, displacements, rates and (where `biased`) bias accelerations of all ports, into `w`."""
     nv = v.size
     row, value, place = scratch.row, scratch.value, scratch.place
-    place[HAND] = t_hand + r_hand @ layout.local[HAND]
-    place[TIP] = t_tip + r_tip @ layout.local[TIP]
-    place[BASE] = t_base + r_base @ layout.local[BASE]
-    place[TARGET] = t_target
-    motion = np.zeros((3, 3))
+    motion, other, vectors = scratch.motion[0], scratch.motion[1], scratch.vectors
+    _turned(r_hand, layout.local[HAND], place[HAND])
+    _turned(r_tip, layout.local[TIP], place[TIP])
+    _turned(r_base, layout.local[BASE], place[BASE])
+    touch, apart = vectors[0], vectors[1]
+    _turned(r_target, layout.local[TARGET], touch)
+    for i in range(3):
+        place[HAND, i] += t_hand[i]
+        place[TIP, i] += t_tip[i]
+        place[BASE, i] += t_base[i]
+        place[TARGET, i] = t_target[i]
+        touch[i] += t_target[i]
+        apart[i] = touch[i] - place[TIP, i]
     for f in range(row.shape[0]):
         kind, a, b = layout.feature[f, 0], layout.feature[f, 1], layout.feature[f, 2]
         for i in range(nv):
@@ -189,15 +223,15 @@ def sense(
             row[f, b] = 1.0
         elif kind == POINT:
             n = layout.axes[b]
-            d = np.dot(n, place[a]) - layout.reference[f]
+            d = _along(n, place[a]) - layout.reference[f]
             _row(jacobian, layout.support[a], n, place[a], 1.0, row[f])
             if biased:
                 _drift(jacobian, rate, layout.support[a], v, place[a], motion)
-                bias = np.dot(n, motion[2])
+                bias = _along(n, motion[2])
         else:
-            turned = r_target @ (layout.attitude.T @ layout.axes[0])
-            d = np.arctan2(np.dot(layout.axes[1], turned), np.dot(layout.axes[0], turned))
-            up = layout.axes[2]
+            turned, up = vectors[2], layout.axes[2]
+            _turned(r_target, layout.ahead, turned)
+            d = np.arctan2(_along(layout.axes[1], turned), _along(layout.axes[0], turned))
             for i in range(nv):
                 if layout.support[TARGET, i]:
                     row[f, i] = up[0] * jacobian[3, i] + up[1] * jacobian[4, i] + up[2] * jacobian[5, i]
@@ -207,42 +241,47 @@ def sense(
         for i in range(nv):
             speed += row[f, i] * v[i]
         value[f, 0], value[f, 1], value[f, 2] = d, speed, bias
-    ports = layout.ports.shape[0]
-    for p in range(ports):
-        for k in range(3):
-            w[c[(D, V, BIAS)[k]] + p] = 0.0
+    for p in range(layout.ports.shape[0]):
+        d, speed, bias = 0.0, 0.0, 0.0
+        at = c[W_ROWS] + p * nv
         for i in range(nv):
-            w[c[W_ROWS] + p * nv + i] = 0.0
+            w[at + i] = 0.0
         for f in range(row.shape[0]):
             share = layout.ports[p, f]
             if share != 0.0:
-                w[c[D] + p] += share * value[f, 0]
-                w[c[V] + p] += share * value[f, 1]
-                w[c[BIAS] + p] += share * value[f, 2]
+                d += share * value[f, 0]
+                speed += share * value[f, 1]
+                bias += share * value[f, 2]
                 for i in range(nv):
-                    w[c[W_ROWS] + p * nv + i] += share * row[f, i]
+                    w[at + i] += share * row[f, i]
+        w[c[D] + p], w[c[V] + p], w[c[BIAS] + p] = d, speed, bias
     if c[PRESS] < 0:
         return
-    touch = t_target + r_target @ layout.local[TARGET]
-    apart = touch - place[TIP]
-    relative = np.zeros(3)
+    relative = vectors[3]
     if biased:
-        other = np.zeros((3, 3))
         _drift(jacobian, rate, layout.support[TIP], v, touch, other)
         _drift(jacobian, rate, layout.support[TARGET], v, touch, motion)
-        relative = motion[2] - other[2] - 2.0 * np.cross(other[0], motion[1] - other[1])
-    for k in range(2):
-        p = c[PRESS] if k == 0 else c[SLIDE]
-        n = r_tip @ layout.tip_axes[k]
+        x, y, z = motion[1, 0] - other[1, 0], motion[1, 1] - other[1, 1], motion[1, 2] - other[1, 2]
+        relative[0] = motion[2, 0] - other[2, 0] - 2.0 * (other[0, 1] * z - other[0, 2] * y)
+        relative[1] = motion[2, 1] - other[2, 1] - 2.0 * (other[0, 2] * x - other[0, 0] * z)
+        relative[2] = motion[2, 2] - other[2, 2] - 2.0 * (other[0, 0] * y - other[0, 1] * x)
+    n = vectors[4]
+    for k in range(3):
+        p = c[PRESS] if k == 0 else c[SLIDE] if k == 1 else layout.rise[0]
+        if p < 0:
+            continue
+        _turned(r_tip, layout.tip_axes[k], n)
         out = w[c[W_ROWS] + p * nv : c[W_ROWS] + (p + 1) * nv]
-        out[:] = 0.0
+        for i in range(nv):
+            out[i] = 0.0
         # the face belongs to the tip, the point to the target; both feel the force at the point
         _row(jacobian, layout.support[TARGET], n, touch, 1.0, out)
         _row(jacobian, layout.support[TIP], n, touch, -1.0, out)
         speed = 0.0
         for i in range(nv):
             speed += out[i] * v[i]
-        w[c[D] + p], w[c[V] + p], w[c[BIAS] + p] = np.dot(n, apart), speed, np.dot(n, relative)
+        w[c[D] + p], w[c[V] + p] = _along(n, apart), speed
+        w[c[BIAS] + p] = _along(n, relative) if biased else 0.0
 
 
 @jit

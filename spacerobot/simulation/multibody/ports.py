@@ -46,9 +46,17 @@ def pull_energy(d: float, v: float, aux: float, p: Any) -> float:
 PULL = Kernel(pull, energy=pull_energy)
 
 
-def with_fields_as_forces(mechanism: Mechanism) -> Mechanism:
-    """The mechanism with every field of an effect written as a constant force on its body."""
-    ports, forces = dict(mechanism.ports), list(mechanism.forces)
+RISE = "contact.rise"
+"""Port of the sliding out of the plane of approach and lateral, which a planar model does not have."""
+
+
+def for_bodies(mechanism: Mechanism) -> Mechanism:
+    """The mechanism with what a planar one can do without.
+
+    Every field of an effect becomes a constant force on its body. Every friction across the contact acts upwards as
+    it does sideways: the friction cone becomes a square pyramid, exact for sliding along either axis.
+    """
+    ports, forces, frictions = dict(mechanism.ports), list(mechanism.forces), list(mechanism.frictions)
     for item in mechanism.fields:
         if item.name == GRAVITY:
             continue
@@ -56,7 +64,11 @@ def with_fields_as_forces(mechanism: Mechanism) -> Mechanism:
         ports[port] = {item.body: 1.0}
         weight = mechanism.coordinates[item.body].mass * item.acceleration
         forces.append(Force(f"{item.name} on {item.body}", port, PULL, (weight,)))
-    return replace(mechanism, ports=ports, forces=tuple(forces), fields=())
+    across = [f for f in frictions if f.port == "contact.slide"]
+    if across:
+        ports[RISE] = {}
+        frictions += [replace(f, port=RISE) for f in across]
+    return replace(mechanism, ports=ports, forces=tuple(forces), frictions=tuple(frictions), fields=())
 
 
 def layout_of(assembly: Assembly, mechanism: Mechanism) -> tuple[Layout, list[str]]:
@@ -106,9 +118,10 @@ def layout_of(assembly: Assembly, mechanism: Mechanism) -> tuple[Layout, list[st
             support=np.array([_support(model, body) for body in bodies]),
             local=np.array([np.zeros(3), assembly.hand[1], assembly.tip[1], assembly.base[1], assembly.point]),
             axes=np.ascontiguousarray(assembly.axes.T),
-            tip_axes=np.array([tip.T @ approach, tip.T @ lateral]),
-            attitude=np.array(data.oMi[assembly.target].rotation),
+            tip_axes=np.ascontiguousarray((tip.T @ assembly.axes).T),
+            ahead=data.oMi[assembly.target].rotation.T @ approach,
             split=np.array([assembly.split]),
+            rise=np.array([list(mechanism.ports).index(RISE) if RISE in mechanism.ports else -1]),
         ),
         names,
     )
