@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import fcntl
 import hashlib
 import io
@@ -69,10 +70,11 @@ class RunFolder:
         self.folder = Path(folder).expanduser().resolve()
         self.command, self.input_hash = command, input_hash
         self.finished = self.resumed = False
+        self._made: list[Path] = []
         self._outputs: dict[str, int] = {}
         self._lock: IO[bytes] | None = None
         try:
-            self.folder.mkdir(parents=True, exist_ok=True)
+            self._make()
             self._lock = self._locked()
             self._open(overwrite)
         except OSError as error:
@@ -81,6 +83,7 @@ class RunFolder:
                 f"the folder cannot be used: {error.strerror}", given=str(folder), where="--out"
             ) from None
         except BaseException:
+            self._withdraw()
             self.close()
             raise
 
@@ -90,6 +93,8 @@ class RunFolder:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
+        if error is not None:
+            self._withdraw()
         self.close()
 
     def close(self) -> None:
@@ -157,6 +162,22 @@ class RunFolder:
         self._mark("finished")
         self.finished = True
         shutil.rmtree(self.folder / _PARTIAL, ignore_errors=True)
+
+    def _make(self) -> None:
+        """Make the folder, and remember which folders were not there before."""
+        missing = [p for p in (self.folder, *self.folder.parents) if not p.exists()]
+        self.folder.mkdir(parents=True, exist_ok=True)
+        self._made = missing
+
+    def _withdraw(self) -> None:
+        """Leave no trace in a new folder if there is nothing yet that a later run could take up."""
+        if not self._made or any(p.name not in (MARKER, _LOCK) for p in self.folder.iterdir()):
+            return
+        for name in (MARKER, _LOCK):
+            (self.folder / name).unlink(missing_ok=True)
+        for folder in self._made:
+            with contextlib.suppress(OSError):  # something else came to lie in it
+                folder.rmdir()
 
     def _open(self, overwrite: bool) -> None:
         for left in self.folder.rglob(".*.part"):  # what a killed process was writing

@@ -150,3 +150,24 @@ def test_kill_leaves_whole_files_and_a_run_that_resumes(tmp_path: Path, delay: f
         assert run.resumed
         assert run.load("step 0") == list(range(500))
         assert not list(tmp_path.rglob(".*.part"))
+
+
+def test_a_run_that_is_refused_leaves_no_folder(tmp_path: Path) -> None:
+    with pytest.raises(InputError), RunFolder(tmp_path / "a" / "b", "fit", "1"):
+        raise InputError("bad")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_run_that_has_saved_something_stays(tmp_path: Path) -> None:
+    with pytest.raises(KeyboardInterrupt), RunFolder(tmp_path / "a", "fit", "1") as run:
+        run.save("half", 1)
+        raise KeyboardInterrupt
+    with RunFolder(tmp_path / "a", "fit", "1") as run:
+        assert run.resumed
+        assert run.load("half") == 1
+
+
+def test_a_folder_that_was_there_stays(tmp_path: Path) -> None:
+    with pytest.raises(InputError), RunFolder(tmp_path, "fit", "1"):
+        raise InputError("bad")
+    assert tmp_path.is_dir()
