@@ -48,6 +48,9 @@ _PARTS: dict[str, dict[str, str]] = {
 }
 """Part of a scene -> option -> field, of those that are one number."""
 
+_SETTING = ("robot", "base", "spacecraft", "tip")
+"""What decides which joints there are."""
+
 _TABLE = ("target.x", "target.yaw", "wrist.x", "hand.x", "contact.force", "contact.penetration")
 """Channels that the CSV begins with."""
 
@@ -119,15 +122,24 @@ def _scene(args: argparse.Namespace) -> Scene:
         changes.setdefault("base", "free")
     if args.effect:
         changes["effects"] = (*(plain.effects if scene is not None else ()), *(_effect(t) for t in args.effect))
+    if args.frame is not None:
+        changes["tip"] = args.frame
+    if args.set:
+        changes["others"] = parse_assignments(args.set, "--set")
+        if args.deg:
+            rough = replace(plain, **{k: v for k, v in changes.items() if k in _SETTING})
+            kinds = angular(rough.prepared, changes["others"])
+            values = to_radians(list(changes["others"].values()), kinds)
+            changes["others"] = dict(zip(changes["others"], values, strict=True))
     if args.q is not None:
         changes["pose"] = tuple(parse_numbers(args.q, "--q"))
         if args.deg:
-            rough = replace(plain, **{k: v for k, v in changes.items() if k in ("robot", "base", "spacecraft")})
+            rough = replace(plain, **{k: v for k, v in changes.items() if k in _SETTING})
             kinds = angular(rough.prepared, rough.prepared.chain)
             if len(kinds) == len(changes["pose"]):
                 changes["pose"] = tuple(to_radians(changes["pose"], kinds))
-    elif args.deg:
-        raise InputError("says how to read --q, which is not given", where="--deg")
+    elif args.deg and not args.set:
+        raise InputError("says how to read --q and --set, which are not given", where="--deg")
     return replace(scene, **changes) if scene is not None else Scene(**changes)
 
 

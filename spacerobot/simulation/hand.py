@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -41,6 +42,7 @@ def hand_of(
     base: str,
     joints: str,
     *,
+    others: Mapping[str, float] | None = None,
     servo: Servo | None = None,
     wrist_stiffness: float = 0.0,
     target_mass: float = 0.0,
@@ -55,12 +57,13 @@ def hand_of(
         pose: shape (len(chain),) [rad or m].
         approach: unit vector, world axes.
         base, joints: the regime.
+        others: positions of joints outside the chain.
         servo: what holds servo joints.
         wrist_stiffness, target_mass: for the contact's frequency [N/m, kg].
     """
     if base == "fixed" and joints == "locked":
         return Hand(math.inf, note="the arm is held")
-    options = {"base": base, "direction": approach}
+    options = {"base": base, "direction": approach, "others": dict(others or {})}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", PoseLimitWarning)  # the scene has said so
         if joints != "servo":
@@ -83,7 +86,7 @@ def hand_of(
                 held.effective_mass_kg, springlike=abs(held.phase_rad) > 0.5 * math.pi, note="; ".join(held.notes)
             )
         free = effective_mass(robot, pose, joints="free", **options)  # type: ignore[arg-type]
-    terms = terms_of(robot, robot.configuration(pose), regime_of(robot, "fixed", "free"))
+    terms = terms_of(robot, robot.configuration(pose, others=dict(others or {})), regime_of(robot, "fixed", "free"))
     row = np.array(approach) @ terms.jacobian[:3][:, terms.arm]
     if math.isinf(free.effective_mass_kg):
         return Hand(math.inf, note="servo joints: the hand cannot move along the approach")

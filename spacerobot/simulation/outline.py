@@ -17,6 +17,8 @@ class Outline(Protocol):
     @property
     def prepared(self) -> Robot: ...  # noqa: D102
     @property
+    def start(self) -> np.ndarray: ...  # noqa: D102
+    @property
     def base(self) -> str | None: ...  # noqa: D102
     @property
     def joints(self) -> str: ...  # noqa: D102

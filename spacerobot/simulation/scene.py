@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -20,7 +21,8 @@ from spacerobot.model.robot import Robot
 from spacerobot.model.spacecraft import SpacecraftSpec, float_base
 from spacerobot.model.wrist import WristSpec, aim, attach_wrist
 from spacerobot.simulation.hand import Hand, hand_of
-from spacerobot.simulation.parts import ContactLaw, EffectAt, Servo, Target, Wrist, number, vector
+from spacerobot.simulation.parts import ContactLaw, EffectAt, Servo, Target, Wrist
+from spacerobot.simulation.parts.checks import number, vector
 from spacerobot.simulation.scene_mechanism import baseline, edited
 from spacerobot.support.errors import InputError, NotFoundError
 
@@ -54,6 +56,8 @@ class Scene:
         joints: "locked", "free" or "servo".
         pose: joint positions from base to tip [rad or m]; the rig's pose for the bundled arm, else zero or the
             limit nearest to it, if None.
+        tip: frame that carries the wrist, of a robot that has none; the arm's tip if None.
+        others: positions of joints outside the chain by name (fingers) [rad or m]; they are locked, neutral if absent.
         approach: unit vector, the target's direction of motion; the wrist is turned to point against it.
         gravity: acceleration [m/s^2].
         wrist, contact, target: see there.
@@ -70,6 +74,8 @@ class Scene:
     base: str | None = None
     joints: str = "locked"
     pose: tuple[float, ...] | None = None
+    tip: str | None = None
+    others: Mapping[str, float] = field(default_factory=dict)
     approach: tuple[float, ...] = (1.0, 0.0, 0.0)
     gravity: tuple[float, ...] = (0.0, 0.0, 0.0)
     wrist: Wrist = field(default_factory=Wrist)
@@ -122,16 +128,31 @@ class Scene:
             )
         if self.hand_speed and self.base != "free":
             raise InputError("only a free chaser has a speed of its own", given=self.hand_speed, where="hand_speed")
-        for text in pose_limit_warnings(loaded, loaded.configuration(np.array(self.pose))):
+        for text in pose_limit_warnings(loaded, self._start(loaded)):
             warnings.warn(text, PoseLimitWarning, stacklevel=3)
         object.__setattr__(self, "_aimed", self._prepared(loaded))
         self.mechanism()
         self._require_arrival()
 
+    def _start(self, robot: Robot) -> np.ndarray:
+        """The robot's whole configuration at the start, shape (nq,)."""
+        for name in self.others:
+            if name in robot.chain or name == robot.slider:
+                raise InputError("this joint is set by the pose or the wrist", given=name, where="others")
+        others = {name: number(value, f"others.{name}") for name, value in self.others.items()}
+        return robot.configuration(np.array(self.pose), others=others)
+
+    @property
+    def start(self) -> np.ndarray:
+        """Configuration of `prepared` at the start, shape (nq,)."""
+        return self._start(self.prepared)
+
     def _loaded(self) -> Robot:
         robot = self.robot if isinstance(self.robot, Robot) else load(self.robot)
         if robot.slider is None:
-            robot = attach_wrist(robot, wrist=WristSpec(mass=self.wrist.mass))
+            robot = attach_wrist(robot, self.tip, WristSpec(mass=self.wrist.mass))
+        elif self.tip is not None:
+            raise InputError("the robot has a wrist already, where it is", given=self.tip, where="tip")
         if self.spacecraft is not None:
             if self.base == "fixed":
                 raise InputError("a spacecraft floats", given="base fixed", valid="base free", where="spacecraft")
@@ -173,6 +194,7 @@ class Scene:
             self.approach,
             str(self.base),
             self.joints,
+            others=self.others,
             servo=self.servo,
             wrist_stiffness=self.wrist.stiffness,
             target_mass=self.target.mass,

@@ -16,7 +16,8 @@
     where = "wrist"
     parameters = { force_N = 0.4 }
 
-Tables: wrist, contact, target, servo, chaser (hand_speed), spacecraft, [[effects]]. Keys are the fields of `Wrist`,
+Tables: wrist, contact, target, servo, chaser (hand_speed), spacecraft, others (JOINT = position), [[effects]].
+Keys are the fields of `Wrist`,
 `ContactLaw`, `Target`, `Servo` and `SpacecraftSpec`.
 """
 
@@ -34,7 +35,8 @@ import numpy as np
 
 from spacerobot.model.robot import Robot
 from spacerobot.model.spacecraft import SpacecraftSpec
-from spacerobot.simulation.parts import ContactLaw, EffectAt, Servo, Target, Wrist, number, vector
+from spacerobot.simulation.parts import ContactLaw, EffectAt, Servo, Target, Wrist
+from spacerobot.simulation.parts.checks import number, vector
 from spacerobot.simulation.scene import Scene
 from spacerobot.support.errors import InputError, NotFoundError
 
@@ -47,8 +49,8 @@ _TABLES: dict[str, type] = {
     "servo": Servo,
     "spacecraft": SpacecraftSpec,
 }
-_PLAIN = ("robot", "base", "joints", "approach", "gravity", "duration", "backend", "title")
-_TOP = ("format", *_PLAIN, "pose", "pose_deg", "chaser", "effects", *_TABLES)
+_PLAIN = ("robot", "base", "joints", "tip", "approach", "gravity", "duration", "backend", "title")
+_TOP = ("format", *_PLAIN, "pose", "pose_deg", "others", "chaser", "effects", *_TABLES)
 
 
 def read_scene(path: str | Path) -> Scene:
@@ -94,7 +96,7 @@ def _scene(data: Mapping[str, Any], folder: Path | None) -> Scene:
     if data.get("format", FORMAT) != FORMAT or isinstance(data.get("format"), bool):
         raise InputError("unknown format of a scene", given=data["format"], valid=str(FORMAT), where="format")
     given: dict[str, Any] = {key: data[key] for key in _PLAIN if key in data}
-    for key in ("robot", "base", "joints", "backend", "title"):
+    for key in ("robot", "base", "joints", "tip", "backend", "title"):
         if key in given and not isinstance(given[key], str):
             raise InputError("must be text", given=given[key], where=key)
     if "robot" in given:
@@ -115,6 +117,8 @@ def _scene(data: Mapping[str, Any], folder: Path | None) -> Scene:
         table = _table(data, "chaser")
         _known(table, ("hand_speed",), "chaser")
         given["hand_speed"] = number(table.get("hand_speed", 0.0), "chaser.hand_speed")
+    if "others" in data:
+        given["others"] = {k: number(v, f"others.{k}") for k, v in _table(data, "others").items()}
     given["effects"] = _effects(data.get("effects", []))
     return Scene(**given)
 
@@ -179,6 +183,7 @@ def scene_text(scene: Scene) -> str:
         "base": scene.base,
         "joints": scene.joints,
         "pose": scene.pose,
+        "tip": scene.tip,
         "approach": scene.approach,
         "gravity": scene.gravity,
         "duration": scene.duration,
@@ -191,6 +196,8 @@ def scene_text(scene: Scene) -> str:
             lines += ["", f"[{name}]"]
             values = {f.name: getattr(record, f.name) for f in dataclasses.fields(record)}
             lines += [f"{key} = {_value(value)}" for key, value in values.items() if value is not None]
+    if scene.others:
+        lines += ["", "[others]", *(f"{json.dumps(k)} = {_value(v)}" for k, v in scene.others.items())]
     if scene.hand_speed:
         lines += ["", "[chaser]", f"hand_speed = {_value(scene.hand_speed)}"]
     for item in scene.effects:

@@ -110,7 +110,7 @@ def _with_robot(scene: Outline, mechanism: Mechanism) -> Mechanism:
         ports["base"] = {"base": 1.0}
         readouts["base.x"] = Readout("base.x", "position", "base")
     if scene.joints != "locked":
-        inertia = joint_space_inertia(robot, robot.configuration(np.array(scene.pose)))
+        inertia = joint_space_inertia(robot, scene.start)
         held = scene.servo.per_joint(robot.chain) if scene.servo is not None else ()
         for i, joint in enumerate(robot.chain):
             name = f"joint.{joint}"

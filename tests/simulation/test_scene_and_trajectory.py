@@ -81,6 +81,19 @@ def test_any_arm_gets_a_wrist(name: str) -> None:
     assert found.restitution.target == pytest.approx(held.restitution.target, abs=1e-9), "a held arm is a held arm"
 
 
+def test_the_wrist_goes_to_any_frame_and_fingers_stay_where_they_are_put() -> None:
+    free = {"joints": "free", "target": Target(speed=0.05), "wrist": Wrist(stiffness=5000.0)}
+    masses = []
+    for tip, finger in ((None, 0.0), ("panda_link5", 0.0), (None, 0.04)):
+        scene = Scene(
+            "panda", tip=tip, others={"panda_finger_joint1": finger}, pose=(0, -0.5, 0, -2, 0, 1.5, 0.8), **free
+        )
+        assert scene_from_text(scene.to_toml()) == scene
+        masses.append(scene.hand.mass)
+        assert simulate(scene, rate=100.0).restitution.touches > 0
+    assert len(set(masses)) == 3
+
+
 def test_a_robot_made_in_python_will_do() -> None:
     scene = Scene(load("pa10_wrist"), target=Target(speed=0.05), wrist=Wrist(stiffness=5000.0, mass=1.3))
     index = scene.prepared.joint_id("wrist_slider")

@@ -54,7 +54,7 @@ def assemble_bodies(scene: Scene, mechanism: Mechanism) -> Assembly:
     """
     robot = scene.prepared
     full = robot.model
-    start = robot.configuration(np.array(scene.pose))
+    start = scene.start
     moving = {str(robot.slider)}
     if scene.joints != "locked":
         moving.update(robot.chain)

@@ -63,6 +63,7 @@ def integrate(
     h_first: float,
     h_max: float,
     u: Any,
+    most: int,
 ) -> Any:
     """Integrates from t0 to t1; returns the steps, events (time, index, new mode), end state and status."""
     size = y0.size
@@ -180,7 +181,7 @@ def integrate(
         else:
             h = full * grow if not final else max(h, full * grow)
         evaluate(x, c, laws, t, y, modes, u, w, k[0])
-        if m >= MAX_STEPS:
+        if m >= most:
             status = TOO_MANY_STEPS
             break
     return (

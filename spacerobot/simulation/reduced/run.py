@@ -10,7 +10,7 @@ import numpy as np
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.simulation.events import Event
 from spacerobot.simulation.reduced.arrays import LAWS, Layout, Packed, System, assemble, initial_vector, pack
-from spacerobot.simulation.reduced.integrate import NOT_FINITE, OK, TOO_MANY_EVENTS, Steps, integrate
+from spacerobot.simulation.reduced.integrate import MAX_STEPS, NOT_FINITE, OK, TOO_MANY_EVENTS, Steps, integrate
 from spacerobot.simulation.reduced.motion import APART, PRESSED, RELEASED, STICK
 from spacerobot.simulation.reduced.sampling import sample, work_done
 from spacerobot.support.errors import InputError, SimulationError
@@ -101,6 +101,7 @@ def simulate(
     tolerance: float = 1e-8,
     inputs: tuple[np.ndarray, Mapping[str, np.ndarray]] | None = None,
     max_step: float = 0.05,
+    step_limit: int = MAX_STEPS,
 ) -> ReducedRun:
     """Integrate a mechanism from `start` to `end` [s].
 
@@ -110,6 +111,7 @@ def simulate(
         tolerance: relative error per step; absolute errors are 1e-3 of it in metres, 1e-1 in m/s.
         inputs: times shape (T,) and recorded drives by channel, shape (T,) each, for the mechanism's inputs.
         max_step: longest step [s].
+        step_limit: number of steps after which it is given up.
 
     Raises:
         InputError: a time or tolerance that cannot be.
@@ -132,7 +134,7 @@ def simulate(
     packed = pack(system)
     first = min(1e-4, max_step, end - start)
     time, length, state, dense, modes, etime, eindex, emode, _, status = integrate(
-        *packed, LAWS.laws, packed.work(), y0, start, end, tolerance, atol, first, max_step, drives
+        *packed, LAWS.laws, packed.work(), y0, start, end, tolerance, atol, first, max_step, drives, step_limit
     )
     if status != OK:
         raise SimulationError(f"reduced model: {_REASONS.get(int(status), 'too many steps')} at t = {time[-1]:.6g} s")
