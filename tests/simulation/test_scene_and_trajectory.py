@@ -84,7 +84,7 @@ def test_any_arm_gets_a_wrist(name: str) -> None:
 def test_the_wrist_goes_to_any_frame_and_fingers_stay_where_they_are_put() -> None:
     free = {"joints": "free", "target": Target(speed=0.05), "wrist": Wrist(stiffness=5000.0)}
     masses = []
-    for tip, finger in ((None, 0.0), ("panda_link5", 0.0), (None, 0.04)):
+    for tip, finger in ((None, 0.0), ("panda_link8", 0.0), (None, 0.04)):
         scene = Scene(
             "panda", tip=tip, others={"panda_finger_joint1": finger}, pose=(0, -0.5, 0, -2, 0, 1.5, 0.8), **free
         )
