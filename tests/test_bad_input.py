@@ -327,5 +327,22 @@ def test_arguments(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
     refused(arguments, message, tmp_path, capsys)
 
 
+@pytest.mark.parametrize("value", ["nan", "-inf", "1e308", "1e-308", "1" + "0" * 400, '""', "[]", "[1e300, 0, 0]"])
+def test_any_value_gets_an_answer(value: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Every key in turn takes the odd value: an answer, or one line; never an unforeseen error."""
+    (tmp_path / "01.csv").write_text(CSV)
+    for text, file, command in ((SCENE, "scene.toml", "simulate"), (STUDY, "study.toml", "overlay")):
+        lines = text.splitlines()
+        for number, line in enumerate(lines):
+            key, equals, _ = line.partition(" = ")
+            if not equals:
+                continue
+            (tmp_path / file).write_text("\n".join([*lines[:number], f"{key} = {value}", *lines[number + 1 :]]))
+            code = main([command, str(tmp_path / file)])
+            captured = capsys.readouterr()
+            assert code in (0, 2), f"{key} = {value}: {captured.err}"
+            assert captured.err.count("\n") == (1 if code else 0), f"{key} = {value}: {captured.err}"
+
+
 def test_there_are_at_least_a_hundred() -> None:
     assert len(SCENES) + len(STUDIES) + len(RECORDINGS) + len(URDFS) + len(ARGUMENTS) >= 100

@@ -12,6 +12,9 @@ from typing import Any
 
 from spacerobot.support.errors import InputError, NotFoundError
 
+LARGEST = 1e15
+"""No physical value of a rig, in SI units, is beyond it."""
+
 MAXIMUM_BYTES = 4_000_000
 """Longest study file that is read; a campaign of 300 trials takes about 50 kB."""
 
@@ -86,6 +89,9 @@ class Document:
             number = math.inf
         if not math.isfinite(number):
             raise InputError(f"{path[-1]!r} must be finite", given=value, where=self.where(*path))
+        if abs(number) > LARGEST:
+            where = self.where(*path)
+            raise InputError(f"{path[-1]!r} is out of range", given=value, valid=f"up to {LARGEST:g}", where=where)
         return number
 
     def vector(self, value: object, length: int | None, *path: str | int) -> tuple[float, ...]:
