@@ -21,6 +21,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "simulate": ("simulate", "a wrist meets a free-flying body: predicted beside simulated"),
     "paper": ("paper", "Table 1, Figs. 5 and 6 and the equations of the paper, checked"),
     "overlay": ("overlay", "a study's trials simulated and laid over their recordings"),
+    "view": ("view", "a robot, a capture or a recorded trial as a scene in one file"),
     "study": ("study", "write a first study file from a folder of recordings, or check one"),
 }
 """Name -> (module under spacerobot.cli with `configure(parser)` and `run(args) -> int | None`, its help).

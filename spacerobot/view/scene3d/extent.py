@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from spacerobot.view.scene3d.film import Array, Body
+from spacerobot.view.scene3d.film import Array, Body, View
 
 
 def bounds(bodies: Iterable[Body], *, at_most: int = 12) -> tuple[Array, Array]:
@@ -35,6 +35,12 @@ def view_of(bodies: Iterable[Body]) -> tuple[Array, float, float]:
     """Focus (3,), reach and floor height of a camera that sees all bodies."""
     low, high = bounds(bodies)
     return 0.5 * (low + high), 0.5 * float(np.linalg.norm(high - low)), float(low[2])
+
+
+def views_of(focus: Array, reach: float) -> tuple[View, ...]:
+    """The usual views of everything."""
+    directions = {"Whole": (1.1, -1.7, 0.75), "Side": (0.02, -1.0, 0.12), "Top": (0.001, -0.02, 1.0)}
+    return tuple(View(name, focus, reach, direction) for name, direction in directions.items())
 
 
 def rotation(quaternion: Array) -> Array:

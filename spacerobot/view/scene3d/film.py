@@ -118,6 +118,23 @@ class MassEllipsoid:
     limit: float
 
 
+@dataclass(frozen=True, eq=False)
+class View:
+    """Where a camera may stand.
+
+    Attributes:
+        name: on its button.
+        focus: (3,), what it looks at [m].
+        reach: radius about the focus that must be seen [m].
+        direction: (3,), from the focus to the camera, of any length.
+    """
+
+    name: str
+    focus: Array
+    reach: float
+    direction: tuple[float, float, float]
+
+
 @dataclass(frozen=True)
 class Mark:
     """An event on the time line."""
@@ -137,11 +154,12 @@ class Film:
         bodies, trails, readouts, marks: see there.
         arrow, ellipsoid: see there, or None.
         centre_of_mass: (T, 3) [m], or None.
+        centre_label: whose it is.
         chart: name of the readout drawn along the time line, or "".
         place: "ground" or "space".
-        focus: point that the camera looks at, (3,) [m].
-        reach: radius about the focus that must be seen [m].
-        close: a second view: (point, radius), or None.
+        views: of the camera; the film opens with the first.
+        focus: middle of everything, (3,) [m].
+        reach: radius about it that holds everything [m].
         notes: sentences printed beside the picture.
         floor: height of the ground [m].
     """
@@ -153,15 +171,16 @@ class Film:
     bodies: tuple[Body, ...]
     focus: Array
     reach: float
+    views: tuple[View, ...]
     trails: tuple[Trail, ...] = ()
     readouts: tuple[Readout, ...] = ()
     marks: tuple[Mark, ...] = ()
     arrow: Arrow | None = None
     ellipsoid: MassEllipsoid | None = None
     centre_of_mass: Array | None = None
+    centre_label: str = ""
     chart: str = ""
     place: str = "ground"
-    close: tuple[Array, float] | None = None
     notes: tuple[str, ...] = field(default=())
     floor: float = 0.0
 
@@ -169,6 +188,8 @@ class Film:
         count = len(self.time)
         if count == 0 or not np.all(np.isfinite(self.time)) or np.any(np.diff(self.time) <= 0.0):
             raise InputError("a film needs ascending times", given=count)
+        if not self.views:
+            raise InputError("a film needs a view", valid="at least one")
         names = [body.name for body in self.bodies]
         if len(set(names)) != len(names):
             raise InputError("bodies of a film need names of their own", given=sorted(names))

@@ -21,7 +21,7 @@ _NAMES = {"int16": "Int16Array", "uint16": "Uint16Array", "uint32": "Uint32Array
 def messages(film: Film) -> list[bytes]:
     """What a fresh viewer is to be told, in order: the defaults go, the film's bodies come."""
     counter = itertools.count()
-    found = [{"type": "delete", "path": path} for path in ("/Lights", "/Grid", "/Axes")]
+    found: list[dict[str, Any]] = [{"type": "delete", "path": path} for path in ("/Lights", "/Grid", "/Axes")]
     for body in film.bodies:
         found.append({"type": "set_object", "path": path_of(body), "object": _object(body, counter)})
     return [umsgpack.packb(message) for message in found]

@@ -18,7 +18,7 @@ from markupsafe import Markup
 from spacerobot import __version__
 from spacerobot.support.errors import SpacerobotError
 from spacerobot.support.jsonio import plain
-from spacerobot.view.scene3d.film import Array, Film
+from spacerobot.view.scene3d.film import Film
 from spacerobot.view.scene3d.messages import messages, path_of
 
 _SCRIPTS = ("stage.js", "mass.js", "player.js")
@@ -88,7 +88,7 @@ class _Blob:
     """Arrays of numbers behind one another, as the page reads them: (offset, count) in 32-bit floats."""
 
     def __init__(self) -> None:
-        self.parts: list[Array] = []
+        self.parts: list[np.ndarray] = []
         self.size = 0
 
     def put(self, values: Any) -> list[int]:
@@ -133,7 +133,7 @@ def _data(film: Film) -> dict[str, Any]:
         "focus": film.focus,
         "reach": film.reach,
         "floor": film.floor,
-        "close": None if film.close is None else {"focus": film.close[0], "reach": film.close[1]},
+        "views": [{"name": v.name, "focus": v.focus, "reach": v.reach, "direction": v.direction} for v in film.views],
     }
     if film.arrow is not None:
         direction = np.broadcast_to(film.arrow.direction, (len(film.time), 3))
@@ -152,5 +152,6 @@ def _data(film: Film) -> dict[str, Any]:
         }
     if film.centre_of_mass is not None:
         found["centreOfMass"] = blob.put(film.centre_of_mass)
+        found["centreLabel"] = film.centre_label
     found["numbers"] = blob.text()
     return found

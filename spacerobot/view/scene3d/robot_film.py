@@ -6,7 +6,7 @@ import numpy as np
 import pinocchio as pin
 
 from spacerobot.model.robot import Robot
-from spacerobot.view.scene3d.extent import view_of
+from spacerobot.view.scene3d.extent import view_of, views_of
 from spacerobot.view.scene3d.film import Array, Film, Mark, Readout, Trail
 from spacerobot.view.scene3d.masses import mass_along, mass_ellipsoid
 from spacerobot.view.scene3d.robot_body import frame_poses, robot_bodies
@@ -56,6 +56,7 @@ def robot_film(robot: Robot, pose: Array | None = None) -> Film:
         bodies=bodies,
         focus=focus,
         reach=reach,
+        views=views_of(focus, reach),
         floor=floor,
         trails=(Trail("tip", tip, (0.9, 0.35, 0.1)),) if robot.chain else (),
         readouts=tuple(readouts),

@@ -57,12 +57,12 @@ def flat(points: Array, faces: NDArray[np.int64]) -> Solid:
     return Solid(corners.reshape(-1, 3), np.repeat(normals, 3, axis=0), np.arange(3 * len(faces)).reshape(-1, 3))
 
 
-def box(size: tuple[float, float, float], bevel: float = 0.05) -> Solid:
-    """A box with edges `size`, centred; the bevel is a share of the shortest edge, 15 mm at most."""
+def box(size: tuple[float, float, float], bevel: float = 0.03) -> Solid:
+    """A box with edges `size`, centred; the bevel is a share of the shortest edge, 10 mm at most."""
     from scipy.spatial import ConvexHull
 
     half = np.array(size, dtype=float) / 2.0
-    cut = min(bevel * float(min(size)), 0.015)
+    cut = min(bevel * float(min(size)), 0.01)
     signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
     points = np.concatenate([signs * (half - cut * (1.0 - np.eye(3)[axis])) for axis in range(3)])
     faces = ConvexHull(points).simplices.astype(np.int64)

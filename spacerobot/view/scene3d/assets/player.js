@@ -67,20 +67,22 @@
   }
   let arrow = null, touch = null, centre = null, ellipsoid = null;
   if (film.arrow) {
-    const size = (film.close ? film.close.reach : film.reach);
-    const paint = new T.MeshStandardMaterial({ color: 0xe0341f, roughness: 0.4, emissive: 0xe0341f, emissiveIntensity: 0.35 });
-    const r = 0.02 * size, shaft = new T.Mesh(new T.CylinderGeometry(r, r, 1, 24), paint);
+    // Seen through everything: it acts inside the contact.
+    const paint = new T.MeshBasicMaterial({ color: 0xe0230f, depthTest: false, transparent: true });
+    const r = 0.007, shaft = new T.Mesh(new T.CylinderGeometry(r, r, 1, 24), paint);
     shaft.geometry.rotateX(Math.PI / 2).translate(0, 0, 0.5);
     const head = new T.Mesh(new T.ConeGeometry(2.4 * r, 5.5 * r, 28), paint);
     head.geometry.rotateX(Math.PI / 2).translate(0, 0, 2.75 * r);
     const group = new T.Group();
+    shaft.renderOrder = head.renderOrder = 7;
     group.add(shaft, head);
     world.add(group);
     arrow = { group: group, shaft: shaft, head: head, tip: 5.5 * r, force: take(film.arrow.force), point: take(film.arrow.point),
       direction: take(film.arrow.direction), scale: film.arrow.scale };
-    touch = marker(1.3 * r, 0xffd23f, 0.9);
+    touch = marker(1.2 * r, 0xffd23f, 0.9);
     touch.material.depthTest = false;
-    touch.renderOrder = 5;
+    touch.material.transparent = true;
+    touch.renderOrder = 8;
   }
   if (film.centreOfMass) {
     centre = { track: take(film.centreOfMass), mesh: quartered(0.024 * film.reach) };
@@ -206,7 +208,7 @@
   const round = function (v) { return Number(v.toPrecision(2)); };
   if (arrow) said.push("Force arrow: 10 cm is " + round(0.1 / arrow.scale) + " N.");
   if (ellipsoid) said.push("Violet: effective mass felt in each direction, 10 cm is " + round(0.1 / ellipsoid.scale) + " kg.");
-  if (centre) said.push("Black and yellow: centre of mass.");
+  if (centre) said.push("Black and yellow: centre of mass" + (film.centreLabel ? " " + film.centreLabel : "") + ".");
   $("legend").textContent = said.join(" ");
   if (ghosts.length) {
     const swatch = document.createElement("span"), line = document.createElement("span");
@@ -214,21 +216,17 @@
     line.append(" Translucent: the recording; simulated and recorded agree ", swatch, " or are 10 σ apart.");
     $("legend").append(line);
   }
-  const VIEWS = [["Whole", [1.1, -1.7, 0.75]], ["Side", [0.02, -1, 0.12]], ["Top", [0.001, -0.02, 1]], ["Front", [1, -0.02, 0.15]]];
-  if (film.close) VIEWS.splice(1, 0, ["Contact", [0.35, -1, 0.42]]);
-  VIEWS.forEach(function (view, i) {
+  film.views.forEach(function (view, i) {
     const button = document.createElement("button");
     button.type = "button";
-    button.textContent = view[0];
+    button.textContent = view.name;
     button.title = "key " + (i + 1);
-    button.addEventListener("click", function () { see(view[0]); });
+    button.addEventListener("click", function () { see(view.name); });
     $("views").append(button);
   });
   function see(name) {
-    const view = VIEWS.find(function (v) { return v[0].toLowerCase() === name.toLowerCase(); }) || VIEWS[0];
-    const at = view[0] === "Contact" ? film.close : film;
-    viewer.set_3d_pane_size();
-    SpacerobotStage.look(viewer, at.focus, at.reach, view[1]);
+    const view = film.views.find(function (v) { return v.name.toLowerCase() === name.toLowerCase(); }) || film.views[0];
+    SpacerobotStage.look(viewer, view.focus, view.reach, view.direction);
   }
 
   // The time line.
@@ -243,15 +241,21 @@
     path.setAttribute("d", d + "L1000 40Z");
     $("chart").append(path);
   }
-  let previous = -1, lower = false;
+  const rows = [-1, -1];
   film.marks.forEach(function (m) {
-    const line = document.createElement("span"), label = document.createElement("b"), share = m.time / film.length;
+    const line = document.createElement("span"), share = m.time / film.length;
+    const wide = (6.4 * m.label.length + 14) / Math.max($("marks").clientWidth, 200);
+    const left = share + wide > 1, row = rows.findIndex(function (end) { return (left ? share - wide : share) >= end; });
     line.style.left = 100 * share + "%";
-    lower = share - previous < 0.07 && !lower;
-    previous = share;
-    line.className = (share > 0.92 ? "left " : "") + (lower ? "lower" : "");
-    label.textContent = m.label;
-    line.append(label);
+    line.title = m.label;
+    if (row >= 0) {
+      // Where there is no room for its words, a mark is a line alone.
+      const label = document.createElement("b");
+      label.textContent = m.label;
+      line.className = (left ? "left " : "") + (row ? "lower" : "");
+      line.append(label);
+      rows[row] = left ? share : share + wide;
+    }
     $("marks").append(line);
   });
   const SPEEDS = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10];
@@ -298,16 +302,16 @@
     if (event.key === " " && !/^(BUTTON|INPUT)$/.test(event.target.tagName)) play(!playing);
     else if (event.key === "ArrowRight" && event.target.id !== "time") { play(false); seek(now + step); }
     else if (event.key === "ArrowLeft" && event.target.id !== "time") { play(false); seek(now - step); }
-    else if (/^[1-9]$/.test(event.key) && VIEWS[event.key - 1]) see(VIEWS[event.key - 1][0]);
+    else if (/^[1-9]$/.test(event.key) && film.views[event.key - 1]) see(film.views[event.key - 1].name);
     else return;
     event.preventDefault();
   });
 
   // #t=0.5&view=contact in the address opens the page there, still.
-  see(asked.get("view") || "Whole");
+  see(asked.get("view") || "");
   seek(asked.has("t") ? Number(asked.get("t")) || 0 : 0);
   $("bar").hidden = film.length === 0;
   if (!asked.has("t") && !window.matchMedia("(prefers-reduced-motion: reduce)").matches) play(true);
-  window.addEventListener("load", function () { see(asked.get("view") || "Whole"); });
+  window.addEventListener("load", function () { see(asked.get("view") || ""); });
   requestAnimationFrame(tick);
 })();

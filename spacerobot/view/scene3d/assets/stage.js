@@ -15,8 +15,8 @@ window.SpacerobotStage = (function () {
       mesh.position.set(x, y, z);
       scene.add(mesh);
     };
-    lamp(0, 0, 4.6, 4, 4, 0.1, space ? 6 : 5);
-    lamp(4.4, -2.5, 2, 0.1, 3, 3, space ? 8 : 4);
+    lamp(0, 0, 4.6, 4, 4, 0.1, space ? 4.2 : 5);
+    lamp(4.4, -2.5, 2, 0.1, 3, 3, space ? 6 : 4);
     lamp(-4.4, 2, 1, 0.1, 2, 4, space ? 1.2 : 1.6);
     lamp(0, -4.6, 0.5, 5, 0.1, 2.4, space ? 2 : 1.6);
     lamp(0, 0, -4.7, 8, 8, 0.1, space ? 0.7 : 0.25, space ? 0x2b62b8 : 0xffffff);
@@ -79,7 +79,7 @@ window.SpacerobotStage = (function () {
     scene.add(grid);
   }
   function lights(scene, film, plain) {
-    const space = film.place === "space", key = new T.DirectionalLight(0xfff4e6, space ? 1.5 : 0.95);
+    const space = film.place === "space", key = new T.DirectionalLight(0xfff4e6, space ? 1.15 : 0.95);
     const r = film.reach, f = film.focus;
     key.position.set(f[0] + 2.2 * r, f[1] - 2.6 * r, f[2] + 4.2 * r);
     key.target.position.set(f[0], f[1], f[2]);
@@ -96,6 +96,7 @@ window.SpacerobotStage = (function () {
     scene.add(key, key.target, fill, rim, rim.target);
   }
   function look(viewer, focus, reach, direction) {
+    viewer.set_3d_pane_size();
     // The viewer's camera sits in a frame turned by a quarter about x: its (x, y, z) is the world's (x, -z, y).
     const camera = viewer.camera, local = function (p) { return [p[0], p[2], -p[1]]; };
     const n = Math.hypot(direction[0], direction[1], direction[2]);

@@ -1,0 +1,92 @@
+"""`spacerobot view`: a robot, a capture or a recording as a scene to look at."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+_EPILOG = """\
+examples:
+  spacerobot view pa10_wrist --html arm.html
+  spacerobot view panda --q 0 -0.5 0 -2 0 1.5 0.8 --html panda.html
+  spacerobot view scene.toml --html capture.html
+  spacerobot view capture-out/trajectory.npz --html capture.html
+  spacerobot view guide-friction --trial 05 --html trial.html
+  spacerobot view scene.toml --live
+
+A robot moves its joints in turn; a scene is simulated; a study's trial is simulated beside its recording. The file
+opens offline in any browser, loads nothing and is made without starting any server. --live serves the same page on
+this machine's loopback address only, at a random port, and makes it anew at every reload. In the page: space plays,
+arrow keys step, 1 to 5 choose a view; FILE#t=0.5&view=contact opens it still at a time and a view."""
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the command's arguments."""
+    parser.epilog = _EPILOG
+    parser.add_argument("what", metavar="WHAT", help="a robot's name or URDF, a scene, a trajectory, or a study")
+    parser.add_argument("--html", metavar="FILE", help="write the page there; default: NAME.html in this folder")
+    parser.add_argument("--live", action="store_true", help="serve the page on loopback until Ctrl-C instead")
+    parser.add_argument("--trial", metavar="ID", help="of a study; default: the first")
+    parser.add_argument("--data", metavar="DIR", help="folder that a study's files are relative to")
+    parser.add_argument("--q", nargs="+", metavar="X", help="of a robot: joint positions, base to tip")
+    parser.add_argument("--deg", action="store_true", help="angles of --q are degrees, not radians")
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    parser.add_argument("--overwrite", action="store_true", help="replace FILE if it is there")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Run the command."""
+    from spacerobot.support.errors import InputError
+    from spacerobot.support.files import write_text
+    from spacerobot.support.jsonio import dumps
+    from spacerobot.support.numbers import parse_numbers
+    from spacerobot.view.scene3d.choose import film_of
+    from spacerobot.view.scene3d.page import page
+
+    pose = None if args.q is None else parse_numbers(args.q, "--q")
+    if args.deg:
+        if pose is None:
+            raise InputError("says how to read --q, which is not given", where="--deg")
+        pose = [math.radians(p) for p in pose]
+
+    def make() -> str:
+        return page(film_of(args.what, trial=args.trial, data=args.data, pose=pose))
+
+    if args.live:
+        if args.html is not None:
+            raise InputError("--live writes no file", given=args.html, valid="either of them", where="--html")
+        return _serve(make, args.json)
+    target = Path(args.html) if args.html is not None else Path(f"{_stem(args.what)}.html")
+    if target.exists() and not args.overwrite:
+        raise InputError("the file exists already", given=str(target), valid="another name, or --overwrite")
+    text = make()
+    write_text(target, text)
+    answer = {"page": str(target.resolve()), "bytes": len(text.encode())}
+    print(dumps(answer) if args.json else f"{target} ({len(text.encode()) / 1e6:.1f} MB): open it in a browser")
+    return 0
+
+
+def _serve(make: Callable[[], str], as_json: bool) -> int:
+    from spacerobot.support.jsonio import dumps
+    from spacerobot.view.scene3d.serve import PageServer
+
+    make()  # what cannot be shown is said here, not in the browser
+    server = PageServer(make)
+    print(dumps({"url": server.url}) if as_json else f"{server.url}\nCtrl-C ends it.", flush=True)
+    try:
+        server.serve()
+    except KeyboardInterrupt:
+        print("ended", file=sys.stderr)
+    return 0
+
+
+def _stem(what: str) -> str:
+    path = Path(what.rstrip("/"))
+    return (
+        path.parent.name
+        if path.name in ("study.toml", "trajectory.npz", "scene.toml") and path.parent.name
+        else path.stem
+    )

@@ -1,0 +1,78 @@
+"""From what a person names - a robot, a scene, a trajectory, a study - to the film of it."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+
+import numpy as np
+
+from spacerobot.model.library import load
+from spacerobot.recordings.study import bundled_studies, load_study
+from spacerobot.simulation.scene_file import read_scene
+from spacerobot.simulation.simulate import simulate
+from spacerobot.simulation.trajectory import Trajectory
+from spacerobot.support.errors import InputError
+from spacerobot.view.scene3d.film import Film
+from spacerobot.view.scene3d.robot_film import robot_film
+from spacerobot.view.scene3d.study_film import study_film
+from spacerobot.view.scene3d.trajectory_film import trajectory_film
+
+
+def film_of(what: str, *, trial: str | None = None, data: str | None = None, pose: list[float] | None = None) -> Film:
+    """The film of a robot, a scene file, a trajectory or a study.
+
+    Settled in this order: a .npz file (or a folder with trajectory.npz) is a trajectory; a .toml file with a
+    [baseline] is a study, another one a scene; a folder with study.toml is a study; else it is a robot's name or
+    URDF, or the name of a bundled study.
+
+    Args:
+        what: name or path.
+        trial: of a study; the first if None.
+        data: data root of a study.
+        pose: of a robot [rad or m].
+
+    Raises:
+        InputError: it is none of these, or an option does not go with it.
+    """
+    kind, path = _kind(what)
+    for option, value, wanted in (("--trial", trial, "study"), ("--data", data, "study"), ("--q", pose, "robot")):
+        if value is not None and kind != wanted:
+            raise InputError(f"goes with a {wanted}", given=f"{what} is a {kind}", where=option)
+    if kind == "trajectory":
+        return trajectory_film(Trajectory.load(path))
+    if kind == "study":
+        return study_film(load_study(path, data), trial)
+    if kind == "scene":
+        scene = read_scene(path)
+        return trajectory_film(simulate(scene), scene)
+    robot = load(Path(what) if path.is_file() else what)
+    if pose is not None and len(pose) != len(robot.chain):
+        valid = f"{len(robot.chain)} numbers, one each for {', '.join(robot.chain)}"
+        raise InputError("wrong length", given=f"{len(pose)} numbers", valid=valid, where="--q")
+    return robot_film(robot, None if pose is None else np.array(pose))
+
+
+def _kind(what: str) -> tuple[str, Path]:
+    path = Path(what)
+    if path.is_dir():
+        if (path / "trajectory.npz").is_file():
+            return "trajectory", path / "trajectory.npz"
+        return "study", path
+    if path.suffix.lower() == ".npz":
+        return "trajectory", path
+    if path.suffix.lower() == ".toml":
+        return ("study" if _is_study(path) else "scene"), path
+    if what in bundled_studies():
+        return "study", path
+    return "robot", path
+
+
+def _is_study(path: Path) -> bool:
+    """Whether a TOML file has what only studies have; unreadable ones are left to those who complain well."""
+    try:
+        with path.open("rb") as stream:
+            found = tomllib.loads(stream.read(4_000_000).decode("utf-8"))
+    except (OSError, UnicodeError, tomllib.TOMLDecodeError, RecursionError, ValueError):
+        return False
+    return bool({"baseline", "streams", "trials"} & set(found))

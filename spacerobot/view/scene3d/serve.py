@@ -1,0 +1,64 @@
+"""A page served to this machine alone: loopback, a port that nobody can guess beforehand, no other path."""
+
+from __future__ import annotations
+
+import secrets
+import threading
+from collections.abc import Callable
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+
+HOST = "127.0.0.1"
+
+
+class PageServer:
+    """Serves one page, made anew for every visit, until it is closed.
+
+    Only requests that name this very address are answered, so that no other site's name can be pointed at it, and
+    only under a path with a secret in it, so that other users of the machine do not find it.
+
+    Args:
+        make: gives the page's HTML.
+
+    Attributes:
+        url: where the page is.
+    """
+
+    def __init__(self, make: Callable[[], str]) -> None:
+        secret = secrets.token_urlsafe(12)
+
+        class Handler(BaseHTTPRequestHandler):
+            server_version, sys_version = "spacerobot", ""
+
+            def do_GET(self) -> None:
+                host = f"{HOST}:{server.server_port}"
+                if self.headers.get("Host") != host or self.path != f"/{secret}":
+                    self.send_error(404)
+                    return
+                body = make().encode()
+                self.send_response(200)
+                self.send_header("Content-Type", "text/html; charset=utf-8")
+                self.send_header("Content-Length", str(len(body)))
+                self.send_header("Cache-Control", "no-store")
+                self.send_header("X-Content-Type-Options", "nosniff")
+                self.send_header("X-Frame-Options", "SAMEORIGIN")
+                self.end_headers()
+                self.wfile.write(body)
+
+            def log_message(self, format: str, *args: object) -> None:
+                """Say nothing: the terminal belongs to the command."""
+
+        server = self._server = ThreadingHTTPServer((HOST, 0), Handler)
+        self.url = f"http://{HOST}:{server.server_port}/{secret}"
+
+    def serve(self) -> None:
+        """Answer until `close` or an interrupt."""
+        self._server.serve_forever(poll_interval=0.2)
+
+    def start(self) -> None:
+        """Answer from a thread of its own."""
+        threading.Thread(target=self.serve, daemon=True).start()
+
+    def close(self) -> None:
+        """Stop and give the port back."""
+        self._server.shutdown()
+        self._server.server_close()

@@ -1,0 +1,117 @@
+"""A recorded trial beside its simulation: the recording as a ghost, coloured by how far apart the two are."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from spacerobot.diagnosis.forward.base import ChannelOverlay
+from spacerobot.diagnosis.forward.choose import forward_model
+from spacerobot.diagnosis.forward.driven_axis import DrivenAxis
+from spacerobot.diagnosis.forward.floating_platform import FloatingPlatform
+from spacerobot.model.library import load
+from spacerobot.model.robot import Robot
+from spacerobot.recordings.study import Study
+from spacerobot.recordings.trial import Trial
+from spacerobot.support.errors import InputError
+from spacerobot.view.scene3d.extent import view_of, views_of
+from spacerobot.view.scene3d.film import Array, Body, Film, Trail
+from spacerobot.view.scene3d.robot_body import frame_poses, robot_bodies
+from spacerobot.view.scene3d.study_capture import capture_film
+from spacerobot.view.scene3d.target_body import as_ghost
+from spacerobot.view.scene3d.tracks import Tracks
+
+
+def study_film(study: Study, trial: str | None = None) -> Film:
+    """A film of one trial.
+
+    Args:
+        study: one that `spacerobot overlay` can simulate and that has a body to show.
+        trial: its id; the first if None.
+
+    Raises:
+        NotFoundError: no such trial.
+        InputError: nothing in the study can be simulated, or nothing of it can be drawn.
+    """
+    model = forward_model(study)
+    chosen = study.trials[0] if trial is None else study.trial(trial)
+    overlay = model.simulate(chosen)
+    channels = {c.channel: c for c in overlay.channels if c.time.size > 1}
+    if "target.x" in channels:
+        return capture_film(study, chosen, overlay, channels)
+    if isinstance(model, FloatingPlatform):
+        return _platform(study, chosen, model, channels)
+    if isinstance(model, DrivenAxis) and study.robot_source is not None:
+        return _axis(study, chosen, model.joint, channels)
+    raise InputError(
+        "nothing of this study can be drawn",
+        given=", ".join(study.channels()[:8]),
+        valid="a target's track, a floating platform, or a joint of a robot that the study names",
+        where=str(study.path),
+    )
+
+
+def _platform(study: Study, trial: Trial, model: FloatingPlatform, channels: dict[str, ChannelOverlay]) -> Film:
+    robot = model.robot
+    tracks = Tracks(channels, "base.yaw")
+    recording = study.recording(trial)
+    joints = {j: np.interp(tracks.time, *recording[c].good()) for j, c in model.drives.items() if c in recording}
+
+    def configurations(track: Callable[[str], Array]) -> Array:
+        x, y, yaw = (track(f"base.{n}") for n in ("position.x", "position.y", "yaw"))
+        rows = []
+        for t in range(len(tracks.time)):
+            q = robot.configuration(others={j: float(values[t]) for j, values in joints.items()})
+            q[:7] = [x[t], y[t], 0.0, 0.0, 0.0, math.sin(0.5 * yaw[t]), math.cos(0.5 * yaw[t])]
+            rows.append(q)
+        return np.array(rows)
+
+    simulated = robot_bodies(robot, configurations(tracks.simulated))
+    mismatch = tracks.mismatch("base.position.x", "base.position.y", "base.yaw")
+    ghosts = _ghosts(robot, configurations(tracks.measured), mismatch)
+    tip = frame_poses(robot, configurations(tracks.simulated), robot.tip)[:, :3]
+    return _plain(study, trial, tracks, simulated + ghosts, tip, "base.position.x", "base.position.y", "base.yaw")
+
+
+def _axis(study: Study, trial: Trial, joint: str, channels: dict[str, ChannelOverlay]) -> Film:
+    assert study.robot_source is not None
+    robot = load(study.robot_source)
+    name = f"joint.{joint}.position"
+    if name not in channels:
+        raise InputError(
+            "the joint's position is not recorded", given=", ".join(channels), valid=name, where=str(study.path)
+        )
+    tracks = Tracks(channels, name)
+
+    def configurations(values: Array) -> Array:
+        return np.array([robot.configuration(others={joint: float(v)}) for v in values])
+
+    simulated = robot_bodies(robot, configurations(tracks.simulated(name)))
+    ghosts = _ghosts(robot, configurations(tracks.measured(name)), tracks.mismatch(name))
+    tip = frame_poses(robot, configurations(tracks.simulated(name)), robot.tip)[:, :3]
+    return _plain(study, trial, tracks, simulated + ghosts, tip, name)
+
+
+def _ghosts(robot: Robot, configurations: Array, mismatch: Array) -> tuple[Body, ...]:
+    bodies = robot_bodies(robot, configurations, prefix="recorded")
+    moving = [b for b in bodies if len(b.poses) > 1 and np.ptp(b.poses, axis=0).max() > 1e-9]
+    return tuple(as_ghost(b.pieces, b.name, b.poses, mismatch) for b in moving)
+
+
+def _plain(study: Study, trial: Trial, tracks: Tracks, bodies: tuple[Body, ...], tip: Array, *shown: str) -> Film:
+    focus, reach, floor = view_of(bodies)
+    return Film(
+        title=study.title or study.path.stem,
+        subtitle=f"trial {trial.id}, {study.condition(trial)}",
+        description=f"Trial {trial.id}, simulated, with the recording as a translucent ghost.",
+        time=tracks.time,
+        bodies=bodies,
+        focus=focus,
+        reach=reach,
+        floor=floor,
+        views=views_of(focus, reach),
+        trails=(Trail("tip", tip, (0.9, 0.35, 0.1)),),
+        readouts=tracks.readouts(*shown),
+    )
