@@ -12,7 +12,7 @@ else
   INSTALL   = $(BIN)/python -m pip install -q --disable-pip-version-check
 endif
 
-.PHONY: help setup demo test test-long test-all lint types check wheel constraints clean
+.PHONY: help setup demo test test-long test-all lint types check wheel picture constraints clean
 
 help:  ## this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "make %-12s %s\n", $$1, $$2}'
@@ -56,6 +56,9 @@ check: test  ## what a contributor runs before a commit
 
 wheel: $(VENV)/.test  ## build the wheel, install it in a fresh environment, run it from another folder
 	PYTHON=$(PYTHON) bash .ci/check_wheel
+
+picture: demo  ## draw the README's picture again
+	cp demo-out/demo.png docs/images/demo.png
 
 constraints:  ## pin the newest versions that fit together (needs uv)
 	$(UV) pip compile -q --universal --upgrade --fork-strategy requires-python --extra test --no-header --no-annotate \

@@ -131,7 +131,7 @@ STUDIES = {
     "base unknown": ("gravity", 'base = "fixd"\ngravity', "did you mean 'fixed'"),
     "joints servo on a rig": ("gravity", 'joints = "servo"\ngravity', "servos"),
     "wrist mass negative": ("mass = 0.7", "mass = -0.7", "wrist.mass must be above 0"),
-    "wrist stiffness text": ("stiffness = 530", 'stiffness = "soft"', "study.toml:9: 'stiffness' must be a number; given: soft"),
+    "wrist stiffness text": ("stiffness = 530", 'stiffness = "soft"', "study.toml:9: 'stiffness' must be a number"),
     "wrist key unknown": ("stiffness = 530", "stifness = 530", "did you mean"),
     "contact stiffness NaN": ("stiffness = 68000", "stiffness = nan", "study.toml:11: 'stiffness' must be finite"),
     "contact law unknown": ("stiffness = 68000", 'stiffness = 68000\nlaw = "herz"', "did you mean 'hertz'"),

@@ -103,7 +103,7 @@ def _picture(top: Path) -> Path:
         Trajectory.load(collision / "trajectory.npz"),
         json.loads((collision / "simulate.json").read_text(encoding="utf-8")),
         forward_model(study).simulate(study.trial(TRIAL)),
-        f"simulation over recording ({STUDY}, trial {TRIAL})",
+        f"over a recording ({STUDY}, trial {TRIAL})",
     )
     path = top.resolve() / "demo.png"
     with atomic(path, "wb") as stream:

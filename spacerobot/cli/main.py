@@ -22,6 +22,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "paper": ("paper", "Table 1, Figs. 5 and 6 and the equations of the paper, checked"),
     "overlay": ("overlay", "a study's trials simulated and laid over their recordings"),
     "view": ("view", "a robot, a capture or a recorded trial as a scene in one file"),
+    "prove": ("prove", "hide physics in another engine's recordings, diagnose them blind, score"),
     "study": ("study", "write a first study file from a folder of recordings, or check one"),
 }
 """Name -> (module under spacerobot.cli with `configure(parser)` and `run(args) -> int | None`, its help).
@@ -50,7 +51,7 @@ def build_parser(name: str | None = None) -> Parser:
         epilog=_EPILOG,
     )
     parser.add_argument("--version", action="version", version=f"spacerobot {__version__}")
-    commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
+    commands = parser.add_subparsers(title="commands", dest="command", metavar="COMMAND", required=True)
     for command, (module, text) in COMMANDS.items():
         sub = commands.add_parser(command, help=text, description=text)
         if command == name:

@@ -63,7 +63,7 @@ def _arm(axes: Axes, scene: Scene) -> None:
     )
     axes.add_patch(Rectangle((-0.3, -0.05), 0.6, 0.05, color="#C8C8C8", zorder=1))
     axes.set_aspect("equal")
-    axes.set(xlim=(-0.32, x + 0.4), ylim=(-0.2, 1.0))
+    axes.set(xlim=(-0.32, x + 0.4), ylim=(-0.2, 0.8))
     axes.axis("off")
 
 
