@@ -31,7 +31,7 @@ class Outline(Protocol):
     @property
     def axes(self) -> np.ndarray: ...  # noqa: D102
     @property
-    def attitude(self) -> np.ndarray: ...  # noqa: D102
+    def level(self) -> np.ndarray: ...  # noqa: D102
     @property
     def wrist(self) -> Wrist: ...  # noqa: D102
     @property

@@ -33,6 +33,16 @@ PA10_POSE = tuple(math.radians(d) for d in (0.0, 45.0, 0.0, 90.0, 0.0, -45.0, 0.
 PA10_JOINTS = ("S1", "S2", "S3", "E1", "E2", "W1", "W2")
 
 
+def _turn(axis: int, angle: float) -> np.ndarray:
+    """Rotation about a coordinate axis, shape (3, 3)."""
+    i, j = (axis + 1) % 3, (axis + 2) % 3
+    turn = np.eye(3)
+    turn[i, i] = turn[j, j] = math.cos(angle)
+    turn[j, i] = math.sin(angle)
+    turn[i, j] = -turn[j, i]
+    return turn
+
+
 def _default_pose(robot: Robot) -> tuple[float, ...]:
     """The rig's pose for the bundled arm, else zero or the limit nearest to it."""
     if robot.chain == PA10_JOINTS:
@@ -225,41 +235,50 @@ class Scene:
     @property
     def closing_speed(self) -> float:
         """Speed at which contact point and tip near each other at the start [m/s]."""
-        lever = self.lever
-        point = np.cross(np.array(self.target.spin), lever)
-        return float(self.target.speed + point @ np.array(self.approach) + self.hand_speed)
+        point = np.cross(np.array(self.target.spin), self.lever)
+        along = float(point @ np.array(self.approach))
+        return self.target.speed + along + self.hand_speed - self.wrist.deflection_rate
+
+    @cached_property
+    def level(self) -> np.ndarray:
+        """Rotation of the target's body axes to world at yaw zero, shape (3, 3); roll and pitch as at the start."""
+        roll, pitch, _ = self.target.attitude
+        return self.axes @ _turn(1, pitch) @ _turn(0, roll)
 
     @cached_property
     def attitude(self) -> np.ndarray:
-        """Rotation of the target's body axes at the start, shape (3, 3), body to world."""
-        roll, pitch, yaw = self.target.attitude
-        turns = [((1, 2), roll), ((2, 0), pitch), ((0, 1), yaw)]
-        total = np.eye(3)
-        for (i, j), angle in turns:
-            turn = np.eye(3)
-            turn[i, i] = turn[j, j] = math.cos(angle)
-            turn[j, i] = math.sin(angle)
-            turn[i, j] = -turn[j, i]
-            total = turn @ total
-        return self.axes @ total
+        """Rotation of the target's body axes to world at the start, shape (3, 3)."""
+        return self.axes @ _turn(2, self.target.attitude[2]) @ self.axes.T @ self.level
 
     @cached_property
-    def lever(self) -> np.ndarray:
-        """From the target's centre of mass to its contact point at the start, shape (3,), world axes [m].
+    def lever_at_zero_yaw(self) -> np.ndarray:
+        """From the target's centre of mass to its contact point at yaw zero, shape (3,), world axes [m].
 
         The effects that move the contact point have moved it.
         """
         contact = self.mechanism().contact
         assert contact is not None
-        own = self.axes.T @ self.attitude @ np.array(self.target.contact_point)
+        own = self.axes.T @ self.level @ np.array(self.target.contact_point)
         return self.axes @ np.array([contact.ahead, contact.lateral, own[2]])
+
+    @cached_property
+    def lever(self) -> np.ndarray:
+        """The same at the start."""
+        return self.axes @ _turn(2, self.target.attitude[2]) @ self.axes.T @ self.lever_at_zero_yaw
 
     @cached_property
     def arrival(self) -> float:
         """Time of the first touch if nothing slows the approach and the target's spin is slow [s]."""
-        return self.target.gap / self.closing_speed
+        return (self.target.gap + self.wrist.deflection) / self.closing_speed
 
     def _require_arrival(self) -> None:
+        if self.target.gap + self.wrist.deflection < 0.0:
+            raise InputError(
+                "the scene starts in penetration",
+                given=f"gap {self.target.gap:g} m, the tip {-self.wrist.deflection:g} m out of its rest",
+                valid="a gap that the tip leaves open",
+                where="target.gap",
+            )
         if self.target.speed + self.hand_speed <= 0.0 and self.closing_speed <= 0.0:
             raise InputError(
                 "the target never arrives: it does not approach the wrist",

@@ -28,7 +28,7 @@ def baseline(scene: Outline, backend: str) -> Mechanism:
     in the hand's mass alone.
     """
     wrist, contact, target = scene.wrist, scene.contact, scene.target
-    turned = scene.axes.T @ scene.attitude
+    turned = scene.axes.T @ scene.level
     point = turned @ np.array(target.contact_point)
     moves = scene.base == "free" or scene.joints != "locked"
     mass = scene.hand.mass

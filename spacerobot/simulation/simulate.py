@@ -57,14 +57,10 @@ def simulate(
         run = integrate_scene(scene, end, tolerance=tolerance, first_step=first_step, max_step=max_step)
         trajectory = of_multibody(scene, run, times)
     else:
-        up = float(np.array(scene.target.spin) @ scene.axes[:, 2])
-        velocity = {"target": scene.target.speed, "target.yaw": up, "wrist": -scene.hand_speed}
-        mechanism = scene.mechanism("reduced")
-        if scene.hand_speed:
-            velocity["hand"] = -scene.hand_speed
+        position, velocity = reduced_start(scene)
         reduced = simulate_reduced(
-            mechanism,
-            position={"target": -scene.target.gap},
+            scene.mechanism("reduced"),
+            position=position,
             velocity=velocity,
             end=end,
             tolerance=tolerance,
@@ -78,6 +74,29 @@ def simulate(
             valid="a longer duration, or a target that is not slowed, turned or driven away before",
         )
     return trajectory
+
+
+def reduced_start(scene: Scene) -> tuple[dict[str, float], dict[str, float]]:
+    """Initial positions and velocities of the reduced model's coordinates [m, rad, m/s, rad/s]."""
+    mechanism = scene.mechanism("reduced")
+    contact, yaw = mechanism.contact, scene.target.attitude[2]
+    assert contact is not None
+    sine, cosine = math.sin(yaw), math.cos(yaw)
+    a, b = contact.ahead, contact.lateral
+    position = {
+        "wrist": scene.wrist.deflection,
+        "target": -scene.target.gap - (a * (cosine - 1.0) - b * sine),
+        "target.y": -(a * sine + b * (cosine - 1.0)),
+        "target.yaw": yaw,
+    }
+    velocity = {
+        "wrist": scene.wrist.deflection_rate - scene.hand_speed,
+        "target": scene.target.speed,
+        "target.yaw": float(np.array(scene.target.spin) @ scene.axes[:, 2]),
+    }
+    if "hand" in mechanism.coordinates:
+        velocity["hand"] = -scene.hand_speed
+    return position, velocity
 
 
 def default_duration(scene: Scene) -> float:

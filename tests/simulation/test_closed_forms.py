@@ -34,11 +34,11 @@ def collide(contact: ContactLaw, backend: str, duration: float, rate: float = 2e
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
-@pytest.mark.parametrize("zeta", [0.0, 0.1, 0.45, 0.7, 1.0, 1.6])
-@pytest.mark.parametrize("bilateral", [False, True])
+@pytest.mark.parametrize(
+    ("zeta", "bilateral"),
+    [*((z, False) for z in (0.0, 0.1, 0.45, 0.7, 1.0, 1.6)), *((z, True) for z in (0.0, 0.1, 0.45, 0.7))],
+)
 def test_spring_and_dashpot(backend: str, zeta: float, bilateral: bool) -> None:
-    if bilateral and zeta >= 1.0:
-        pytest.skip("that contact never ends")
     damping = 2.0 * zeta * math.sqrt(STIFFNESS * PAIR)
     end = "displacement_zero" if bilateral else "force_zero"
     time = kelvin_voigt.contact_time(PAIR, STIFFNESS, damping, end)

@@ -228,3 +228,28 @@ def test_options_beside_a_file_replace_what_it_says(tmp_path: Path, capsys: pyte
     assert told["predicted"]["damping"] == 0.0
     assert told["effects"] == [{"effect": "coulomb_friction", "where": "wrist", "parameters": {"force_N": 0.1}}]
     assert set(told["energy"]["dissipated_J"]) >= {"coulomb_friction at wrist"}
+
+
+def test_a_start_in_mid_motion_is_the_same_on_both_backends() -> None:
+    """The slider deflected and moving, the target turned and turning: as a recording may begin."""
+    scene = Scene(
+        wrist=Wrist(stiffness=2000.0, damping=2.0, deflection=0.002, deflection_rate=-0.01),
+        contact=ContactLaw(damping=40.0, mu=0.1),
+        target=Target(speed=0.06, gap=0.003, contact_point=(0.15, 0.01), yaw_inertia=0.4, attitude=(0.0, 0.0, 0.2),
+                      spin=(0.0, 0.0, 0.1)),
+    )  # fmt: skip
+    many, few = (simulate(scene, backend=b, duration=0.4, tolerance=1e-11) for b in ("multibody", "reduced"))
+    assert many["wrist.x"][0] == pytest.approx(0.002)
+    assert many["target.yaw"][0] == pytest.approx(0.2)
+    assert many["contact.penetration"][0] == pytest.approx(-0.005)
+    for name in few.channels:
+        if name in many.channels and not name.startswith("momentum"):
+            scale = max(float(np.abs(few[name]).max()), 1e-3)
+            assert np.abs(few[name] - many[name]).max() < 1e-6 * scale, name
+    assert many.restitution.touches == few.restitution.touches > 0
+    assert scene_from_text(scene.to_toml()) == scene
+
+
+def test_a_tip_that_sticks_out_into_the_target_is_refused() -> None:
+    with pytest.raises(InputError, match="penetration"):
+        Scene(wrist=Wrist(deflection=-0.004), target=Target(gap=0.003))

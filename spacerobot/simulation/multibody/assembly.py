@@ -29,7 +29,10 @@ class Assembly:
         point: contact point in the target's body axes, shape (3,) [m].
         axes: columns approach, lateral, up, shape (3, 3).
         split: first velocity index of the target; what is before moves with the robot, the rest with the target.
-        configuration: shape (nq,), at the start.
+        lever: from the target's centre of mass to its contact point at yaw zero, world axes, shape (3,) [m].
+        ahead: what is the approach at yaw zero, in the target's body axes, shape (3,).
+        configuration: shape (nq,), at the start, the slider at rest.
+        deflection: of the slider at the start [m].
         velocity: shape (nv,), at the start.
     """
 
@@ -42,7 +45,10 @@ class Assembly:
     point: np.ndarray
     axes: np.ndarray
     split: int
+    lever: np.ndarray
+    ahead: np.ndarray
     configuration: np.ndarray
+    deflection: float
     velocity: np.ndarray
 
 
@@ -111,7 +117,23 @@ def assemble_bodies(scene: Scene, mechanism: Mechanism) -> Assembly:
     at = model.joints[target].idx_v
     v[at : at + 3] = scene.attitude.T @ (scene.target.speed * approach)
     v[at + 3 : at + 6] = scene.attitude.T @ np.array(scene.target.spin)
-    return Assembly(model, joints, hand, tip, base, target, scene.attitude.T @ lever, scene.axes, split, q, v)
+    v[model.joints[slider].idx_v] = scene.wrist.deflection_rate
+    return Assembly(
+        model=model,
+        joints=joints,
+        hand=hand,
+        tip=tip,
+        base=base,
+        target=target,
+        point=scene.attitude.T @ lever,
+        axes=scene.axes,
+        split=split,
+        lever=scene.lever_at_zero_yaw,
+        ahead=scene.level.T @ approach,
+        configuration=q,
+        deflection=scene.wrist.deflection,
+        velocity=v,
+    )
 
 
 _OWN = ("hand", "wrist", "target", "target.y", "target.yaw", "base")

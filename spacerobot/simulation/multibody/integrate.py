@@ -182,7 +182,7 @@ class Integrator:
         dyn.rate(t, y, self._k[0])
 
     def _event(self, t: float, index: int) -> Event:
-        dyn = self.dynamics
+        dyn, t = self.dynamics, float(t)
         mode = int(dyn.modes[index])
         if index == 0:
             return Event(t, "contact", _CONTACT[mode])

@@ -80,12 +80,12 @@ def layout_of(assembly: Assembly, mechanism: Mechanism) -> tuple[Layout, list[st
     feature, reference = np.zeros((len(names), 3), dtype=np.int64), np.zeros(len(names))
     approach, lateral = assembly.axes[:, 0], assembly.axes[:, 1]
     touch_at = data.oMi[assembly.tip[0]].act(assembly.tip[1])
-    lever = data.oMi[assembly.target].rotation @ assembly.point
+    lever = assembly.lever
     start = {
         "hand": data.oMi[assembly.hand[0]].act(assembly.hand[1]),
         "base": data.oMi[assembly.base[0]].act(assembly.base[1]),
         "tip": touch_at,
-        "target": touch_at - lever,  # where the target is when it touches the resting wrist
+        "target": touch_at - lever,  # where the target is when it touches the resting wrist unturned
         "target.y": touch_at - lever,
     }
     for f, name in enumerate(names):
@@ -119,7 +119,7 @@ def layout_of(assembly: Assembly, mechanism: Mechanism) -> tuple[Layout, list[st
             local=np.array([np.zeros(3), assembly.hand[1], assembly.tip[1], assembly.base[1], assembly.point]),
             axes=np.ascontiguousarray(assembly.axes.T),
             tip_axes=np.ascontiguousarray((tip.T @ assembly.axes).T),
-            ahead=data.oMi[assembly.target].rotation.T @ approach,
+            ahead=assembly.ahead,
             split=np.array([assembly.split]),
             rise=np.array([list(mechanism.ports).index(RISE) if RISE in mechanism.ports else -1]),
         ),

@@ -219,6 +219,7 @@ def integrate_scene(
     integrator = Integrator(dynamics, scale, first_step, min(max_step, end), fixed=fixed)
     y = np.zeros(dynamics.size)
     y[: dynamics.nq] = assembly.configuration
+    y[assembly.model.joints[assembly.joints["slider"]].idx_q] = assembly.deflection
     y[dynamics.nq : dynamics.nq + dynamics.nv] = assembly.velocity
     load(y, dynamics.layout.joints, dynamics.q, dynamics.v)
     y[: dynamics.nq] = dynamics.q

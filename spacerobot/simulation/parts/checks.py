@@ -10,6 +10,9 @@ import numpy as np
 
 from spacerobot.support.errors import InputError
 
+LARGEST, SMALLEST = 1e12, 1e-12
+"""No measure of a rig, in SI units, is beyond the one, and no positive one below the other."""
+
 
 def number(value: Any, where: str, *, minimum: float | None = None, strict: bool = False) -> float:
     """`value` as a finite float, checked against its lower bound.
@@ -19,9 +22,14 @@ def number(value: Any, where: str, *, minimum: float | None = None, strict: bool
     """
     if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
         raise InputError("not a number", given=value, where=where)
-    found = float(value)
+    try:
+        found = float(value)
+    except OverflowError:
+        found = math.inf
     if not math.isfinite(found):
         raise InputError("not a finite number", given=found, where=where)
+    if abs(found) > LARGEST or (strict and 0.0 < found < SMALLEST):
+        raise InputError("out of range", given=found, valid=f"{SMALLEST:g} to {LARGEST:g}", where=where)
     if minimum is not None and (found < minimum or (strict and found == minimum)):
         what = "must be positive" if strict else "must not be negative"
         raise InputError(what if minimum == 0.0 else f"must be at least {minimum:g}", given=found, where=where)

@@ -32,7 +32,7 @@ class Target:
         attitude: roll, pitch, yaw of the body in the approach axes at the start [rad].
         spin: angular velocity at the start, world axes [rad/s].
         speed: along `approach` at the start [m/s].
-        gap: from the contact point to the wrist's tip at the start, along `approach` [m].
+        gap: from the contact point to the tip of the wrist at rest, at the start and along `approach` [m].
     """
 
     mass: float = 9.0

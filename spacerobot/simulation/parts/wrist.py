@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from spacerobot.simulation.parts.checks import check_fields
@@ -17,6 +18,8 @@ class Wrist:
         damping: [N s/m].
         equivalent_damping: the constant that stands for guide friction, c_eq of the paper [N s/m].
         guide_friction: Coulomb friction of the guide [N].
+        deflection: of the slider at the start, positive pushed in [m].
+        deflection_rate: its rate at the start [m/s].
     """
 
     mass: float = 0.7
@@ -24,6 +27,8 @@ class Wrist:
     damping: float = 0.0
     equivalent_damping: float = 0.0
     guide_friction: float = 0.0
+    deflection: float = 0.0
+    deflection_rate: float = 0.0
 
     def __post_init__(self) -> None:
         check_fields(
@@ -34,4 +39,6 @@ class Wrist:
             damping=(0.0, False),
             equivalent_damping=(0.0, False),
             guide_friction=(0.0, False),
+            deflection=(-math.inf, False),
+            deflection_rate=(-math.inf, False),
         )
