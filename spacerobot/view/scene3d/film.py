@@ -54,6 +54,8 @@ class Body:
         poses: (T, 7), or (1, 7) for a body that never moves.
         kind: "robot", "target", "ghost" or "stage".
         mismatch: (T,), for a ghost: how far the simulation is from it, in sigmas of the sensor; it is coloured by that.
+        beside: (T, 7), for a ghost: where the simulation has the same thing, so that the page can draw the
+            difference larger than it is.
         stretch: (T,), lengths that the body's z axis is scaled to [m] (a spring), or None.
     """
 
@@ -62,6 +64,7 @@ class Body:
     poses: Array
     kind: str = "robot"
     mismatch: Array | None = None
+    beside: Array | None = None
     stretch: Array | None = None
 
 
@@ -76,12 +79,13 @@ class Trail:
 
 @dataclass(frozen=True, eq=False)
 class Readout:
-    """A number to be read along with the picture, (T,)."""
+    """A number to be read along with the picture, (T,), and perhaps what was recorded of it, (T,)."""
 
     name: str
     unit: str
     values: Array
     digits: int = 2
+    recorded: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,10 +141,11 @@ class View:
 
 @dataclass(frozen=True)
 class Mark:
-    """An event on the time line."""
+    """An event on the time line; a quiet one is a tick whose label shows on hover alone."""
 
     time: float
     label: str
+    quiet: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,6 +165,7 @@ class Film:
         views: of the camera; the film opens with the first.
         focus: middle of everything, (3,) [m].
         reach: radius about it that holds everything [m].
+        gains: factors by which ghosts may be drawn further from the simulation than they are; the first is used.
         notes: sentences printed beside the picture.
         floor: height of the ground [m].
     """
@@ -181,6 +187,7 @@ class Film:
     centre_label: str = ""
     chart: str = ""
     place: str = "ground"
+    gains: tuple[float, ...] = (1.0,)
     notes: tuple[str, ...] = field(default=())
     floor: float = 0.0
 

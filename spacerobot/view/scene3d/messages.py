@@ -39,7 +39,7 @@ def _object(body: Body, counter: Iterator[int]) -> dict[str, Any]:
     for piece in body.pieces:
         geometry, material, node = (f"{kind}{next(counter)}" for kind in ("g", "m", "o"))
         geometries.append({"uuid": geometry, **_geometry(piece)})
-        materials.append({"uuid": material, **_material(piece)})
+        materials.append({"uuid": material, **_material(piece, body.kind == "ghost")})
         solid = piece.solid is not None
         children.append(
             {
@@ -89,7 +89,7 @@ def _attribute(array: np.ndarray) -> dict[str, Any]:
     return {"itemSize": 3, **_typed(array)}
 
 
-def _material(piece: Piece) -> dict[str, Any]:
+def _material(piece: Piece, ghost: bool) -> dict[str, Any]:
     look = piece.look
     common: dict[str, Any] = {"color": _linear(look)}
     if look.opacity < 1.0:
@@ -101,6 +101,9 @@ def _material(piece: Piece) -> dict[str, Any]:
         "metalness": look.metal,
         "roughness": look.rough,
         "emissive": _linear(look, look.glow),
+        "polygonOffset": ghost,  # a ghost lies where the thing itself lies
+        "polygonOffsetFactor": -2,
+        "polygonOffsetUnits": -2,
         "side": 2 if look.opacity < 1.0 else 0,
         **common,
     }

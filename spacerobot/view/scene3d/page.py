@@ -18,7 +18,7 @@ from markupsafe import Markup
 from spacerobot import __version__
 from spacerobot.support.errors import SpacerobotError
 from spacerobot.support.jsonio import plain
-from spacerobot.view.scene3d.film import Film
+from spacerobot.view.scene3d.film import Film, Readout
 from spacerobot.view.scene3d.messages import messages, path_of
 
 _SCRIPTS = ("stage.js", "mass.js", "player.js")
@@ -115,6 +115,8 @@ def _data(film: Film) -> dict[str, Any]:
         }
         if body.mismatch is not None:
             entry["mismatch"] = blob.put(np.nan_to_num(body.mismatch))
+        if body.beside is not None:
+            entry["beside"] = blob.put(body.beside)
         if body.stretch is not None:
             entry["stretch"] = blob.put(body.stretch)
         bodies.append(entry)
@@ -124,10 +126,9 @@ def _data(film: Film) -> dict[str, Any]:
         "length": float(film.time[-1] - film.time[0]),
         "bodies": bodies,
         "trails": [{"name": t.name, "points": blob.put(t.points), "colour": t.colour} for t in film.trails],
-        "readouts": [
-            {"name": r.name, "unit": r.unit, "digits": r.digits, "values": blob.put(r.values)} for r in film.readouts
-        ],
-        "marks": [{"time": m.time - float(film.time[0]), "label": m.label} for m in film.marks],
+        "readouts": [_readout(r, blob) for r in film.readouts],
+        "marks": [{"time": m.time - float(film.time[0]), "label": m.label, "quiet": m.quiet} for m in film.marks],
+        "gains": film.gains,
         "chart": film.chart,
         "place": film.place,
         "focus": film.focus,
@@ -154,4 +155,12 @@ def _data(film: Film) -> dict[str, Any]:
         found["centreOfMass"] = blob.put(film.centre_of_mass)
         found["centreLabel"] = film.centre_label
     found["numbers"] = blob.text()
+    return found
+
+
+def _readout(readout: Readout, blob: _Blob) -> dict[str, Any]:
+    found: dict[str, Any] = {"name": readout.name, "unit": readout.unit, "digits": readout.digits}
+    found["values"] = blob.put(readout.values)
+    if readout.recorded is not None:
+        found["recorded"] = blob.put(readout.recorded)
     return found

@@ -7,7 +7,7 @@ import pinocchio as pin
 
 from spacerobot.model.robot import Robot
 from spacerobot.view.scene3d.film import Array, Look, Piece
-from spacerobot.view.scene3d.solids import box, capsule, cylinder, sphere
+from spacerobot.view.scene3d.solids import Solid, box, capsule, cylinder, sphere
 
 _BONES = Look((0.62, 0.68, 0.76), metal=0.3, rough=0.4)
 _HINGES = Look((0.9, 0.5, 0.12), metal=0.3, rough=0.4)
@@ -29,7 +29,9 @@ def skeleton(robot: Robot) -> dict[int, list[Piece]]:
     if not robot.floating:
         pieces[0].append(Piece(cylinder(0.22 * size, 0.05 * size), _HINGES))
     for joint, found in pieces.items():
-        if joint:
+        if joint == 1 and robot.floating:
+            found.append(Piece(_platform(model.inertias[1], size), _BONES))
+        elif joint:
             found.append(Piece(sphere(0.075 * size), _HINGES))
         for end in ends[joint]:
             length = float(np.linalg.norm(end))
@@ -41,6 +43,17 @@ def skeleton(robot: Robot) -> dict[int, list[Piece]]:
         if joint and not ends[joint]:
             found.append(Piece(box((0.3 * size, 0.3 * size, 0.3 * size)), _BONES))
     return pieces
+
+
+def _platform(inertia: pin.Inertia, size: float) -> Solid:
+    """The uniform box that has the base's inertia, within reasonable edges, at its centre of mass."""
+    moments, turn = np.linalg.eigh(inertia.inertia)
+    squares = 6.0 * (moments.sum() - 2.0 * moments) / max(inertia.mass, 1e-9)
+    edges = np.clip(np.sqrt(np.maximum(squares, 0.0)), 0.25 * size, 4.0 * size)
+    place = np.eye(4)
+    place[:3, :3] = turn if np.linalg.det(turn) > 0.0 else turn * [1.0, 1.0, -1.0]
+    place[:3, 3] = inertia.lever
+    return box((float(edges[0]), float(edges[1]), float(edges[2]))).moved(place)
 
 
 def _z_onto(direction: Array) -> Array:

@@ -11,7 +11,7 @@ from spacerobot.model.library import load
 from spacerobot.model.wrist import aim, attach_wrist
 from spacerobot.recordings.study import Study
 from spacerobot.recordings.trial import Trial
-from spacerobot.view.scene3d.extent import round_scale, view_of
+from spacerobot.view.scene3d.extent import gains_for, view_of
 from spacerobot.view.scene3d.facing import NOTE, comes_through, half_turned, placed
 from spacerobot.view.scene3d.film import Array, Arrow, Body, Film, Look, Mark, Piece, Trail
 from spacerobot.view.scene3d.poses import poses_of, turned_about
@@ -19,7 +19,7 @@ from spacerobot.view.scene3d.robot_body import frame_poses, robot_bodies
 from spacerobot.view.scene3d.solids import sphere
 from spacerobot.view.scene3d.target_body import EDGE, as_ghost, target_pieces
 from spacerobot.view.scene3d.tracks import Tracks
-from spacerobot.view.scene3d.trajectory_film import ARROW, capture_views
+from spacerobot.view.scene3d.trajectory_film import arrow_scale, capture_views
 from spacerobot.view.scene3d.wrist_spring import DRAWN_BY, wrist_spring
 
 
@@ -50,21 +50,20 @@ def capture_film(study: Study, trial: Trial, overlay: TrialOverlay, channels: di
     rest = frame_poses(robot, robot.configuration(pose)[None, :], str(robot.contact))[0, :3]
     axes = _axes(approach)
     lever = _lever(study, trial)
-    bodies += (
-        Body("target", target_pieces(lever, panels=False), _target(tracks.simulated, rest, axes, lever), kind="target"),
-    )
-    ghost = tuple(name for name in channels if name.startswith("target."))
     target = target_pieces(lever, panels=False)
+    simulated, recorded = (_target(track, rest, axes, lever) for track in (tracks.simulated, tracks.measured))
+    of_target = tuple(name for name in channels if name.startswith("target."))
     bodies += (
-        as_ghost(target, "recorded/target", _target(tracks.measured, rest, axes, lever), tracks.mismatch(*ghost)),
+        Body("target", target, simulated, kind="target"),
+        as_ghost(target, "recorded/target", recorded, simulated, tracks.mismatch(*of_target)),
     )
     if "wrist.x" in channels:
-        tip = _straight(rest - 0.015 * -approach, approach, pushed_measured)
+        centre = rest + 0.015 * approach
+        tip, tip_simulated = (_straight(centre, approach, x) for x in (pushed_measured, pushed))
         ball = (Piece(sphere(0.0175), Look()),)
-        bodies += (as_ghost(ball, "recorded/tip", tip, tracks.mismatch("wrist.x"), 0.55),)
+        bodies += (as_ghost(ball, "recorded/tip", tip, tip_simulated, tracks.mismatch("wrist.x"), 0.6),)
     point = rest + np.outer(pushed, approach)
     force = tracks.simulated("contact.force")
-    peak = float(np.abs(force).max())
     focus, reach, floor = view_of(bodies)
     return Film(
         title=study.title or study.path.stem,
@@ -76,11 +75,12 @@ def capture_film(study: Study, trial: Trial, overlay: TrialOverlay, channels: di
         reach=reach,
         floor=floor,
         views=capture_views(rest, approach, focus, reach, space=False),
-        trails=(Trail("target", bodies[len(arm)].poses[:, :3], (0.15, 0.6, 0.85)),),
+        trails=(Trail("target", simulated[:, :3], (0.15, 0.6, 0.85)),),
         readouts=tracks.readouts("target.x", "wrist.x", "target.yaw", "contact.force"),
-        marks=tuple(Mark(t, "touch" if i == 0 else "touch again") for i, t in enumerate(overlay.touches[:12])),
-        arrow=Arrow(force, point, -approach, round_scale(peak, ARROW)) if peak > 0.0 else None,
-        chart="contact.force, recorded" if "contact.force" in channels else "",
+        marks=tuple(Mark(t, "touch" if i == 0 else "touch again", i > 0) for i, t in enumerate(overlay.touches[:12])),
+        arrow=Arrow(force, point, -approach, arrow_scale(force)) if np.any(force) else None,
+        chart="contact.force" if "contact.force" in channels else "",
+        gains=gains_for(bodies),
         notes=notes,
     )
 

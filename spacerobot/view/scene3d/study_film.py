@@ -16,7 +16,7 @@ from spacerobot.model.robot import Robot
 from spacerobot.recordings.study import Study
 from spacerobot.recordings.trial import Trial
 from spacerobot.support.errors import InputError
-from spacerobot.view.scene3d.extent import view_of, views_of
+from spacerobot.view.scene3d.extent import gains_for, view_of, views_of
 from spacerobot.view.scene3d.film import Array, Body, Film, Trail
 from spacerobot.view.scene3d.robot_body import frame_poses, robot_bodies
 from spacerobot.view.scene3d.study_capture import capture_film
@@ -70,7 +70,7 @@ def _platform(study: Study, trial: Trial, model: FloatingPlatform, channels: dic
 
     simulated = robot_bodies(robot, configurations(tracks.simulated))
     mismatch = tracks.mismatch("base.position.x", "base.position.y", "base.yaw")
-    ghosts = _ghosts(robot, configurations(tracks.measured), mismatch)
+    ghosts = _ghosts(robot, configurations(tracks.measured), simulated, mismatch)
     tip = frame_poses(robot, configurations(tracks.simulated), robot.tip)[:, :3]
     return _plain(study, trial, tracks, simulated + ghosts, tip, "base.position.x", "base.position.y", "base.yaw")
 
@@ -89,15 +89,16 @@ def _axis(study: Study, trial: Trial, joint: str, channels: dict[str, ChannelOve
         return np.array([robot.configuration(others={joint: float(v)}) for v in values])
 
     simulated = robot_bodies(robot, configurations(tracks.simulated(name)))
-    ghosts = _ghosts(robot, configurations(tracks.measured(name)), tracks.mismatch(name))
+    ghosts = _ghosts(robot, configurations(tracks.measured(name)), simulated, tracks.mismatch(name))
     tip = frame_poses(robot, configurations(tracks.simulated(name)), robot.tip)[:, :3]
     return _plain(study, trial, tracks, simulated + ghosts, tip, name)
 
 
-def _ghosts(robot: Robot, configurations: Array, mismatch: Array) -> tuple[Body, ...]:
+def _ghosts(robot: Robot, configurations: Array, simulated: tuple[Body, ...], mismatch: Array) -> tuple[Body, ...]:
+    """Ghosts of those bodies that move at all."""
     bodies = robot_bodies(robot, configurations, prefix="recorded")
-    moving = [b for b in bodies if len(b.poses) > 1 and np.ptp(b.poses, axis=0).max() > 1e-9]
-    return tuple(as_ghost(b.pieces, b.name, b.poses, mismatch) for b in moving)
+    pairs = [(b, s) for b, s in zip(bodies, simulated, strict=True) if np.ptp(b.poses, axis=0).max() > 1e-9]
+    return tuple(as_ghost(b.pieces, b.name, b.poses, s.poses, mismatch) for b, s in pairs)
 
 
 def _plain(study: Study, trial: Trial, tracks: Tracks, bodies: tuple[Body, ...], tip: Array, *shown: str) -> Film:
@@ -114,4 +115,5 @@ def _plain(study: Study, trial: Trial, tracks: Tracks, bodies: tuple[Body, ...],
         views=views_of(focus, reach),
         trails=(Trail("tip", tip, (0.9, 0.35, 0.1)),),
         readouts=tracks.readouts(*shown),
+        gains=gains_for(bodies),
     )

@@ -47,8 +47,10 @@ def _along_x(radius: float, length: float, centre: Array) -> Solid:
     return cylinder(radius, length).moved(place)
 
 
-def as_ghost(pieces: tuple[Piece, ...], name: str, poses: Array, mismatch: Array, opacity: float = 0.33) -> Body:
-    """The same shape, translucent, coloured by how far the simulation is from it (T,) [sigma]."""
+def as_ghost(
+    pieces: tuple[Piece, ...], name: str, poses: Array, beside: Array, mismatch: Array, opacity: float = 0.4
+) -> Body:
+    """The same shape, translucent, coloured by how far the simulation (`beside`) is from it, (T,) [sigma]."""
     look = Look((0.0, 0.62, 0.45), opacity=opacity, metal=0.0, rough=0.6)
     solid = tuple(Piece(p.solid, look) for p in pieces if p.solid is not None)
-    return Body(name, solid, poses, kind="ghost", mismatch=mismatch)
+    return Body(name, solid, poses, kind="ghost", mismatch=mismatch, beside=beside)

@@ -53,11 +53,11 @@ class Tracks:
         return found
 
     def readouts(self, *names: str) -> tuple[Readout, ...]:
-        """Simulated, measured and their distance in sigmas, of the channels that are there."""
+        """Simulated and recorded, of the channels that are there."""
         found = []
         for name in names:
             if name in self.channels:
                 unit, factor = _SHOWN.get(self.channels[name].unit, (self.channels[name].unit, 1.0))
-                found.append(Readout(f"{name}, simulated", unit, factor * self.simulated(name)))
-                found.append(Readout(f"{name}, recorded", unit, factor * self.measured(name)))
+                digits = 1 if factor > 1.0 else 2
+                found.append(Readout(name, unit, factor * self.simulated(name), digits, factor * self.measured(name)))
         return tuple(found)

@@ -27,8 +27,8 @@ FRAMES = 420
 
 _VERBS = {"stick": "sticks", "slip": "slips"}
 
-ARROW = 0.28
-"""Length of the force arrow at the greatest force [m], roughly."""
+ARROW = 0.2
+"""Length of the force arrow at a force that only a tenth of the contact exceeds [m], roughly."""
 
 
 def trajectory_film(trajectory: Trajectory, scene: Scene | None = None) -> Film:
@@ -66,8 +66,9 @@ def trajectory_film(trajectory: Trajectory, scene: Scene | None = None) -> Film:
     bodies += (Body("target", pieces, poses_of(places, turns), kind="target"),)
     touch = tip[np.argmax(np.abs(channel["contact.force"]))]
     focus, reach, floor = view_of(bodies)
-    peak = float(np.abs(channel["contact.force"]).max())
-    arrow = Arrow(channel["contact.force"], tip, -approach, round_scale(peak, ARROW)) if peak > 0.0 else None
+    force = channel["contact.force"]
+    peak = float(np.abs(force).max())
+    arrow = Arrow(force, tip, -approach, arrow_scale(force)) if peak > 0.0 else None
     joints = "free" if scene.joints == "servo" else scene.joints
     still = scene.joints == "locked" and not space
     ellipsoid = None if still else mass_ellipsoid(robot, configurations, 1.0, joints=joints, base=scene.base)
@@ -99,6 +100,13 @@ def trajectory_film(trajectory: Trajectory, scene: Scene | None = None) -> Film:
         place="space" if space else "ground",
         notes=notes,
     )
+
+
+def arrow_scale(force: Array) -> float:
+    """Metres of arrow for a newton, from forces along the film (T,): by the usual force, not by a short peak."""
+    pressed = np.abs(force[force != 0.0])
+    usual = max(float(np.quantile(pressed, 0.9)), float(pressed.max()) / 4.0)
+    return round_scale(usual, ARROW)
 
 
 def capture_views(touch: Array, approach: Array, focus: Array, reach: float, *, space: bool) -> tuple[View, ...]:
@@ -191,11 +199,11 @@ def _marks(trajectory: Trajectory) -> tuple[Mark, ...]:
     marks = []
     if contacts:
         marks.append(Mark(contacts[0][0], "touch"))
-        marks += [Mark(touch, "touch again") for touch, _ in contacts[1:12]]
+        marks += [Mark(touch, "touch again", True) for touch, _ in contacts[1:60]]
         if contacts[-1][1] < end:
             marks.append(Mark(contacts[-1][1], "apart"))
     others: list[Event] = [e for e in trajectory.events if e.element != "contact" and e.kind in ("stick", "slip")]
-    marks += [Mark(e.time, f"{e.element.rpartition(' at ')[2]} {_VERBS[e.kind]}") for e in others[:12]]
+    marks += [Mark(e.time, f"{e.element.rpartition(' at ')[2]} {_VERBS[e.kind]}", True) for e in others[:60]]
     return tuple(sorted((m for m in marks if m.time <= end), key=lambda m: m.time))
 
 

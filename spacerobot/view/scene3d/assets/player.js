@@ -29,6 +29,7 @@
   const bodies = film.bodies.map(function (b) {
     const body = { object: viewer.scene_tree.find(b.path).object, poses: take(b.poses), moving: b.moving, kind: b.kind };
     if (b.mismatch) body.mismatch = take(b.mismatch);
+    if (b.beside) body.beside = take(b.beside);
     if (b.stretch) body.stretch = take(b.stretch);
     if (b.kind === "ghost") {
       body.materials = [];
@@ -40,7 +41,7 @@
     const geometry = new T.BufferGeometry();
     geometry.setAttribute("position", new T.BufferAttribute(take(t.points), 3));
     const colour = new T.Color(t.colour[0], t.colour[1], t.colour[2]).convertSRGBToLinear();
-    const line = new T.Line(geometry, new T.LineBasicMaterial({ color: colour }));
+    const line = new T.Line(geometry, new T.LineBasicMaterial({ color: colour, toneMapped: false }));
     line.frustumCulled = false;
     world.add(line);
     return { name: t.name, line: line };
@@ -61,14 +62,14 @@
       for (let k = 0; k < 3; k += 1) colours.push(...(dark ? [0.01, 0.01, 0.015] : [0.93, 0.58, 0.05]));
     }
     ball.setAttribute("color", new T.Float32BufferAttribute(colours, 3));
-    const mesh = new T.Mesh(ball, new T.MeshBasicMaterial({ vertexColors: true, depthTest: false, transparent: true }));
+    const mesh = new T.Mesh(ball, new T.MeshBasicMaterial({ vertexColors: true, depthTest: false, transparent: true, toneMapped: false }));
     mesh.renderOrder = 6;
     return mesh;
   }
   let arrow = null, touch = null, centre = null, ellipsoid = null;
   if (film.arrow) {
     // Seen through everything: it acts inside the contact.
-    const paint = new T.MeshBasicMaterial({ color: 0xe0230f, depthTest: false, transparent: true });
+    const paint = new T.MeshBasicMaterial({ color: 0xe0230f, depthTest: false, transparent: true, toneMapped: false });
     const r = 0.007, shaft = new T.Mesh(new T.CylinderGeometry(r, r, 1, 24), paint);
     shaft.geometry.rotateX(Math.PI / 2).translate(0, 0, 0.5);
     const head = new T.Mesh(new T.ConeGeometry(2.4 * r, 5.5 * r, 28), paint);
@@ -85,7 +86,7 @@
     touch.renderOrder = 8;
   }
   if (film.centreOfMass) {
-    centre = { track: take(film.centreOfMass), mesh: quartered(0.024 * film.reach) };
+    centre = { track: take(film.centreOfMass), mesh: quartered(Math.min(0.024 * film.reach, 0.032)) };
     world.add(centre.mesh);
     const path = new T.BufferGeometry();
     path.setAttribute("position", new T.BufferAttribute(centre.track, 3));
@@ -100,7 +101,7 @@
   }
 
   // Between two samples.
-  let i0 = 0, share = 0;
+  let i0 = 0, share = 0, gain = film.gains[0];
   function locate(t) {
     let low = 0, high = last;
     while (high - low > 1) {
@@ -135,6 +136,23 @@
     qa.set(p[a + 3], p[a + 4], p[a + 5], p[a + 6]);
     qb.set(p[b + 3], p[b + 4], p[b + 5], p[b + 6]);
     o.quaternion.copy(qa.slerp(qb, share));
+    if (body.beside && gain !== 1) apart(body, a, b);
+  }
+  function apart(body, a, b) {
+    // A ghost drawn further from the simulation than it is, so that the difference can be seen.
+    const s = body.beside, o = body.object;
+    const from = [0, 1, 2].map(function (k) { return s[a + k] + share * (s[b + k] - s[a + k]); });
+    o.position.set(from[0] + gain * (o.position.x - from[0]), from[1] + gain * (o.position.y - from[1]), from[2] + gain * (o.position.z - from[2]));
+    qa.set(s[a + 3], s[a + 4], s[a + 5], s[a + 6]);
+    qb.set(s[b + 3], s[b + 4], s[b + 5], s[b + 6]);
+    qa.slerp(qb, share);
+    const turn = o.quaternion.clone().multiply(qa.clone().invert());
+    if (turn.w < 0) turn.set(-turn.x, -turn.y, -turn.z, -turn.w);
+    const sine = Math.hypot(turn.x, turn.y, turn.z), angle = 2 * Math.atan2(sine, turn.w);
+    if (sine > 1e-9) {
+      turn.setFromAxisAngle(new T.Vector3(turn.x / sine, turn.y / sine, turn.z / sine), Math.min(gain * angle, Math.PI));
+      o.quaternion.copy(turn.multiply(qa));
+    }
   }
   function show(t) {
     locate(t);
@@ -168,7 +186,11 @@
       centre.line.geometry.setDrawRange(0, drawn);
     }
     if (ellipsoid) ellipsoid.set(mix(ellipsoid.centre, 3, v3), mix(ellipsoid.mobility, 9, v9));
-    film.readouts.forEach(function (r) { r.cell.textContent = text(mix(take(r.values), 1, v1)[0], r.digits) + (r.unit ? " " + r.unit : ""); });
+    film.readouts.forEach(function (r) {
+      const unit = r.unit ? " " + r.unit : "";
+      r.cell.textContent = text(mix(take(r.values), 1, v1)[0], r.digits) + (r.recorded ? "" : unit);
+      if (r.recorded) r.second.textContent = text(mix(take(r.recorded), 1, v1)[0], r.digits) + unit;
+    });
     $("clock").textContent = (film.start + t).toFixed(film.length < 5 ? 3 : 2) + " s";
     $("time").value = t;
     $("time").setAttribute("aria-valuetext", $("clock").textContent);
@@ -180,11 +202,23 @@
   }
 
   // What is said and what can be pressed.
+  const pairs = film.readouts.some(function (r) { return r.recorded; });
+  const cell = function (kind, words) {
+    const element = document.createElement(kind);
+    element.textContent = words;
+    $("readouts").append(element);
+    return element;
+  };
+  if (pairs) {
+    $("readouts").className = "pairs";
+    cell("dt", "");
+    cell("dd", "simulated").className = "head";
+    cell("dd", "recorded").className = "head";
+  }
   film.readouts.forEach(function (r) {
-    const name = document.createElement("dt"), value = document.createElement("dd");
-    name.textContent = r.name;
-    $("readouts").append(name, value);
-    r.cell = value;
+    cell("dt", r.name);
+    r.cell = cell("dd", "");
+    if (pairs) r.second = cell("dd", "");
   });
   function toggle(label, objects, then) {
     const box = document.createElement("input"), line = document.createElement("label");
@@ -200,6 +234,18 @@
   }
   const ghosts = bodies.filter(function (b) { return b.kind === "ghost"; });
   if (ghosts.length) toggle("recording", ghosts.map(function (b) { return b.object; }));
+  if (ghosts.length && film.gains.length > 1) {
+    const line = document.createElement("label"), pick = document.createElement("select");
+    film.gains.forEach(function (g) {
+      const o = document.createElement("option");
+      o.value = g;
+      o.textContent = g === 1 ? "true to scale" : g + " times enlarged";
+      pick.append(o);
+    });
+    pick.addEventListener("change", function () { gain = Number(pick.value); show(now); });
+    line.append("difference ", pick);
+    $("switches").append(line);
+  }
   if (arrow) toggle("force", [], function (on) { arrow.wanted = on; });
   if (ellipsoid) toggle("effective mass", [ellipsoid.group]);
   if (centre) toggle("centre of mass", [centre.mesh, centre.line]);
@@ -232,7 +278,7 @@
   // The time line.
   const chart = film.readouts.find(function (r) { return r.name === film.chart; });
   if (chart) {
-    const values = take(chart.values), top = Math.max.apply(null, Array.from(values, Math.abs).filter(isFinite)) || 1;
+    const values = take(chart.recorded || chart.values), top = Math.max.apply(null, Array.from(values, Math.abs).filter(isFinite)) || 1;
     let d = "M0 40";
     for (let i = 0; i <= last; i += 1) {
       d += "L" + (1000 * time[i] / film.length).toFixed(1) + " " + (40 - 38 * Math.min(1, Math.abs(values[i]) / top)).toFixed(1);
@@ -241,20 +287,20 @@
     path.setAttribute("d", d + "L1000 40Z");
     $("chart").append(path);
   }
-  const rows = [-1, -1];
+  let free = 0;
   film.marks.forEach(function (m) {
     const line = document.createElement("span"), share = m.time / film.length;
     const wide = (6.4 * m.label.length + 14) / Math.max($("marks").clientWidth, 200);
-    const left = share + wide > 1, row = rows.findIndex(function (end) { return (left ? share - wide : share) >= end; });
+    const left = share + wide > 1, start = left ? share - wide : share;
     line.style.left = 100 * share + "%";
     line.title = m.label;
-    if (row >= 0) {
+    line.className = (left ? "left " : "") + (m.quiet ? "quiet" : "");
+    if (!m.quiet && start >= free) {
       // Where there is no room for its words, a mark is a line alone.
       const label = document.createElement("b");
       label.textContent = m.label;
-      line.className = (left ? "left " : "") + (row ? "lower" : "");
       line.append(label);
-      rows[row] = left ? share : share + wide;
+      free = left ? share : share + wide;
     }
     $("marks").append(line);
   });

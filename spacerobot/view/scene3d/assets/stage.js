@@ -19,21 +19,8 @@ window.SpacerobotStage = (function () {
     lamp(4.4, -2.5, 2, 0.1, 3, 3, space ? 6 : 4);
     lamp(-4.4, 2, 1, 0.1, 2, 4, space ? 1.2 : 1.6);
     lamp(0, -4.6, 0.5, 5, 0.1, 2.4, space ? 2 : 1.6);
-    lamp(0, 0, -4.7, 8, 8, 0.1, space ? 0.7 : 0.25, space ? 0x2b62b8 : 0xffffff);
+    lamp(0, 0, -4.7, 8, 8, 0.1, space ? 1.2 : 0.25, space ? 0x2b62b8 : 0xffffff);
     return scene;
-  }
-  function gradient(top, bottom) {
-    const canvas = document.createElement("canvas");
-    canvas.width = 4;
-    canvas.height = 512;
-    const context = canvas.getContext("2d"), fill = context.createLinearGradient(0, 0, 0, 512);
-    fill.addColorStop(0, top);
-    fill.addColorStop(1, bottom);
-    context.fillStyle = fill;
-    context.fillRect(0, 0, 4, 512);
-    const texture = new T.CanvasTexture(canvas);
-    texture.encoding = T.sRGBEncoding;
-    return texture;
   }
   function stars(scene) {
     let seed = 7;
@@ -54,7 +41,7 @@ window.SpacerobotStage = (function () {
   function ground(scene, film) {
     const size = 14 * film.reach;
     const shade = new T.Mesh(new T.CircleGeometry(size, 72),
-      new T.MeshStandardMaterial({ color: 0x8f979f, roughness: 0.9, metalness: 0, transparent: true }));
+      new T.MeshStandardMaterial({ color: 0xa3aab1, roughness: 0.95, metalness: 0, transparent: true }));
     shade.material.onBeforeCompile = function (shader) {
       // The floor fades into the background, so that it has no edge.
       shader.vertexShader = "varying vec2 vOnFloor;\n" + shader.vertexShader.replace("#include <begin_vertex>",
@@ -89,7 +76,7 @@ window.SpacerobotStage = (function () {
     key.shadow.bias = -0.0004;
     key.shadow.normalBias = 0.004 * r;
     key.shadow.radius = 4;
-    const fill = new T.HemisphereLight(space ? 0x9fb6d8 : 0xf4f7fb, space ? 0x1d3d6e : 0x8b8f96, (space ? 0.12 : 0.18) + (plain ? 0.75 : 0));
+    const fill = new T.HemisphereLight(space ? 0x9fb6d8 : 0xf4f7fb, space ? 0x1d3d6e : 0x8b8f96, (space ? 0.2 : 0.18) + (plain ? 0.75 : 0));
     const rim = new T.DirectionalLight(space ? 0x8fb8ff : 0xdfe9ff, space ? 0.5 : 0.2);
     rim.position.set(f[0] - 3 * r, f[1] + 3 * r, f[2] + 1.2 * r);
     rim.target.position.set(f[0], f[1], f[2]);
@@ -118,9 +105,10 @@ window.SpacerobotStage = (function () {
     const plain = !full && drawnInSoftware(renderer);
     renderer.outputEncoding = T.sRGBEncoding;
     renderer.toneMapping = T.ACESFilmicToneMapping;
-    renderer.toneMappingExposure = space ? 1.0 : 1.0;
+    renderer.toneMappingExposure = space ? 1.05 : 1.12;
     renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
-    scene.background = space ? gradient("#02040a", "#0a1630") : gradient("#eef2f6", "#c3cbd4");
+    viewer.hide_background();  // the page's own shows through
+    renderer.setClearColor(0x000000, 0);
     if (!plain) {
       const generator = new T.PMREMGenerator(renderer);
       scene.environment = generator.fromScene(room(space), 0.03).texture;
