@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from spacerobot.diagnosis.locate.balances import LAW, STILL, Balance
-from spacerobot.diagnosis.locate.laws import depth_of
+from spacerobot.diagnosis.locate.balances import BODY, LAW, STILL, Balance
+from spacerobot.diagnosis.locate.laws import depth_of, linear_coefficients
 from spacerobot.diagnosis.locate.weak_trial import WeakTrial
 from spacerobot.effects.mechanism import Mechanism
 
@@ -24,10 +24,16 @@ FREQUENCY = "frequency"
 
 @dataclass(frozen=True)
 class Extent:
-    """Largest displacements of a balance's port over all trials: (negative side, positive side) [m or rad]."""
+    """How far a balance's port went in all trials.
+
+    Attributes:
+        low, high: largest displacements to either side [m or rad].
+        held: largest known load on it while it rested [N or N m].
+    """
 
     low: float
     high: float
+    held: float
 
     def large(self, d: np.ndarray, share: float) -> np.ndarray:
         """How far beyond the threshold, signed, zero below it, shape of d."""
@@ -67,12 +73,14 @@ def regressors(
         return {"constant": Pattern.single(one), "force": Pattern.single(force), FREQUENCY: waves}
     state = weak.port_state(balance.row, weak.nodes)
     d, v, way = state.moved, state.moving, state.way
+    resting = np.where(state.resting, known_load(weak, mechanism, balance), 0.0)
     single = {
         "constant": np.full(weak.nodes.shape, balance.mass),
         "displacement": d,
         "displacement^3": d**3,
         "velocity": v,
-        "sign of velocity": way,
+        # what holds a resting body takes up the load on it, as friction does up to its limit
+        "sign of velocity": way + (resting / extent.held if extent.held > 0.0 else 0.0),
         "velocity^2": v * np.abs(v),
         "direction of motion": np.abs(way),
         "force": weak.pressing(weak.nodes),
@@ -122,12 +130,30 @@ def resonances(weak: WeakTrial, mechanism: Mechanism, balance: Balance, frequenc
     return np.asarray(np.interp(weak.nodes, time, a, left=0.0, right=0.0) - omega * answer)
 
 
+def known_load(weak: WeakTrial, mechanism: Mechanism, balance: Balance) -> np.ndarray:
+    """What the model says acts on a balance at the nodes, along the smoothed motion, shape (Q,)."""
+    names = balance.name.split(" + ")
+    out = np.zeros(weak.nodes.shape)
+    for force in mechanism.forces:
+        factor = sum(mechanism.ports[force.port].get(c, 0.0) for c in names)
+        linear = linear_coefficients(force.kernel, force.p) if factor and any(force.p) else None
+        row = mechanism.ports[force.sense or force.port]
+        if linear is not None and set(row) <= set(weak.observers.solution):
+            out += factor * linear[0] * weak.port_state(dict(row), weak.nodes).moved
+    time, load = weak.shaking(mechanism, names, 1.0)
+    return out + np.interp(weak.nodes, time, load)
+
+
 def extents(prepared: Mapping[str, Any]) -> dict[str, Extent]:
-    """Balance -> largest displacements over all trials (`Prepared` by id)."""
+    """Balance -> how far it went over all trials (`Prepared` by id)."""
     out: dict[str, Extent] = {}
     for one in prepared.values():
         for name, balance in one.found.items():
-            old = out.get(name, Extent(0.0, 0.0))
-            d = one.weak.port_state(balance.row, one.weak.nodes).moved
-            out[name] = Extent(min(old.low, float(d.min())), max(old.high, float(d.max())))
+            old = out.get(name, Extent(0.0, 0.0, 0.0))
+            state = one.weak.port_state(balance.row, one.weak.nodes)
+            held = 0.0
+            if balance.kind == BODY and state.resting.any():
+                held = float(np.abs(known_load(one.weak, one.mechanism, balance)[state.resting]).max())
+            low, high = float(state.moved.min()), float(state.moved.max())
+            out[name] = Extent(min(old.low, low), max(old.high, high), max(old.held, held))
     return out

@@ -111,6 +111,11 @@ class State:
         return np.where(_clear(self.time, self.v, self.v_error), self.v, 0.0)
 
     @property
+    def resting(self) -> np.ndarray:
+        """Whether v does not stand clear of its error nearby, shape (N,) bool."""
+        return ~_clear(self.time, self.v, self.v_error)
+
+    @property
     def way(self) -> np.ndarray:
         """Expected sign of v, in (-1, 1), zero at rest, shape (N,)."""
         return erf(self.moving / (np.sqrt(2.0) * np.maximum(self.v_error, 1e-300)))
