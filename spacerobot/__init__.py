@@ -26,6 +26,8 @@ _LAZY: dict[str, str] = {
     "Trajectory": "spacerobot.simulation.trajectory",
     "Study": "spacerobot.recordings.study",
     "load_study": "spacerobot.recordings.study",
+    "diagnose": "spacerobot.diagnosis.diagnose",
+    "Diagnosis": "spacerobot.diagnosis.diagnose",
 }
 """Public name -> module that defines it."""
 

@@ -21,6 +21,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "simulate": ("simulate", "a wrist meets a free-flying body: predicted beside simulated"),
     "paper": ("paper", "Table 1, Figs. 5 and 6 and the equations of the paper, checked"),
     "overlay": ("overlay", "a study's trials simulated and laid over their recordings"),
+    "diagnose": ("diagnose", "which physics was left out of a study's baseline, named, fitted and shown"),
     "view": ("view", "a robot, a capture or a recorded trial as a scene in one file"),
     "prove": ("prove", "hide physics in another engine's recordings, diagnose them blind, score"),
     "study": ("study", "write a first study file from a folder of recordings, or check one"),

@@ -24,6 +24,9 @@ RESCUES = 3
 RESCUE_GAIN = 5.0
 """How often trials are put back to their free approach, and by how much chi-squared must fall for it."""
 
+BUDGET = 6
+"""Simulations of each trial that a fit may spend per iteration it is allowed; beyond, it ends where it stands."""
+
 REUSE = 3
 """How many steps may be taken on one set of derivatives, as long as each keeps most of its promise."""
 
@@ -134,6 +137,7 @@ class Fitter:
         self.model = model
         self.trials = tuple(trials)
         self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
+        self._left = 0
         self._scales = {t.id: np.array([n.scale for n in model.nuisances(t)]) for t in trials}
 
     def _map(self, work: Callable[[TrialData], Any]) -> dict[str, Any]:
@@ -144,6 +148,7 @@ class Fitter:
         self, hypothesis: Hypothesis, z: np.ndarray, trial: TrialData, initial: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
         """Weighted residual of one trial, predicted minus measured, and which samples count, shape (S,) each."""
+        self._left -= 1
         mechanism = self.model.trial_mechanism(hypothesis, z, trial)
         prediction = self.model.predict(mechanism, trial, initial)
         parts = [((p - b.value) * b.weight).ravel() for p, b in zip(prediction.blocks, trial.blocks, strict=True)]
@@ -217,6 +222,7 @@ class Fitter:
         Raises:
             SimulationError: the start cannot be simulated.
         """
+        self._left = BUDGET * len(self.trials) * max_iterations
         state = self.state(hypothesis, hypothesis.start(warm), initials or self.guess())
         if state is None:
             raise SimulationError("the start of a fit cannot be simulated")
@@ -281,7 +287,7 @@ class Fitter:
         damping, converged, iterations, age = 1e-4, False, 0, 0
         system = None
         rows: dict[str, np.ndarray] = {}
-        while iterations < max_iterations and not converged:
+        while iterations < max_iterations and not converged and self._left > 0:
             iterations += 1
             if age >= REUSE:
                 rows, age = {}, 0

@@ -15,10 +15,10 @@ from spacerobot.diagnosis.data import trial_data
 from spacerobot.diagnosis.fit import Fit, Fitter
 from spacerobot.diagnosis.hypothesis import Label, Site
 from spacerobot.diagnosis.rig_model import RigModel
-from spacerobot.diagnosis.starts import fit_from
+from spacerobot.diagnosis.starts import fit_from, fit_near
 from spacerobot.effects.registry import effect, load_file
 from spacerobot.recordings.study import Study
-from spacerobot.support.errors import SimulationError
+from spacerobot.support.errors import InputError, SimulationError
 
 WARM, COLD = "warm", "cold"
 
@@ -31,6 +31,7 @@ class Task:
         label: effects and places.
         start: start values by key.
         initials: start of the trials' initial values.
+        near: a finished fit to begin at instead.
         hopeless: cost above which it may be given up.
         max_iterations: of each fit.
         without: trials left out.
@@ -42,6 +43,12 @@ class Task:
     hopeless: float = np.inf
     max_iterations: int = 40
     without: tuple[str, ...] = ()
+    near: Fit | None = None
+
+    @property
+    def mode(self) -> str:
+        """WARM where it begins at a finished fit, else COLD."""
+        return COLD if self.near is None else WARM
 
 
 @dataclass
@@ -68,6 +75,16 @@ class Workshop:
         """Do a task; None where it cannot be simulated."""
         sites = [Site(effect(name), where) for name, where in task.label]
         try:
+            if task.near is not None:
+                return fit_near(
+                    self.fitter(task.without),
+                    self.model.believed,
+                    sites,
+                    task.near,
+                    task.start,
+                    task.max_iterations,
+                    task.hopeless,
+                )
             return fit_from(
                 self.fitter(task.without),
                 self.model.believed,
@@ -77,7 +94,7 @@ class Workshop:
                 task.max_iterations,
                 task.hopeless,
             )
-        except SimulationError:
+        except (SimulationError, InputError):  # a start outside what the rig can be
             return None
 
 

@@ -20,6 +20,9 @@ from spacerobot.support.errors import InputError
 UNKNOWN_CENTRES = {"contact.damping": 40.0, "contact.stiffness": 5e4}
 """Where the search for an unstated value begins, SI."""
 
+STEP_LIMIT = 5000
+"""Steps of one trial after which a fit calls its parameters too stiff to be true; a plain trial takes some 400."""
+
 ABSORBING = ("wrist.equivalent_damping",)
 
 CHANNEL_OF = {"target": "target.x", "target.y": "target.y", "target.yaw": "target.yaw"}
@@ -149,6 +152,7 @@ class RigModel:
             start=trial.start,
             end=trial.end + 1e-9,
             tolerance=self.tolerance,
+            step_limit=STEP_LIMIT,
         )
         blocks = tuple(np.array(list(read_channels(run, mechanism, b.channels, b.time).values())) for b in trial.blocks)
         touches = tuple(e.time for e in run.events if e.element == "contact" and e.kind == "touch")

@@ -1,0 +1,133 @@
+"""The work of `spacerobot diagnose`, loaded only when it is called."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from spacerobot.diagnosis.diagnose import diagnose
+from spacerobot.diagnosis.schema import validate
+from spacerobot.effects.registry import effect, load_file
+from spacerobot.recordings.study import load_study, resolve_study
+from spacerobot.support.errors import InputError
+from spacerobot.support.jsonio import dumps, plain
+from spacerobot.support.progress import Progress
+from spacerobot.support.runs import RunFolder, combined_hash
+
+_WORDS = {
+    "named": "The missing physics is named.",
+    "ambiguous": "Something is missing, and these data cannot tell its candidates apart.",
+    "unknown": "Something is missing that the catalogue has no name for.",
+    "nothing_missing": "Nothing is missing that these data could show.",
+    "wrong_parameter": "The physics is right; a believed value is not.",
+    "not_trusted": "The fit failed its own checks; nothing is concluded.",
+}
+
+
+def run(args: argparse.Namespace) -> int:
+    """Diagnose a study and write what was found."""
+    if args.jobs is not None and args.jobs < 1:
+        raise InputError("--jobs must be at least 1", given=args.jobs)
+    for file in args.effects:
+        print(f"running the code of {file}: {', '.join(load_file(Path(file)))}", file=sys.stderr)
+    for name in args.without:
+        effect(name)  # an unknown name is an error that suggests the nearest
+    study = load_study(resolve_study(args.study), args.data)
+    codes = [Path(f).read_text(encoding="utf-8") for f in args.effects]
+    key = combined_hash(study.input_hash, str(args.seed), *sorted(args.without), *codes)
+    with contextlib.ExitStack() as stack:
+        folder = None
+        if args.out is not None:
+            folder = stack.enter_context(RunFolder(args.out, "diagnose", key, overwrite=args.overwrite))
+            kept = folder.load("result")
+            if folder.finished and kept is not None:
+                return _show(args, kept["verdict"], folder)
+        report = stack.enter_context(_Stages(args.verbose))
+        result = diagnose(
+            study,
+            jobs=args.jobs,
+            seed=args.seed,
+            without=args.without,
+            effects_files=args.effects,
+            report=report,
+        )
+        verdict, evidence = plain(result.verdict), plain(result.evidence)
+        validate(verdict)
+        if folder is not None:
+            from spacerobot.diagnosis.scene_out import scene_of
+            from spacerobot.view.report import write_plots, write_report
+
+            folder.write("verdict.json", dumps(verdict))
+            scene = scene_of(study, result.judgement.chosen)
+            folder.write("scene.toml", scene.to_toml())
+            write_report(verdict, evidence, folder.path("report.html"))
+            write_plots(verdict, evidence, folder.path("plots"))
+            folder.save("result", {"verdict": verdict})
+            folder.finish()
+        return _show(args, verdict, folder)
+
+
+class _Stages:
+    """Progress on standard error, a bar a stage."""
+
+    def __init__(self, verbose: bool) -> None:
+        self.verbose = verbose
+        self._what = ""
+        self._bar: Progress | None = None
+        self._done = 0
+
+    def __enter__(self) -> _Stages:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._close()
+
+    def _close(self) -> None:
+        if self._bar is not None:
+            self._bar.__exit__(None, None, None)
+            self._bar = None
+
+    def __call__(self, what: str, done: int, total: int) -> None:
+        if what != self._what:
+            self._close()
+            self._what, self._done = what, 0
+            self._bar = Progress(what, total, unit="fit", verbose=self.verbose)
+            self._bar.__enter__()
+        if self._bar is not None and done > self._done:
+            self._bar.advance(done - self._done)
+            self._done = done
+
+
+def _show(args: argparse.Namespace, verdict: Mapping[str, Any], folder: RunFolder | None) -> int:
+    if args.json:
+        print(dumps(verdict))
+        return 0
+    print(f"{verdict['study']}: {verdict['verdict']} (confidence {verdict['confidence']:.2f})")
+    print(_WORDS[verdict["verdict"]])
+    for entry in verdict["effects"]:
+        print(f"  {entry['effect']} at {entry['where']}")
+        for name, p in entry["parameters"].items():
+            low, high = p["ci95"]
+            print(f"    {name:24} {_number(p['value'])}   95 % {_number(low)} to {_number(high)} {p['unit']}")
+    if verdict["verdict"] == "ambiguous":
+        for other in verdict["alternatives"]:
+            names = " + ".join(f"{e['effect']} at {e['where']}" for e in other["effects"])
+            print(f"  {names}   (score {other['score']:+.1f})")
+    for name, p in verdict["parameters"].items():
+        print(f"  {name} moved from {_number(p['believed'])} to {_number(p['value'])} {p['unit']}")
+    overall = verdict["held_out"]["overall"]
+    if overall["rms_before"] is not None and overall["rms_after"] is not None:
+        print(f"held out, in sensor sigmas: {overall['rms_before']:.3f} before, {overall['rms_after']:.3f} after")
+    if verdict["next_experiment"]:
+        print(f"next experiment: {verdict['next_experiment']['change']}; {verdict['next_experiment']['why']}")
+    if folder is not None:
+        print(f"report: {folder.path('report.html')}")
+    return 0
+
+
+def _number(value: float | str | None) -> str:
+    return f"{value:.5g}" if isinstance(value, int | float) else str(value)

@@ -1,0 +1,69 @@
+"""Which effects may be missing, and where: the catalogue's places, less those a believed value already covers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from spacerobot.diagnosis.hypothesis import Believed, Site
+from spacerobot.effects.mechanism import Mechanism
+from spacerobot.effects.registry import all_effects
+
+COVERED_BY: Mapping[tuple[str, str], tuple[str, ...]] = {
+    ("viscous_friction", "wrist"): ("wrist.equivalent_damping", "wrist.damping"),
+    ("payload", "wrist"): ("wrist.mass",),
+    ("payload", "target"): ("target.mass",),
+}
+"""Effects that act exactly as a believed value does: no data tell the two apart, so the value stands for both."""
+
+CONTAINS: frozenset[tuple[str, str]] = frozenset(
+    {
+        ("asymmetric_friction", "coulomb_friction"),
+        ("stribeck_friction", "coulomb_friction"),
+    }
+)
+"""(general, special): the general effect equals the special one at some of its values."""
+
+
+def candidate_sites(mechanism: Mechanism, believed: Believed, without: Sequence[str] = ()) -> list[Site]:
+    """Every effect at every place where it could sit in this mechanism.
+
+    Args:
+        mechanism: of the baseline.
+        believed: values with a sigma cover the effects that act as they do.
+        without: names of effects to leave out.
+    """
+    sites = []
+    for effect in all_effects().values():
+        if effect.name in without:
+            continue
+        for where in effect.places(mechanism):
+            covering = COVERED_BY.get((effect.name, where), ())
+            if not any(name in believed.sigma for name in covering):
+                sites.append(Site(effect, where))
+    return sites
+
+
+def contains(general: Sequence[tuple[str, str]], special: Sequence[tuple[str, str]]) -> bool:
+    """Whether one set of effects holds another as a special case: a superset, or general effects in their place."""
+    if set(general) == set(special):
+        return False
+    left = list(general)
+    for name, where in special:
+        for other in left:
+            if other == (name, where) or ((other[0], name) in CONTAINS and other[1] == where):
+                left.remove(other)
+                break
+        else:
+            return False
+    return True
+
+
+def plausible(sites: Sequence[tuple[str, str]], values: Mapping[str, float]) -> bool:
+    """Whether signs make physical sense where two readings of one thing exist.
+
+    Only the difference of two streams' delays shows in a free trial, so a stream that is early is the other that is
+    late; the late one is meant.
+    """
+    return all(
+        not (name == "time_offset" and values.get(f"{name}@{where}.delay_s", 0.0) < 0.0) for name, where in sites
+    )

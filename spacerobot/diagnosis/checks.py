@@ -1,0 +1,60 @@
+"""The fit's own checks; where one fails, the verdict is not trusted."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from spacerobot.diagnosis.fit import Fit, Fitter
+from spacerobot.diagnosis.pool import Task, Workshop
+from spacerobot.diagnosis.search import Found
+
+SLACK = 3.0
+"""Cost by which a larger model may exceed a smaller one before the optimiser is blamed."""
+
+
+def nested(found: Found, chosen: Fit) -> dict[str, Any]:
+    """A model with an effect more never costs more than the one without."""
+    bad = []
+    chosen_label = set(chosen.hypothesis.label)
+    for fit in [found.baseline, *found.fits.values()]:
+        if set(fit.hypothesis.label) < chosen_label and fit.cost < chosen.cost - SLACK:
+            bad.append(fit.hypothesis.label)
+    detail = "no smaller model costs less" if not bad else f"a smaller model costs less: {bad[0]}"
+    return {"name": "nested cost", "passed": not bad, "detail": detail}
+
+
+def synthetic(workshop: Workshop, chosen: Fit, seed: int) -> dict[str, Any]:
+    """On a copy of the study made from the chosen model, the fit ends no worse than the truth it was made from."""
+    from dataclasses import replace
+
+    random = np.random.default_rng(seed)
+    trials = []
+    for trial in workshop.trials:
+        mechanism = workshop.model.trial_mechanism(chosen.hypothesis, chosen.z, trial)
+        prediction = workshop.model.predict(mechanism, trial, chosen.trials[trial.id].initial)
+        blocks = []
+        for block, shown in zip(trial.blocks, prediction.blocks, strict=True):
+            with np.errstate(divide="ignore"):
+                sigma = np.where(block.weight > 0.0, 1.0 / block.weight, 0.0)
+            blocks.append(replace(block, value=shown + sigma * random.standard_normal(shown.shape)))
+        trials.append(replace(trial, blocks=tuple(blocks)))
+    copy = Workshop(workshop.study, workshop.make_model, threads=workshop.threads)
+    copy.trials = tuple(trials)
+    copy.model = workshop.make_model(workshop.study, copy.trials)
+    fitter: Fitter = copy.fitter()
+    state = fitter.state(chosen.hypothesis, chosen.z, {k: t.initial for k, t in chosen.trials.items()})
+    start = {f.key: f.centre for f in chosen.hypothesis.free if f.kind == "effect" and f.log}
+    start.update({k: v for k, v in chosen.values().items() if "@" in k and k not in start})
+    again = copy.run(Task(chosen.hypothesis.label, start))
+    if state is None or again is None:
+        return {"name": "cost at truth", "passed": False, "detail": "a synthetic copy could not be simulated"}
+    prior = np.array([f.prior for f in chosen.hypothesis.free], dtype=float)
+    truth = state.chi2() + float(prior @ state.z**2)
+    passed = again.cost <= truth + SLACK
+    return {
+        "name": "cost at truth",
+        "passed": bool(passed),
+        "detail": f"on a synthetic copy the fit costs {again.cost:.1f}, its truth {truth:.1f}",
+    }

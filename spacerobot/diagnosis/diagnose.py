@@ -1,0 +1,182 @@
+"""The front door: a study in, a verdict with its evidence out."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+from spacerobot import __version__
+from spacerobot.diagnosis import evidence as ev
+from spacerobot.diagnosis.adequacy import Left, left_over
+from spacerobot.diagnosis.candidates import candidate_sites
+from spacerobot.diagnosis.checks import nested, synthetic
+from spacerobot.diagnosis.fit import Fit
+from spacerobot.diagnosis.held_out import hold_out
+from spacerobot.diagnosis.judge import AMBIGUOUS, NAMED, Judgement, judge, moved
+from spacerobot.diagnosis.locate.locate import locate
+from spacerobot.diagnosis.locate.located import LEVEL
+from spacerobot.diagnosis.next_experiment import next_experiment
+from spacerobot.diagnosis.pool import Pool, Workshop
+from spacerobot.diagnosis.search import Found, Report, search
+from spacerobot.diagnosis.verdict import detectable, held_out_entry, labels_of, verdict_dict
+from spacerobot.recordings.study import Study
+from spacerobot.support.errors import InputError
+
+FINALISTS = 4
+SHOWN = 40
+"""Located patterns that a report lists."""
+
+LOOSE = 30.0
+"""Factor on a believed value's sigma that sets it free."""
+
+
+@dataclass(frozen=True, eq=False)
+class Diagnosis:
+    """Everything a diagnosis found.
+
+    Attributes:
+        verdict: verdict.json as a dict.
+        evidence: what reports are made from, as a dict.
+        found: every fit and screen.
+        judgement: what was decided, on which fit.
+        left: what the finalists leave over, by set of effects.
+    """
+
+    verdict: Mapping[str, Any]
+    evidence: Mapping[str, Any]
+    found: Found
+    judgement: Judgement
+    left: Mapping[tuple[tuple[str, str], ...], Left]
+
+
+def _silent(what: str, done: int, total: int) -> None:
+    """Progress that nobody watches."""
+
+
+def diagnose(
+    study: Study,
+    *,
+    jobs: int | None = None,
+    seed: int = 0,
+    without: Sequence[str] = (),
+    effects_files: Sequence[str] = (),
+    report: Report = _silent,
+) -> Diagnosis:
+    """Say where simulation and recording part, and which physics was left out.
+
+    Args:
+        study: what the lab believes and recorded; a wrist that meets a floating target.
+        jobs: processes; all cores if None.
+        seed: of synthetic copies and permutations.
+        without: effects to leave out of the catalogue.
+        effects_files: Python files with further effects (they are run).
+        report: told of progress.
+
+    Raises:
+        InputError: the study cannot be diagnosed: no wrist, no contact channels, one trial only.
+    """
+    began = time.perf_counter()
+    if "wrist.stiffness" not in study.values():
+        raise InputError(
+            "this study has no wrist; diagnosis of other machines is under way in diagnosis.models",
+            given=study.title,
+            valid="a study with [baseline.wrist] and a target",
+        )
+    if len(study.trials) < 2:
+        raise InputError("a diagnosis needs at least two trials", given=len(study.trials), where=str(study.path))
+    jobs = jobs or os.cpu_count() or 1
+    workshop = Workshop(study, threads=jobs)
+    missing = {"target.x"} - {c for t in workshop.trials for c in t.channels}
+    if missing:
+        raise InputError("the study lacks a channel", given=sorted(missing), where=str(study.path))
+    mechanism = workshop.model.mechanism({**workshop.model.base, **workshop.trials[0].overrides})
+    sites = candidate_sites(mechanism, workshop.model.believed, without)
+    with Pool(workshop, jobs, effects_files) as pool:
+        found = search(pool, sites, report)
+        report("judging", 0, 1)
+        freed = _freed(workshop, found.baseline)
+        left_of = _finalists(workshop, found, freed)
+        first = judge(found, left_of, freed, ())
+        checks = [nested(found, first.chosen)]
+        if first.verdict == NAMED:
+            report("checking on a synthetic copy", 0, 1)
+            checks.append(synthetic(workshop, first.chosen, seed))
+        judgement = judge(found, left_of, freed, [c["name"] for c in checks if not c["passed"]])
+        report("predicting held-out conditions", 0, 1)
+        held = hold_out(pool, {"before": found.baseline, "after": judgement.chosen})
+    report("locating", 0, 1)
+    base = found.baseline
+    values = {
+        t.id: base.hypothesis.trial_values(base.z, workshop.model.base, t.condition, t.overrides)
+        for t in workshop.trials
+    }
+    located = locate(workshop.model, workshop.trials, values, seed=seed)
+    inflation = min(left.inflation for left in left_of.values())
+    screen = next(
+        (s for s in reversed(found.screens) if s.fit.hypothesis.label == judgement.chosen.hypothesis.label),
+        found.screens[0],
+    )
+    before, after = held.get("before"), held.get("after")
+    further = (
+        next_experiment(workshop.model, workshop.trials, judgement.alternatives)
+        if judgement.verdict == AMBIGUOUS
+        else None
+    )
+    verdict = verdict_dict(
+        judgement,
+        version=__version__,
+        input_hash=study.input_hash,
+        seed=seed,
+        study=study.title,
+        seconds=time.perf_counter() - began,
+        sigma=workshop.model.believed.sigma,
+        inflation=inflation,
+        located=[r.entry() for r in located.rows if r.p < LEVEL],
+        held_out=held_out_entry(workshop.trials, before, after),
+        detectable_sizes=detectable(screen, inflation),
+        next_experiment=further,
+    )
+    shown_before = before.residuals if before else {k: t.residual for k, t in base.trials.items()}
+    shown_after = after.residuals if after else {k: t.residual for k, t in judgement.chosen.trials.items()}
+    left = {f.hypothesis.label: left_of[id(f)] for f in [base, judgement.chosen] if id(f) in left_of}
+    evidence = {
+        "study": ev.study_evidence(study, workshop.trials),
+        "traces": ev.traces(workshop.trials, shown_before, shown_after, bool(after)),
+        "hypotheses": ev.hypotheses(found, judgement),
+        "located": [{**r.entry(), "significance": r.score} for r in located.rows[:SHOWN]],
+        "surfaces": [asdict(s) for s in located.surfaces],
+        "whiteness": ev.whiteness(left_of[id(base)], left_of.get(id(judgement.chosen), left_of[id(base)])),
+        "formulas": ev.formulas(labels_of(judgement)),
+        "checks": checks,
+        "timing": {"seconds": verdict["seconds"]},
+        "removed_by_fit": ev.removed_by_fit(judgement.chosen),
+    }
+    return Diagnosis(verdict, evidence, found, judgement, left)
+
+
+def _freed(workshop: Workshop, base: Fit) -> Fit | None:
+    """The baseline with the values it moves set free of their priors."""
+    out = moved(base)
+    if not out:
+        return None
+    free = tuple(replace(f, step=f.step * LOOSE) if f.key in out else f for f in base.hypothesis.free)
+    return workshop.fitter().fit(
+        replace(base.hypothesis, free=free), warm=base.values(), initials=base.initials(), robust=False
+    )
+
+
+def _finalists(workshop: Workshop, found: Found, freed: Fit | None) -> dict[int, Left]:
+    ranked = sorted(found.fits.values(), key=lambda f: f.cost)[:FINALISTS]
+    fits = [found.baseline, *ranked, *([freed] if freed is not None else [])]
+    out = {}
+    for fit in fits:
+        touches = {}
+        for trial in workshop.trials:
+            mechanism = workshop.model.trial_mechanism(fit.hypothesis, fit.z, trial)
+            seen = workshop.model.predict(mechanism, trial, fit.trials[trial.id].initial).touches
+            touches[trial.id] = min(seen, default=float("inf"))
+        out[id(fit)] = left_over(fit, workshop.trials, touches)
+    return out

@@ -1,0 +1,175 @@
+"""The verdict: what the fits of a search allow one to say, and how surely."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from spacerobot.diagnosis.adequacy import Left
+from spacerobot.diagnosis.candidates import contains, plausible
+from spacerobot.diagnosis.fit import Fit
+from spacerobot.diagnosis.search import Found
+
+NAMED, AMBIGUOUS, UNKNOWN = "named", "ambiguous", "unknown"
+NOTHING_MISSING, WRONG_PARAMETER, NOT_TRUSTED = "nothing_missing", "wrong_parameter", "not_trusted"
+
+PENALTY = 8.0
+"""Cost of one effect parameter: the look over forty effects finds a chance fall of chi-squared of this size."""
+
+EARN = 20.0
+"""Fall of the penalised cost that an effect must bring, after correction for the noise's level and colour."""
+
+SMALL = 1e-3
+"""Share of what the simpler model explains that a further effect must earn."""
+
+MARGIN = 10.0
+"""Lead over a rival below which the two cannot be told apart."""
+
+MOVED = 3.0
+"""Stated sigmas beyond which a believed value counts as wrong."""
+
+
+@dataclass(frozen=True)
+class Rival:
+    """One hypothesis with its penalised cost over the best one's, and what was decided of it."""
+
+    fit: Fit
+    score: float
+    lost: str
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """What is said, on which fit, against which rivals."""
+
+    verdict: str
+    confidence: float
+    chosen: Fit
+    alternatives: tuple[Fit, ...]
+    rivals: tuple[Rival, ...]
+    moved: tuple[str, ...]
+
+
+def score(fit: Fit, inflation: float) -> float:
+    """Penalised cost in units of the noise as it is."""
+    count = sum(1 for f in fit.hypothesis.free if f.kind == "effect")
+    return fit.cost / inflation + PENALTY * count
+
+
+def moved(fit: Fit, free: Fit | None = None) -> tuple[str, ...]:
+    """Believed values that the data move beyond MOVED stated sigmas."""
+    return tuple(
+        f.key for f, z in zip(fit.hypothesis.free, fit.z, strict=True) if f.kind == "believed" and abs(z) > MOVED
+    )
+
+
+def judge(found: Found, left_of: dict[int, Left], freed: Fit | None, failed: Sequence[str]) -> Judgement:
+    """Decide.
+
+    Args:
+        found: the search's fits.
+        left_of: what each finalist leaves over, by id(fit); the baseline and the best few are there.
+        freed: the baseline refitted without the priors of the values it moves, or None where it moves none.
+        failed: names of the fit's own checks that failed.
+    """
+    base = found.baseline
+    candidates = [base, *(f for f in found.fits.values() if plausible(f.hypothesis.label, f.values()))]
+    inflation = min((left_of[id(f)].inflation for f in candidates if id(f) in left_of), default=1.0)
+    scores = {id(f): score(f, inflation) for f in candidates}
+    if freed is not None:
+        extra = PENALTY * len(moved(base))
+        scores[id(base)] = min(scores[id(base)], score(freed, inflation) + extra)
+    ranked = sorted(candidates, key=lambda f: scores[id(f)])
+    favourite = _simplest(ranked, scores, base)
+    lead = scores[id(base)] - scores[id(favourite)]
+    if favourite is base or lead < EARN:
+        return _without_effect(base, freed, ranked, scores, left_of, failed)
+    rivals = []
+    equal = []
+    for fit in ranked:
+        if fit is favourite:
+            continue
+        gap = scores[id(fit)] - scores[id(favourite)]
+        if contains(fit.hypothesis.label, favourite.hypothesis.label):
+            lost = "holds the favourite as a special case and gains too little by it"
+        elif gap < MARGIN:
+            equal.append(fit)
+            lost = f"not told apart: chi-squared differs by {fit.cost - favourite.cost:+.1f}"
+        else:
+            lost = f"chi-squared larger by {fit.cost - favourite.cost:.0f}"
+        rivals.append(Rival(fit, gap, lost))
+    left = left_of.get(id(favourite))
+    adequate = left is not None and left.adequate
+    if failed:
+        verdict = NOT_TRUSTED
+    elif not adequate:
+        verdict = UNKNOWN
+    else:
+        verdict = AMBIGUOUS if equal else NAMED
+    gaps = np.array([r.score for r in rivals if not r.lost.startswith("holds")])
+    weight = float(np.exp(-0.5 * np.clip(gaps, 0.0, 700.0)).sum()) if gaps.size else 0.0
+    confidence = 1.0 / (1.0 + weight) * (1.0 - np.exp(-0.5 * (lead - EARN + 6.0)))
+    if verdict == UNKNOWN:
+        confidence = _surprise(left)
+    return Judgement(
+        verdict,
+        float(np.clip(confidence, 0.05, 0.99)),
+        favourite,
+        (favourite, *equal) if verdict == AMBIGUOUS else (),
+        tuple(rivals),
+        moved(favourite),
+    )
+
+
+def _simplest(ranked: Sequence[Fit], scores: dict[int, float], base: Fit) -> Fit:
+    """The best, unless a special case of it does nearly as well.
+
+    What a further effect earns is also held against what the simpler model explains: with many samples a harmless
+    defect of the first effect's law is always significant, and a second effect would be named for it.
+    """
+    best = ranked[0]
+    for fit in ranked[1:]:
+        if contains(best.hypothesis.label, fit.hypothesis.label):
+            worth = max(4.0, SMALL * (scores[id(base)] - scores[id(fit)]))
+            if scores[id(fit)] - scores[id(best)] < worth:
+                best = fit
+    return best
+
+
+def _without_effect(
+    base: Fit,
+    freed: Fit | None,
+    ranked: Sequence[Fit],
+    scores: dict[int, float],
+    left_of: dict[int, Left],
+    failed: Sequence[str],
+) -> Judgement:
+    left = left_of[id(freed)] if freed is not None and id(freed) in left_of else left_of[id(base)]
+    out = moved(base)
+    if failed:
+        verdict = NOT_TRUSTED
+    elif not left.adequate:
+        verdict = UNKNOWN
+    else:
+        verdict = WRONG_PARAMETER if out else NOTHING_MISSING
+    best_gain = max((scores[id(base)] - scores[id(f)] for f in ranked if f is not base), default=-PENALTY)
+    confidence = float(np.clip(1.0 - np.exp(-0.25 * max(EARN - best_gain, 0.0)), 0.05, 0.99))
+    if verdict == UNKNOWN:
+        confidence = _surprise(left)
+    rivals = tuple(
+        Rival(f, scores[id(f)] - scores[id(base)], f"earns {base.cost - f.cost:.1f} of chi-squared, too little")
+        for f in ranked
+        if f is not base
+    )
+    chosen = freed if freed is not None and verdict == WRONG_PARAMETER else base
+    return Judgement(verdict, confidence, chosen, (), rivals, out)
+
+
+def _surprise(left: Left | None) -> float:
+    """How sure it is that something is left over."""
+    if left is None:
+        return 0.5
+    worst = max(max(c.colour / 5.0, c.worst / 6.0, (c.level / c.noise - 1.0) / 0.03) for c in left.channels)
+    return float(np.clip(1.0 - np.exp(-0.7 * worst), 0.05, 0.99))

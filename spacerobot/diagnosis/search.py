@@ -1,0 +1,172 @@
+"""The search: baseline, all singles, all pairs scored and the best fitted. It finds fits; it judges nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from spacerobot.diagnosis.candidates import contains
+from spacerobot.diagnosis.fit import Fit
+from spacerobot.diagnosis.hypothesis import Label, Site
+from spacerobot.diagnosis.pool import Pool, Task
+from spacerobot.diagnosis.screen import Screen, Screened, Screener, faint
+from spacerobot.diagnosis.starts import effect_starts
+
+TOP_SCREENED = 4
+TOP_FITTED = 4
+TOP_PAIRS = 4
+NEAR_ITERATIONS = 8
+EXPLAINED = 1.02
+"""chi-squared per sample below which a single effect explains the data well enough not to start others afresh."""
+
+WORTH_A_FIT = 15.0
+"""Predicted fall of the cost below which a second effect is screened only."""
+
+BATCH = 4
+
+CLEAR = 300.0
+"""A fit whose cost is this much above the best may be given up."""
+
+Report = Callable[[str, int, int], None]
+"""(what, done, of how many): told of progress."""
+
+
+@dataclass
+class Found:
+    """All that a search fitted and screened.
+
+    Attributes:
+        baseline: the refitted baseline.
+        fits: the best fit of each set of effects.
+        screens: what was screened, at the baseline and at the best single.
+        screened: predicted fall of the cost by set of effects, fitted or not.
+        singles: every site that was tried.
+    """
+
+    baseline: Fit
+    fits: dict[Label, Fit] = field(default_factory=dict)
+    screens: list[Screen] = field(default_factory=list)
+    screened: dict[Label, float] = field(default_factory=dict)
+    singles: tuple[Site, ...] = ()
+
+    def keep(self, fit: Fit | None) -> None:
+        """Remember a fit if it is the best of its kind."""
+        if fit is None:
+            return
+        old = self.fits.get(fit.hypothesis.label)
+        if old is None or fit.cost < old.cost:
+            self.fits[fit.hypothesis.label] = fit
+
+    @property
+    def best(self) -> Fit:
+        """The fit of least cost, the baseline included."""
+        return min([self.baseline, *self.fits.values()], key=lambda f: f.cost)
+
+    def singles_by_cost(self) -> list[Fit]:
+        """Fits of one effect, best first."""
+        return sorted((f for f in self.fits.values() if len(f.hypothesis.sites) == 1), key=lambda f: f.cost)
+
+
+def _share(item: Screened) -> float:
+    """Start of a near fit, as a share of the effect's own start."""
+    share = 0.1 * item.amplitude
+    if item.gain <= 0.0:
+        return 0.05
+    return float(np.copysign(np.clip(abs(share), 0.02, 1.0), share))
+
+
+def search(pool: Pool, sites: Sequence[Site], report: Report, *, baseline: Fit | None = None) -> Found:
+    """Fit the baseline, every single effect, and the most promising pairs.
+
+    Args:
+        pool: runs the fits.
+        sites: effects and places to try.
+        report: told of progress.
+        baseline: the refitted baseline, where it is known already.
+    """
+    workshop = pool.workshop
+    report("baseline", 0, 1)
+    if baseline is None:
+        baseline = workshop.run(Task((), {}))
+        assert baseline is not None  # the believed rig itself can be simulated, or RigModel had refused it
+    found = Found(baseline, singles=tuple(sites))
+    screener = Screener(workshop.fitter(), workshop.model.believed)
+    report("screening", 0, len(sites))
+    first = screener.screen(baseline, sites)
+    found.screens.append(first)
+    found.screened.update({(k,): v.gain for k, v in first.best().items()})
+
+    tasks = [
+        Task((s.site.label,), faint(s.site, s.start, _share(s)), near=baseline, max_iterations=NEAR_ITERATIONS)
+        for s in first.best().values()
+    ]
+    _run(pool, found, tasks, report, "single effects")
+    promising = [f.hypothesis.label for f in found.singles_by_cost()[:TOP_FITTED]]
+    # what adds little near the baseline may still fit from a start of its own
+    promising += [(k,) for k in list(first.best())[:TOP_SCREENED] if (k,) not in promising]
+    _run(pool, found, _starts(found, promising, baseline), report, "single effects, from several starts", stop=True)
+    if found.singles_by_cost():
+        _pairs(pool, found, screener, first, report)
+    return found
+
+
+def _starts(found: Found, labels: Sequence[Label], baseline: Fit) -> list[Task]:
+    """From where the near fits stopped, then each from its own first start, then from its second."""
+    by_label = {s.label: s for s in found.singles}
+    near = [
+        Task(label, {}, near=found.fits[label], max_iterations=30)
+        for label in labels
+        if label in found.fits and not found.fits[label].converged
+    ]
+    cold: list[list[Task]] = [[], []]
+    for label in labels:
+        for k, start in enumerate(effect_starts([by_label[one] for one in label])[:2]):
+            cold[k].append(Task(label, start, baseline.initials()))
+    return [*near, *cold[0], *cold[1]]
+
+
+def _pairs(pool: Pool, found: Found, screener: Screener, first: Screen, report: Report) -> None:
+    single = found.singles_by_cost()[0]
+    rest = [s for s in found.singles if s.label not in single.hypothesis.label]
+    report("screening pairs", 0, len(rest))
+    second = screener.screen(single, rest)
+    found.screens.append(second)
+    for gain, a, b in first.pairs():
+        found.screened.setdefault(tuple(sorted((a.site.label, b.site.label))), gain)
+    tasks = []
+    for label, item in list(second.best().items())[:TOP_PAIRS]:
+        both = tuple(sorted((*single.hypothesis.label, label)))
+        found.screened[both] = max(found.screened.get(both, 0.0), found.baseline.cost - single.cost + item.gain)
+        if item.gain > WORTH_A_FIT:
+            tasks.append(Task(both, faint(item.site, item.start, _share(item)), near=single, max_iterations=20))
+    for gain, a, b in first.pairs()[: 0 if _explained(single) else TOP_PAIRS]:
+        both = tuple(sorted((a.site.label, b.site.label)))
+        nested = contains([a.site.label], [b.site.label]) or contains([b.site.label], [a.site.label])
+        if nested or gain < WORTH_A_FIT or any(t.label == both for t in tasks):
+            continue
+        tasks.append(Task(both, {**a.start, **b.start}, found.baseline.initials(), max_iterations=30))
+    _run(pool, found, tasks, report, "pairs of effects", stop=True)
+
+
+def _explained(fit: Fit) -> bool:
+    return fit.chi2 < EXPLAINED * fit.samples
+
+
+def _run(pool: Pool, found: Found, tasks: Sequence[Task], report: Report, what: str, *, stop: bool = False) -> None:
+    """Runs tasks, a few at a time so that each knows the best cost so far; with `stop`, until one explains the data."""
+    done = 0
+    for first in range(0, len(tasks), BATCH):
+        bar = found.best.cost + CLEAR if found.fits else np.inf
+        for _, fit in pool.run([replace(t, hopeless=bar) for t in tasks[first : first + BATCH]]):
+            found.keep(fit)
+            done += 1
+            report(what, done, len(tasks))
+        if stop and _explained(found.best):
+            return
+
+
+def effect_values(fit: Fit) -> Mapping[str, float]:
+    """Values of a fit's effect parameters, by key."""
+    return {k: v for k, v in fit.values().items() if "@" in k}

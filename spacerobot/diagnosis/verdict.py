@@ -1,0 +1,198 @@
+"""verdict.json: the judgement in the words and numbers that users were promised."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from spacerobot.diagnosis.data import TrialData
+from spacerobot.diagnosis.fit import Fit
+from spacerobot.diagnosis.held_out import HeldOut
+from spacerobot.diagnosis.hypothesis import Label
+from spacerobot.diagnosis.judge import AMBIGUOUS, NAMED, Judgement
+from spacerobot.diagnosis.screen import FAINT, Screen
+from spacerobot.effects.effect import Parameter
+
+NORMAL_95 = 1.959963984540054
+
+DETECTION = 10.82
+"""Noncentrality at which a likelihood ratio at the 5 % level has 95 % power: (1.645 + 1.645)^2."""
+
+
+def interval(fit: Fit, key: str, inflation: float) -> tuple[float, tuple[float, float]]:
+    """A free parameter's value and its 95 % interval, initial values and all other parameters marginalised."""
+    index = fit.hypothesis.keys.index(key)
+    free, z = fit.hypothesis.free[index], float(fit.z[index])
+    spread = math.inf
+    if fit.covariance is not None:
+        spread = NORMAL_95 * math.sqrt(max(float(fit.covariance[index, index]), 0.0) * inflation)
+    if not math.isfinite(spread) or spread > 1e6:
+        return free.value(z), (free.lower, free.upper)
+    return free.value(z), (free.value(z - spread), free.value(z + spread))
+
+
+def effect_entries(fit: Fit, inflation: float) -> list[dict[str, Any]]:
+    """The fit's effects with their values, intervals and units."""
+    entries = []
+    for site in sorted(fit.hypothesis.sites, key=lambda s: s.label):
+        values = {}
+        for parameter in site.effect.parameters:
+            value, ci = interval(fit, site.key(parameter.name), inflation)
+            values[parameter.name] = {"value": value, "ci95": list(ci), "unit": parameter.unit}
+        entries.append({"effect": site.effect.name, "where": site.where, "parameters": values})
+    return entries
+
+
+def alternative(fit: Fit, best: Fit) -> dict[str, Any]:
+    """One of several sets that the data cannot tell apart; its score is -2 ln of the likelihood over the best's."""
+    return {
+        "effects": [{"effect": e, "where": w} for e, w in fit.hypothesis.label],
+        "parameters": {k: v for k, v in fit.values().items() if "@" in k},
+        "score": fit.cost - best.cost,
+    }
+
+
+def moved_values(fit: Fit, names: Sequence[str], sigma: Mapping[str, float], inflation: float) -> dict[str, Any]:
+    """Believed values beyond three of their sigmas. A value that trials state themselves shows as a factor."""
+    out = {}
+    for name in names:
+        value, ci = interval(fit, name, inflation)
+        free = fit.hypothesis.free[fit.hypothesis.keys.index(name)]
+        out[name] = {
+            "value": value,
+            "ci95": list(ci),
+            "unit": _unit(name),
+            "believed": free.centre,
+            "sigma": abs(free.centre) * sigma[name],
+        }
+    return out
+
+
+def _unit(name: str) -> str:
+    last = name.rsplit(".", 1)[-1]
+    return {"mass": "kg", "stiffness": "N/m", "yaw_inertia": "kg m^2"}.get(last, "N s/m" if "damping" in last else "")
+
+
+def held_out_entry(trials: Sequence[TrialData], before: HeldOut | None, after: HeldOut | None) -> dict[str, Any]:
+    """Held-out errors per channel in SI and over all in sensor sigmas."""
+    nothing = {"rms_before": None, "rms_after": None, "noise_floor": None, "chi2_before": None, "chi2_after": None}
+    if before is None or after is None:
+        return {"scheme": None, "channels": {}, "overall": nothing}
+    sums: dict[str, list[float]] = {}
+    total = [0.0, 0.0, 0]
+    for trial in trials:
+        if trial.id not in before.residuals or trial.id not in after.residuals:
+            continue
+        row = 0
+        for block in trial.blocks:
+            for c, channel in enumerate(block.channels):
+                rows = slice(row, row + block.time.size)
+                row += block.time.size
+                good = block.weight[c] > 0.0
+                sigma = float(1.0 / block.weight[c][good][0]) if good.any() else 0.0
+                a, b = before.residuals[trial.id][rows], after.residuals[trial.id][rows]
+                entry = sums.setdefault(channel, [0.0, 0.0, 0.0])
+                entry[0] += float(a @ a) * sigma**2
+                entry[1] += float(b @ b) * sigma**2
+                entry[2] += int(good.sum())
+                total[0] += float(a @ a)
+                total[1] += float(b @ b)
+                total[2] += int(good.sum())
+    count = max(total[2], 1)
+    return {
+        "scheme": after.scheme,
+        "channels": {
+            name: {"rms_before": math.sqrt(a / max(n, 1)), "rms_after": math.sqrt(b / max(n, 1))}
+            for name, (a, b, n) in sums.items()
+        },
+        "overall": {
+            "rms_before": math.sqrt(total[0] / count),
+            "rms_after": math.sqrt(total[1] / count),
+            "noise_floor": 1.0,
+            "chi2_before": total[0],
+            "chi2_after": total[1],
+        },
+    }
+
+
+def detectable(screen: Screen, inflation: float) -> list[dict[str, Any]]:
+    """The smallest size of each effect that these data would have shown, by its sensitivities at the fit."""
+    out = []
+    best: dict[tuple[str, str], tuple[float, Any]] = {}
+    for item in screen.scored:
+        if item.norm > 0.0:
+            share = math.sqrt(DETECTION * inflation / item.norm)
+            if item.site.label not in best or share < best[item.site.label][0]:
+                best[item.site.label] = (share, item)
+    for label, (share, item) in sorted(best.items()):
+        parameter = _strength(item.site.effect.parameters)
+        start = item.start[item.site.key(parameter.name)]
+        if math.isinf(parameter.null) or parameter.log:
+            smallest = start / max(share, 1e-12)  # its strength goes as the inverse: a cutoff, a stiffness
+        else:
+            smallest = abs(share * FAINT * (start - parameter.null))
+        out.append(
+            {
+                "effect": label[0],
+                "where": label[1],
+                "parameter": parameter.name,
+                "smallest": smallest,
+                "unit": parameter.unit,
+            }
+        )
+    return out
+
+
+def _strength(parameters: Sequence[Parameter]) -> Parameter:
+    return next((p for p in parameters if not p.shape), parameters[0])
+
+
+def verdict_dict(
+    judgement: Judgement,
+    *,
+    version: str,
+    input_hash: str,
+    seed: int,
+    study: str,
+    seconds: float,
+    sigma: Mapping[str, float],
+    inflation: float,
+    located: Sequence[Mapping[str, Any]],
+    held_out: Mapping[str, Any],
+    detectable_sizes: Sequence[Mapping[str, Any]],
+    next_experiment: Mapping[str, Any] | None,
+) -> dict[str, Any]:
+    """The whole of verdict.json."""
+    chosen = judgement.chosen
+    named = judgement.verdict == NAMED
+    alternatives: list[dict[str, Any]] = []
+    if judgement.verdict == AMBIGUOUS:
+        alternatives = [alternative(f, judgement.alternatives[0]) for f in judgement.alternatives]
+    else:
+        near = [r.fit for r in judgement.rivals if r.fit.hypothesis.sites][:5]
+        alternatives = [alternative(f, chosen) for f in near]
+    return {
+        "format": 1,
+        "spacerobot": version,
+        "input_hash": input_hash,
+        "seed": seed,
+        "study": study,
+        "seconds": round(seconds, 3),
+        "verdict": judgement.verdict,
+        "confidence": round(judgement.confidence, 4),
+        "effects": effect_entries(chosen, inflation) if named else [],
+        "alternatives": alternatives,
+        "parameters": moved_values(
+            chosen, [n for n in judgement.moved if n in chosen.hypothesis.keys], sigma, inflation
+        ),
+        "located": [dict(row) for row in located],
+        "held_out": dict(held_out),
+        "detectable": [dict(row) for row in detectable_sizes],
+        "next_experiment": None if next_experiment is None else dict(next_experiment),
+    }
+
+
+def labels_of(judgement: Judgement) -> list[Label]:
+    """Sets of effects worth a formula: the chosen one and what it could not be told from."""
+    return [f.hypothesis.label for f in (judgement.chosen, *judgement.alternatives)]
