@@ -180,13 +180,13 @@ def _two(order: Order, rng: np.random.Generator) -> Concealed:
 
 
 def _outsider(order: Order, rng: np.random.Generator) -> Concealed:
-    hidden, found = _one(order, rng, limits=_strength(rng, lowest=5.0), outside=True)
+    hidden, found = _one(order, rng, variance_ratio=_plain(rng), outside=True)
     made = _as_effect(order, hidden, found)
     return replace(made, expected="unknown")
 
 
 def _withheld(order: Order, rng: np.random.Generator) -> Concealed:
-    hidden, found = _one(order, rng, limits=_strength(rng, lowest=5.0))
+    hidden, found = _one(order, rng, variance_ratio=_plain(rng))
     made = _as_effect(order, hidden, found)
     return replace(made, expected="unknown", withheld=hidden.missing[0].effect)
 
@@ -242,6 +242,11 @@ def _draw(
 
 def _strength(rng: np.random.Generator, lowest: float = STRONG[0]) -> float:
     return float(np.exp(rng.uniform(np.log(lowest), np.log(STRONG[1]))))
+
+
+def _plain(rng: np.random.Generator) -> float:
+    """Residual variance over noise variance of what must not be overlooked: enough to tell a rival's prediction."""
+    return 1.0 + float(np.exp(rng.uniform(np.log(0.2), np.log(2.0))))
 
 
 def mask(campaign: Campaign, clean: Readings) -> Campaign:

@@ -28,7 +28,7 @@ KINDS = (
 )
 """Kinds of concealment, a row of the table each; "power" fills the power curves."""
 
-FAMILIES = ("rig", "spinning", "chaser", "servo arm", "arm log")
+FAMILIES = ("rig", "spinning", "chaser", "servo arm")
 """Scenes: the air-bed rig, and those in which more moves."""
 
 MOVING = FAMILIES[1:]
@@ -123,8 +123,7 @@ def schedule(size: Size, seed: int) -> list[Order]:
 
 
 def _orders(size: Size) -> Iterator[Order]:
-    # a third and more has moving joints or a free base; every fifth of each family in turn
-    turns = ("rig", "spinning", "rig", "chaser", "rig", "servo arm", "rig", "arm log")
+    turns = ("rig", "spinning", "rig", "chaser", "rig", "servo arm")  # in half of them more moves than the rig
     for kind, count in size.counts.items():
         seen: dict[str, int] = {}
         for i in range(count):
@@ -147,9 +146,11 @@ def _orders(size: Size) -> Iterator[Order]:
 
 
 def family_of(kind: str, wished: str) -> str:
-    """The scene in which a kind can be played: what needs a slider's travel stays on the rig."""
+    """The scene in which a kind can be played."""
     if kind == "rare":
         return "spinning" if wished == "spinning" else "rig"
+    if wished == "servo arm" and kind.split()[0] not in ("unlabelled", "masked", "weak"):
+        return "chaser"  # an arm on servos hides its servos, and nothing else
     return wished
 
 

@@ -202,8 +202,8 @@ DRAWS: dict[tuple[str, str], Draw] = {
     ("payload", "target"): _one("mass_kg", 0.1, 100.0),
     ("payload", "wrist"): _one("mass_kg", 0.02, 50.0),
     ("magnus", "target"): _one("coefficient_kg", 0.05, 60.0, signed=True),
-    ("time_offset", "force_sensor"): _one("delay_s", 5e-4, 60.0, signed=True),
-    ("time_offset", "mocap"): _one("delay_s", 5e-4, 60.0, signed=True),
+    ("time_offset", "force_sensor"): _one("delay_s", 5e-4, 60.0),
+    ("time_offset", "mocap"): _one("delay_s", 5e-4, 60.0),
     ("low_pass", "force_sensor"): _low_pass(300.0),
     ("low_pass", "mocap"): _low_pass(60.0),
     ("scale", "force_sensor"): _scale,
@@ -217,7 +217,7 @@ DRAWS: dict[tuple[str, str], Draw] = {
     ("periodic_cable", "target"): _cable,
     ("cogging", "wrist"): _cogging,
 }
-"""(effect, place) -> how its numbers are drawn."""
+"""(effect, place) -> how its numbers are drawn. Delays are late ones: an early stream is the other one late."""
 
 TURNING = ("contact_friction", "eccentric_contact", "magnus")
 """Effects that only a target which turns can show."""

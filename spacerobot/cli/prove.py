@@ -1,0 +1,38 @@
+"""`spacerobot prove`: hide physics in campaigns of another engine, diagnose them blind, and score."""
+
+from __future__ import annotations
+
+import argparse
+
+_EPILOG = """\
+examples:
+  spacerobot prove --quick --out proof-quick
+  spacerobot prove --out proof --jobs 4 --docs docs
+  spacerobot prove --out proof --kinds nothing_missing outsider --seed 7 --json
+
+Needs the extra `proof` (pip install "spacerobot[proof]"). Seeds are drawn when a batch begins, unless --seed is given,
+and printed. Every scored campaign is kept at once: a batch that was interrupted goes on where it stopped, as long as
+the code is the same. Writes proof.md with its figures, proof.json and records.json."""
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the command's arguments."""
+    parser.epilog = _EPILOG
+    parser.add_argument("--out", metavar="DIR", required=True, help="folder for page, figures and records")
+    parser.add_argument("--quick", action="store_true", help="a handful of campaigns, a few minutes")
+    parser.add_argument("--kinds", nargs="+", metavar="KIND", help="only these kinds of concealment")
+    parser.add_argument("--share", metavar="X", default="1", help="this share of each kind's campaigns; default: 1")
+    parser.add_argument("--seed", metavar="N", help="of the batch; drawn from the operating system if absent")
+    parser.add_argument("--jobs", metavar="N", default="1", help="campaigns at a time; default: 1")
+    parser.add_argument("--no-rivals", action="store_true", help="leave mujoco.sysid, PySINDy and the bare refit out")
+    parser.add_argument("--docs", metavar="DIR", help="write proof.md and its figures there too")
+    parser.add_argument("--json", action="store_true", help="print one JSON object, that of proof.json")
+    parser.add_argument("--overwrite", action="store_true", help="replace a run that is in DIR")
+    parser.add_argument("-v", "--verbose", action="store_true", help="show progress although nobody watches")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Run the command."""
+    from spacerobot.cli.prove_run import run as work
+
+    return work(args)

@@ -1,0 +1,135 @@
+"""The work of `spacerobot prove`."""
+
+from __future__ import annotations
+
+import argparse
+import importlib.util
+import json
+from dataclasses import replace
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from spacerobot import __version__
+from spacerobot.proof.batch import draw_seed, run_batch
+from spacerobot.proof.code_hash import code_hash
+from spacerobot.proof.orders import FULL, KINDS, QUICK, Order, Size, schedule
+from spacerobot.proof.summary import as_json
+from spacerobot.support.errors import InputError, NotFoundError
+from spacerobot.support.files import atomic, write_text
+from spacerobot.support.jsonio import dumps
+from spacerobot.support.numbers import parse_numbers
+from spacerobot.support.progress import say
+from spacerobot.support.runs import RunFolder, combined_hash
+from spacerobot.view.plotting import png
+from spacerobot.view.proof.figures import FIGURES
+from spacerobot.view.proof.page import page
+
+
+def run(args: argparse.Namespace) -> int:
+    """Play the batch, or what is left of it, and write its page."""
+    if importlib.util.find_spec("mujoco") is None:
+        raise InputError("MuJoCo is not installed", valid='pip install "spacerobot[proof]"')
+    kinds = _kinds(args.kinds)
+    share = parse_numbers([args.share], "--share", count=1)[0]
+    if not 0.0 < share <= 1.0:
+        raise InputError("not a share", given=share, valid="above 0, up to 1", where="--share")
+    jobs = _whole(args.jobs, "--jobs", 1)
+    asked = None if args.seed is None else _whole(args.seed, "--seed", 0)
+    code = code_hash()
+    key = combined_hash("prove", code, args.quick, sorted(kinds), share, not args.no_rivals, asked)
+    with RunFolder(args.out, "prove", key, overwrite=args.overwrite) as folder:
+        if not folder.finished:
+            _play(folder, args, kinds, share, jobs, asked, code)
+        text = (folder.folder / "proof.json").read_text(encoding="utf-8")
+        if args.docs:
+            _into(Path(args.docs), folder.folder)
+        print(text.rstrip("\n") if args.json else _told(json.loads(text), folder.folder))
+    return 0
+
+
+def _play(
+    folder: RunFolder, args: argparse.Namespace, kinds: list[str], share: float, jobs: int, asked: int | None, code: str
+) -> None:
+    begun = folder.load("batch")
+    if begun is None:
+        begun = {"seed": draw_seed() if asked is None else asked, "date": datetime.now(UTC).strftime("%Y-%m-%d")}
+        folder.save("batch", begun)
+    say(f"seed {begun['seed']}, code {code}")
+    orders = _orders(QUICK if args.quick else FULL, begun["seed"], kinds, share)
+    records = run_batch(folder, orders, jobs=jobs, rivals=not args.no_rivals, verbose=args.verbose)
+    about: dict[str, Any] = {**begun, "version": __version__, "code": code, "command": _command(args)}
+    names = {}
+    for name, draw in FIGURES.items():
+        figure = draw(records)
+        if figure is not None:
+            names[name] = f"figures/proof_{name}.png"
+            folder.write(names[name], png(figure))
+    folder.write("proof.md", page(records, about, names))
+    folder.write("records.json", dumps(records) + "\n")
+    folder.write("proof.json", dumps(as_json(records, about)) + "\n")
+    folder.finish()
+
+
+def _orders(size: Size, seed: int, kinds: list[str], share: float) -> list[Order]:
+    counts = {kind: max(1, round(share * count)) for kind, count in size.counts.items()}
+    repeats = size.curve_repeats and max(1, round(share * size.curve_repeats))
+    short = size.short_repeats and max(1, round(share * size.short_repeats))
+    rounds = size.withheld_rounds and max(1, round(share * size.withheld_rounds))
+    smaller = replace(size, counts=counts, curve_repeats=repeats, short_repeats=short, withheld_rounds=rounds)
+    orders = [o for o in schedule(smaller, seed) if o.kind in kinds]
+    if not orders:
+        raise InputError("this batch has no campaign of these kinds", given=" ".join(kinds), where="--kinds")
+    return orders
+
+
+def _kinds(given: list[str] | None) -> list[str]:
+    if given is None:
+        return list(KINDS)
+    known = {k.replace(" ", "_"): k for k in KINDS}
+    found = []
+    for token in (t for text in given for t in text.split(",") if t):
+        name = token.replace(" ", "_")
+        if name not in known:
+            raise NotFoundError("kind of concealment", token, known, where="--kinds")
+        found.append(known[name])
+    return list(dict.fromkeys(found))
+
+
+def _whole(text: str, where: str, least: int) -> int:
+    try:
+        value = int(text)
+    except ValueError:
+        value = least - 1
+    if not least <= value < 2**62:
+        raise InputError("not a number that serves here", given=text, valid=f"a whole number from {least}", where=where)
+    return value
+
+
+def _command(args: argparse.Namespace) -> str:
+    words = ["spacerobot prove", "--quick" if args.quick else ""]
+    words += [
+        f"--kinds {' '.join(args.kinds)}" if args.kinds else "",
+        f"--share {args.share}" if args.share != "1" else "",
+    ]
+    return " ".join(w for w in words if w)
+
+
+def _into(docs: Path, run: Path) -> None:
+    write_text(docs / "proof.md", (run / "proof.md").read_text(encoding="utf-8"))
+    for figure in sorted((run / "figures").glob("proof_*.png")):
+        with atomic(docs / "figures" / figure.name, "wb") as stream:
+            stream.write(figure.read_bytes())
+
+
+def _told(answer: dict[str, Any], folder: Path) -> str:
+    lines = [f"{answer['campaigns']} sealed campaigns, seed {answer['seed']}, {answer['date']}"]
+    for key, found in answer["targets"].items():
+        if "hits" in found:
+            low, high = found["clopper_pearson_95"]
+            value = f"{found['hits']} of {found['campaigns']}, {100 * low:.0f} to {100 * high:.0f} %"
+        else:
+            value = "-" if found["median"] is None else f"{found['median']:.3f}"
+        reached = {None: "", True: "reached", False: "not reached"}[found["met"]]
+        lines.append(f"  {key:20s} {value:28s} {reached}".rstrip())
+    return "\n".join([*lines, f"page: {folder}/proof.md"])

@@ -1,0 +1,128 @@
+"""Opening the seal: one campaign's verdict against what was hidden in it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from spacerobot.proof.engine.outsiders import OUTSIDERS
+
+DEFINITE = ("named", "wrong_parameter", "nothing_missing")
+"""Verdicts that claim to know."""
+
+NOTICEABLE = 3.0
+"""Strength, in detection limits, from which a hidden effect should be found; below it, to see nothing is no error."""
+
+Label = tuple[str, str]
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """What a verdict was worth.
+
+    Attributes:
+        top: the favourite is the truth: the named set, the first alternative, or the class of verdict.
+        in_set: the truth is among what was given.
+        confidently_wrong: a definite verdict that is false.
+        abstained: unknown, ambiguous or not_trusted, or no answer at all.
+        said: the verdict's class.
+        favourite: effects that it holds likeliest.
+        confidence: as stated, NaN as None.
+        parameters: of a right set: key, true value, value, interval.
+    """
+
+    top: bool
+    in_set: bool
+    confidently_wrong: bool
+    abstained: bool
+    said: str
+    favourite: tuple[Label, ...]
+    confidence: float | None
+    parameters: tuple[dict[str, Any], ...] = field(default=())
+
+
+def labels(effects: Sequence[Mapping[str, Any]]) -> tuple[Label, ...]:
+    """(effect, place) of each, sorted."""
+    return tuple(sorted((str(e["effect"]), str(e["where"])) for e in effects))
+
+
+def judge(truth: Mapping[str, Any], verdict: Mapping[str, Any] | None) -> Judgement:
+    """Compare a verdict with the seal.
+
+    Args:
+        truth: of truth.json: effects, expected, parameters, withheld, strength.
+        verdict: of verdict.json; None where the diagnosis failed.
+    """
+    if verdict is None:
+        return Judgement(False, False, False, True, "failed", (), None)
+    said = str(verdict["verdict"])
+    named = labels(verdict["effects"])
+    sets = [labels(a["effects"]) for a in verdict.get("alternatives", [])]
+    favourite = named if said == "named" else (sets[0] if said == "ambiguous" and sets else ())
+    given = [named] if said == "named" else (sets if said == "ambiguous" else [])
+    hidden = labels(truth["effects"])
+    expected = str(truth["expected"])
+    top, in_set = _right(expected, hidden, truth, verdict, favourite, given)
+    strength = truth.get("strength")
+    overlooked = said == "nothing_missing" and expected != "nothing_missing"
+    excused = overlooked and strength is not None and strength < NOTICEABLE
+    wrong = said in DEFINITE and not top and not excused
+    return Judgement(
+        top,
+        in_set,
+        wrong,
+        said not in DEFINITE,
+        said,
+        favourite,
+        verdict.get("confidence"),
+        _parameters(truth, verdict) if said == "named" and named == hidden else (),
+    )
+
+
+def _right(
+    expected: str,
+    hidden: tuple[Label, ...],
+    truth: Mapping[str, Any],
+    verdict: Mapping[str, Any],
+    favourite: tuple[Label, ...],
+    given: Sequence[tuple[Label, ...]],
+) -> tuple[bool, bool]:
+    said = str(verdict["verdict"])
+    if expected == "named":
+        return favourite == hidden, hidden in given
+    if expected == "nothing_missing":
+        return said == "nothing_missing", said == "nothing_missing"
+    if expected == "unknown":
+        return said == "unknown", said in ("unknown", "ambiguous", "not_trusted")
+    moved = set(verdict.get("parameters", {}))
+    recognised = said == "wrong_parameter" and set(truth["parameters"]) <= moved
+    spelled = bool(hidden) and favourite == hidden  # a payload may be called a payload
+    return recognised or spelled, recognised or spelled or (bool(hidden) and hidden in given)
+
+
+def _parameters(truth: Mapping[str, Any], verdict: Mapping[str, Any]) -> tuple[dict[str, Any], ...]:
+    found = []
+    for item in truth["effects"]:
+        (claimed,) = [e for e in verdict["effects"] if (e["effect"], e["where"]) == (item["effect"], item["where"])]
+        for name, true in item.items():
+            if name in ("effect", "where", "trials") or name not in claimed["parameters"]:
+                continue
+            value = claimed["parameters"][name]
+            interval = value.get("ci95") or (None, None)
+            numeric = [x if isinstance(x, int | float) else None for x in (value["value"], *interval)]
+            found.append(
+                {
+                    "parameter": f"{item['effect']}@{item['where']}.{name}",
+                    "true": true,
+                    "value": numeric[0],
+                    "low": numeric[1],
+                    "high": numeric[2],
+                }
+            )
+    return tuple(found)
+
+
+def outside(effects: Sequence[Mapping[str, Any]]) -> bool:
+    """Whether any of the effects is in no catalogue."""
+    return any(e["effect"] in OUTSIDERS for e in effects)

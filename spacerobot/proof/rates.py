@@ -1,0 +1,128 @@
+"""Rates with their uncertainty, and the tables and curves that are made of them."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.stats import beta
+
+Record = Mapping[str, Any]
+"""One scored campaign."""
+
+
+@dataclass(frozen=True)
+class Rate:
+    """So many of so many, with the Clopper-Pearson interval at 95 %."""
+
+    hits: int
+    total: int
+
+    @property
+    def value(self) -> float:
+        """Share; NaN of nothing."""
+        return self.hits / self.total if self.total else math.nan
+
+    @property
+    def low(self) -> float:
+        """Lower bound."""
+        return float(beta.ppf(0.025, self.hits, self.total - self.hits + 1)) if self.hits else 0.0
+
+    @property
+    def high(self) -> float:
+        """Upper bound."""
+        return float(beta.ppf(0.975, self.hits + 1, self.total - self.hits)) if self.hits < self.total else 1.0
+
+    def __str__(self) -> str:
+        if not self.total:
+            return "-"
+        return f"{100 * self.value:.1f} % ({self.hits} of {self.total}; {100 * self.low:.1f} to {100 * self.high:.1f})"
+
+
+def rate(records: Iterable[Record], hit: Callable[[Record], bool]) -> Rate:
+    """Share of the records for which `hit` holds."""
+    found = [bool(hit(r)) for r in records]
+    return Rate(sum(found), len(found))
+
+
+def coverage(records: Iterable[Record]) -> Rate:
+    """Share of the parameters of rightly named effects whose interval holds the truth."""
+    inside = []
+    for record in records:
+        for p in record["parameters"]:
+            if p["low"] is not None and p["high"] is not None:
+                inside.append(p["low"] <= p["true"] <= p["high"])
+    return Rate(sum(inside), len(inside))
+
+
+def relative_errors(records: Iterable[Record]) -> list[float]:
+    """|value - truth| / |truth| of the parameters of rightly named effects."""
+    return [
+        abs(p["value"] - p["true"]) / abs(p["true"])
+        for r in records
+        for p in r["parameters"]
+        if p["value"] is not None and p["true"]
+    ]
+
+
+def power_curve(records: Sequence[Record], edges: Sequence[float]) -> list[tuple[float, Rate]]:
+    """Detection against strength: (median strength, rate of the true set in what is given) for each bin."""
+    out = []
+    for low, high in itertools.pairwise(edges):
+        inside = [r for r in records if r["strength"] is not None and low <= r["strength"] < high]
+        if inside:
+            middle = float(np.median([r["strength"] for r in inside]))
+            out.append((middle, rate(inside, lambda r: bool(r["top"]))))
+    return out
+
+
+def smallest_found(records: Sequence[Record], share: float = 0.5) -> float | None:
+    """Strength from which on the effect is named in at least `share` of the campaigns; None if never.
+
+    The records are sorted by strength; the answer is the least strength above which the share holds.
+    """
+    known = sorted((r for r in records if r["strength"] is not None), key=lambda r: float(r["strength"]))
+    hits = np.array([bool(r["top"]) for r in known], dtype=float)
+    if not hits.size:
+        return None
+    above = np.cumsum(hits[::-1])[::-1] / np.arange(hits.size, 0, -1)
+    good = np.flatnonzero(above >= share)
+    if not good.size:
+        return None
+    first = next((i for i in range(hits.size) if (above[i:] >= share).all()), None)
+    return None if first is None else float(known[first]["strength"])
+
+
+def reliability(records: Sequence[Record], bins: int = 5) -> list[tuple[float, Rate]]:
+    """Stated confidence against the share that was right: (mean confidence, rate) for each bin."""
+    edges = np.linspace(0.0, 1.0, bins + 1)
+    out = []
+    for i in range(bins):
+        inside = [
+            r
+            for r in records
+            if r["confidence"] is not None
+            and edges[i] <= r["confidence"] < edges[i + 1] + (1e-9 if i == bins - 1 else 0.0)
+        ]
+        if inside:
+            out.append((float(np.mean([r["confidence"] for r in inside])), rate(inside, lambda r: bool(r["top"]))))
+    return out
+
+
+def confusion(records: Iterable[Record]) -> dict[str, dict[str, int]]:
+    """Hidden effect -> what was said -> how often; of campaigns with one hidden effect of the catalogue, or none."""
+    table: dict[str, dict[str, int]] = {}
+    for record in records:
+        hidden = record["hidden"]
+        if len(hidden) > 1:
+            continue
+        row = " at ".join(hidden[0]) if hidden else record["expected"]
+        favourite = record["favourite"]
+        said = " + ".join(" at ".join(f) for f in favourite) if favourite else record["said"]
+        table.setdefault(row, {})
+        table[row][said] = table[row].get(said, 0) + 1
+    return table

@@ -1,0 +1,153 @@
+"""One campaign from order to score: made, sealed, diagnosed blind, the seal broken, scored."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import shutil
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, replace
+from pathlib import Path
+from tempfile import mkdtemp
+from typing import Any
+
+from spacerobot.proof.blind import COMMAND, diagnose
+from spacerobot.proof.campaign import write_study, write_truth
+from spacerobot.proof.conceal import conceal
+from spacerobot.proof.engine.outsiders import OUTSIDERS
+from spacerobot.proof.judge import judge, labels
+from spacerobot.proof.oracle import Bench, Fitted, starts_of
+from spacerobot.proof.orders import Order
+from spacerobot.support.errors import InputError, SimulationError
+from spacerobot.support.jsonio import plain
+
+TRIES = 4
+"""An order that cannot be played (a size that no rig stands) is drawn anew so often."""
+
+SAME = 1.05
+"""A stand-in for a withheld effect that predicts conditions not seen within this factor of the oracle is as good."""
+
+EQUAL = 3.84
+"""Another set that costs at most so much more than the hidden one (5 % of a chi-squared) fits as well."""
+
+
+def play(order: Order, folder: Path, *, rivals: bool = False, command: Sequence[str] = COMMAND) -> dict[str, Any]:
+    """Make, seal, diagnose and score one campaign.
+
+    Args:
+        order: what to play.
+        folder: scratch; the study's folder in it is all that the diagnosis is given. The seal lies elsewhere.
+        rivals: whether rivals are tried on the same files.
+        command: the diagnosis.
+
+    Returns:
+        the record, ready for JSON; "failed" in it where no campaign could be made.
+    """
+    began = time.monotonic()
+    made = None
+    for attempt in range(TRIES):
+        try:
+            made = conceal(replace(order, seed=order.seed + attempt))
+            break
+        except (SimulationError, InputError) as error:
+            reason = str(error)
+    base: dict[str, Any] = {"name": order.name, **asdict(order)}
+    if made is None:
+        return {**base, "failed": reason}
+    code = hashlib.sha256(f"{order.name} {order.seed}".encode()).hexdigest()[:12]
+    study = folder / code
+    seal = Path(mkdtemp(prefix="seal-"))
+    try:
+        write_study(study, made.campaign, made.readings)
+        sealed = write_truth(seal, made.campaign, made.about())
+        prepared = time.monotonic() - began
+        answer = diagnose(study, without=made.withheld, command=command)
+        truth = json.loads(sealed.read_text(encoding="utf-8"))
+        judged = judge(truth, answer.verdict)
+        record = {
+            **base,
+            "hidden": labels(truth["effects"]),
+            **{k: v for k, v in truth.items() if k != "parameters"},
+            "wrong_values": truth["parameters"],
+            **asdict(judged),
+            "seconds": answer.seconds,
+            "seconds_to_make": prepared,
+            "error": answer.error,
+            "trials": len(made.campaign.trials),
+            "claimed_held_out": _claimed(answer.verdict),
+            "moved": sorted((answer.verdict or {}).get("parameters", {})),
+        }
+        record.update(_compared(study, truth, judged.favourite, answer.verdict))
+        if rivals:
+            from spacerobot.proof.rivals import try_rivals
+
+            record["rivals"] = try_rivals(study)
+        found = plain(record)
+        assert isinstance(found, dict)
+        return found
+    finally:
+        shutil.rmtree(study, ignore_errors=True)
+        shutil.rmtree(seal, ignore_errors=True)
+
+
+def _claimed(verdict: dict[str, Any] | None) -> float | None:
+    overall = ((verdict or {}).get("held_out") or {}).get("overall") or {}
+    value = overall.get("rms_after")
+    return value if isinstance(value, int | float) else None
+
+
+def _compared(
+    study: Path, truth: dict[str, Any], favourite: tuple[tuple[str, str], ...], verdict: dict[str, Any] | None
+) -> dict[str, Any]:
+    """Costs and held-out errors of baseline, favourite and oracle on one bench.
+
+    "same": a withheld effect has a stand-in that predicts as well. "equal": another set than the hidden one, with no
+    more parameters, costs no more than it does; whoever sees the readings alone cannot know better.
+    """
+    hidden = labels(truth["effects"])
+    known = all(name not in OUTSIDERS for name, _ in hidden)
+    out: dict[str, Any] = {"same": False, "equal": False}
+    try:
+        bench = Bench(study)
+        baseline = bench.fitted(())
+        out["baseline"] = _numbers(baseline)
+        out["samples"] = baseline.fit.samples
+        out["channels"] = dict(baseline.channels)
+        oracle = bench.fitted(hidden, starts_of(truth["effects"])) if known else None
+        if oracle is not None:
+            out["oracle"] = _numbers(oracle)
+        rival = _rival(favourite, verdict)
+        if rival is None:
+            return out
+        found = bench.fitted(labels(rival), starts_of(rival))
+        out["favoured"], out["channels"] = _numbers(found), dict(found.channels)
+        if oracle is None or labels(rival) == hidden:
+            return out
+        out["same"] = truth["withheld"] is not None and found.held_out <= SAME * oracle.held_out
+        fewer = len(found.fit.hypothesis.free) <= len(oracle.fit.hypothesis.free)
+        out["equal"] = bool(hidden and rival and fewer and found.fit.cost <= oracle.fit.cost + EQUAL)
+    except (SimulationError, InputError) as error:
+        out["bench_error"] = str(error)
+    finally:
+        if "oracle" in out and "favoured" in out:
+            out["held_out_ratio"] = out["favoured"]["held_out"] / out["oracle"]["held_out"]
+    return out
+
+
+def _numbers(found: Fitted) -> dict[str, float]:
+    return {"cost": found.fit.cost, "chi2": found.fit.chi2, "held_out": found.held_out}
+
+
+def _rival(
+    favourite: tuple[tuple[str, str], ...], verdict: dict[str, Any] | None
+) -> Sequence[Mapping[str, Any]] | None:
+    """The set that the bench fits beside the oracle's: the favourite, else the best alternative, else no effect."""
+    if verdict is None:
+        return None
+    if verdict["verdict"] == "named":
+        return list(verdict["effects"])
+    if verdict["verdict"] in ("wrong_parameter", "nothing_missing"):
+        return []
+    best = verdict.get("alternatives", [])[:1]
+    return list(best[0]["effects"]) if best else []

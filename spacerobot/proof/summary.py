@@ -1,0 +1,142 @@
+"""What a batch shows: the rates that the page and the JSON state, from its records."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from spacerobot.proof.orders import CURVES, KINDS, MOVING
+from spacerobot.proof.rates import Rate, Record, coverage, power_curve, rate, relative_errors, smallest_found
+
+STRENGTH_EDGES = (0.0, 0.6, 0.9, 1.25, 1.75, 2.5, 4.0, 6.5, 100.0)
+
+TARGETS: dict[str, tuple[str, str, float]] = {
+    "nothing_missing": ("naming nothing where nothing is missing", ">=", 0.95),
+    "confidently_wrong": ("confidently wrong, of all campaigns", "<=", 0.05),
+    "top": ("favourite right from three detection limits on", ">=", 0.85),
+    "in_set": ("truth in the set given, from three detection limits on", ">=", 0.95),
+    "wrong_parameter": ("wrong believed value recognised as such", ">=", 0.90),
+    "abstained": ("abstention outside the catalogue", ">=", 0.90),
+    "coverage": ("truth inside the 95 % interval", "between", 0.90),
+    "held_out_ratio": ("median held-out error over the oracle's", "<=", 1.05),
+}
+"""Key -> (what it says, sense, bound); coverage is to lie between 0.90 and 0.98."""
+
+
+def usable(records: Sequence[Record]) -> list[Record]:
+    """Records of campaigns that could be made."""
+    return [r for r in records if "failed" not in r]
+
+
+def sealed(records: Sequence[Record]) -> list[Record]:
+    """The campaigns that count in the rates: not those of the power curves, many of which are below the limit."""
+    return [r for r in usable(records) if r["kind"] != "power"]
+
+
+def noticeable(records: Sequence[Record]) -> list[Record]:
+    """Effects of the catalogue hidden at three detection limits or more, the right answer being their name."""
+    return [r for r in usable(records) if r["expected"] == "named" and r["strength"] >= 3.0]
+
+
+def outside(records: Sequence[Record]) -> tuple[list[Record], list[Record]]:
+    """(what no catalogue holds and no rival predicts as well, withheld effects that a rival stands in for)."""
+    every = [r for r in sealed(records) if r["expected"] == "unknown"]
+    return [r for r in every if not r["same"]], [r for r in every if r["same"]]
+
+
+def rates(records: Sequence[Record]) -> dict[str, Rate]:
+    """Every rate of the targets by key."""
+    counted = sealed(records)
+    seen = noticeable(records)
+    apart, _ = outside(records)
+    return {
+        "nothing_missing": rate(
+            (r for r in counted if r["expected"] == "nothing_missing"), lambda r: r["said"] == "nothing_missing"
+        ),
+        "confidently_wrong": rate((r for r in counted if not r["same"]), lambda r: bool(r["confidently_wrong"])),
+        "top": rate(seen, lambda r: bool(r["top"])),
+        "in_set": rate(seen, lambda r: bool(r["in_set"])),
+        "wrong_parameter": rate((r for r in counted if r["expected"] == "wrong_parameter"), lambda r: bool(r["top"])),
+        "abstained": rate(apart, lambda r: bool(r["abstained"])),
+        "coverage": coverage(counted),
+    }
+
+
+def held_out_ratio(records: Sequence[Record]) -> float:
+    """Median over all campaigns in which effects were named of the held-out error over the oracle's."""
+    ratios = [r["held_out_ratio"] for r in sealed(records) if r.get("held_out_ratio") and r["said"] == "named"]
+    return float(np.median(ratios)) if ratios else math.nan
+
+
+def met(key: str, value: float) -> bool | None:
+    """Whether a target is met; None of nothing."""
+    if math.isnan(value):
+        return None
+    _, sense, bound = TARGETS[key]
+    if sense == "between":
+        return bound <= value <= 0.98
+    return value >= bound if sense == ">=" else value <= bound
+
+
+def by_row(records: Sequence[Record]) -> list[tuple[str, str, list[Record]]]:
+    """(kind, family group, records) for each row of the table: the rig's, and those where more moves."""
+    counted = sealed(records)
+    rows = []
+    for kind in KINDS:
+        for title, moving in (("rig", False), ("moving", True)):
+            inside = [r for r in counted if r["kind"] == kind and (r["family"] in MOVING) == moving]
+            if inside:
+                rows.append((kind, title, inside))
+    return rows
+
+
+def curves(records: Sequence[Record]) -> dict[str, list[tuple[float, Rate]]]:
+    """Effect at place -> detection against strength, for those drawn in full."""
+    found = {}
+    for effect, where in CURVES:
+        own = [r for r in usable(records) if r["hidden"] == [[effect, where]] and r["expected"] == "named"]
+        if own:
+            found[f"{effect} at {where}"] = power_curve(own, STRENGTH_EDGES)
+    return found
+
+
+def smallest(records: Sequence[Record]) -> list[dict[str, Any]]:
+    """For each hidden effect: how many campaigns, and the least strength from which on half of them are named."""
+    groups: dict[str, list[Record]] = {}
+    for r in usable(records):
+        if len(r["hidden"]) == 1 and r["expected"] == "named":
+            groups.setdefault(" at ".join(r["hidden"][0]), []).append(r)
+    return [
+        {"effect": name, "campaigns": len(own), "limits": smallest_found(own)} for name, own in sorted(groups.items())
+    ]
+
+
+def as_json(records: Sequence[Record], about: dict[str, Any]) -> dict[str, Any]:
+    """The batch as one object: what it was, its rates against the targets, its rows."""
+    found = rates(records)
+    ratio = held_out_ratio(records)
+    targets = {
+        key: {
+            "rate": r.value,
+            "hits": r.hits,
+            "campaigns": r.total,
+            "clopper_pearson_95": [r.low, r.high],
+            "met": met(key, r.value),
+        }
+        for key, r in found.items()
+    }
+    errors = relative_errors(sealed(records))
+    return {
+        **about,
+        "campaigns": len(sealed(records)),
+        "with_moving_joints_or_free_base": sum(r["family"] in MOVING for r in sealed(records)),
+        "not_made": [r["name"] for r in records if "failed" in r],
+        "diagnosis_failed": [r["name"] for r in usable(records) if r["said"] == "failed"],
+        "targets": {**targets, "held_out_ratio": {"median": ratio, "met": met("held_out_ratio", ratio)}},
+        "median_parameter_error": float(np.median(errors)) if errors else math.nan,
+        "median_seconds": float(np.median([r["seconds"] for r in usable(records)])) if usable(records) else math.nan,
+        "smallest_found": smallest(records),
+    }

@@ -1,0 +1,1 @@
+"""The page of the proof bench and its figures."""

@@ -1,0 +1,236 @@
+"""The page of the proof bench, as Markdown."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from spacerobot.proof.orders import MOVING
+from spacerobot.proof.rates import Record, coverage, rate, relative_errors
+from spacerobot.proof.summary import (
+    TARGETS,
+    by_row,
+    held_out_ratio,
+    met,
+    noticeable,
+    outside,
+    rates,
+    sealed,
+    smallest,
+    usable,
+)
+
+_INTRODUCTION = """\
+# Proof: concealed physics, found blind
+
+This page is written by `spacerobot prove`. Campaigns come from MuJoCo, an engine that shares no code with this
+project's simulator: slider, joints, springs, dampers, dry friction and stops are MuJoCo's own, the contact is an
+explicit force, and effects that MuJoCo has no element for are forces added to its own. Sensors sample, filter, delay,
+round and drop readings; springs scatter between conditions, speeds are set by hand, noise is partly coloured, believed
+values are a little wrong. What is hidden is written to a folder that the diagnosis is not given; the diagnosis runs as
+a process of its own on the study's folder alone, and the seal is broken afterwards.
+
+A **detection limit** is the size at which a likelihood-ratio test that knows which effect may be there finds it in
+95 % of repetitions at the 5 % level. Strengths are sizes in detection limits. Intervals are Clopper and Pearson's at
+95 %. The **oracle** is told what is hidden and fits just that. A withheld effect with a stand-in in the catalogue that
+predicts conditions not seen within 5 % of the oracle cannot be told from it and is scored apart.
+"""
+
+_ROW_NOTES = """\
+`weak` gives the residual variance after the baseline's refit over the noise variance. `masked`: one constant of the
+baseline was tuned on one trial, as the paper's c_eq is. `rare`: shows in one trial of the campaign. `imitated`: a
+sensor does what looks like damping or delay. `withheld`: an effect of the catalogue which the diagnosis had to do
+without. `moving`: a spinning target hit off its centre, a free-floating chaser, or a seven-joint arm on servos.
+"""
+
+
+def page(records: Sequence[Record], about: Mapping[str, Any], figures: Mapping[str, str]) -> str:
+    """The page.
+
+    Args:
+        records: of the batch.
+        about: seed, date, version, code, command.
+        figures: name -> path relative to the page.
+    """
+    counted = sealed(records)
+    moving = sum(r["family"] in MOVING for r in counted)
+    parts = [
+        _INTRODUCTION,
+        f"{len(counted)} sealed campaigns ({moving} of them with moving joints, a free base or a spinning target) and "
+        f"{len(usable(records)) - len(counted)} more for the power curves; seed {about['seed']}, {about['date']}, "
+        f"version {about['version']}, code {about['code']}. `{about['command']}`\n",
+        "## Against what was asked\n",
+        _targets(records),
+        "## By kind of concealment\n",
+        _rows(records),
+        _ROW_NOTES,
+        _apart(records),
+        "## Sizes\n",
+        _figure(figures, "power", "Power curves: share of campaigns in which the effect is the favourite."),
+        _smallest(records),
+        "## Confidence and confusion\n",
+        _figure(figures, "reliability", "Stated confidence against the share that was right, with counts."),
+        _figure(figures, "confusion", "What was said of each hidden effect."),
+        "## Rivals on the same files\n",
+        _rivals(records),
+        _failures(records),
+    ]
+    return "\n".join(p for p in parts if p).rstrip() + "\n"
+
+
+def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
+    lines += ["| " + " | ".join(row) + " |" for row in rows]
+    return "\n".join(lines) + "\n"
+
+
+def _targets(records: Sequence[Record]) -> str:
+    rows = []
+    for key, found in rates(records).items():
+        title, sense, bound = TARGETS[key]
+        asked = "90 to 98 %" if sense == "between" else f"{sense} {100 * bound:g} %"
+        rows.append([title, asked, str(found), _tick(met(key, found.value))])
+    ratio = held_out_ratio(records)
+    title, sense, bound = TARGETS["held_out_ratio"]
+    said = "-" if math.isnan(ratio) else f"{ratio:.3f}"
+    rows.append([title, f"{sense} {bound:g}", said, _tick(met("held_out_ratio", ratio))])
+    return _table(["", "asked", "found", "reached"], rows)
+
+
+def _tick(reached: bool | None) -> str:
+    return "-" if reached is None else ("yes" if reached else "no")
+
+
+def _share(records: Sequence[Record], key: str) -> str:
+    found = rate(records, lambda r: bool(r[key]))
+    return "-" if not found.total else f"{100 * found.value:.0f} %"
+
+
+def _rows(records: Sequence[Record]) -> str:
+    rows = []
+    for kind, family, own in by_row(records):
+        errors, inside = relative_errors(own), coverage(own)
+        ratios = [r["held_out_ratio"] for r in own if r.get("held_out_ratio")]
+        rows.append(
+            [
+                kind,
+                family,
+                str(len(own)),
+                _share(own, "top"),
+                _share(own, "in_set"),
+                _share(own, "abstained"),
+                _share(own, "confidently_wrong"),
+                f"{100 * float(np.median(errors)):.1f} %" if errors else "-",
+                f"{100 * inside.value:.0f} % of {inside.total}" if inside.total else "-",
+                f"{float(np.median(ratios)):.3f}" if ratios else "-",
+                f"{float(np.median([r['seconds'] for r in own])):.0f} s",
+            ]
+        )
+    head = ["hidden", "scene", "n", "favourite right", "in the set", "abstained", "confidently wrong"]
+    return _table([*head, "parameter error", "coverage", "held-out / oracle", "time"], rows)
+
+
+def _apart(records: Sequence[Record]) -> str:
+    _, same = outside(records)
+    alike = [r for r in noticeable(records) if r["equal"] and not r["top"]]
+    lines = []
+    if same:
+        lines.append(
+            f"{len(same)} withheld effects had a stand-in that predicts within 5 % of the oracle: abstained in "
+            f"{rate(same, lambda r: bool(r['abstained']))}. They count in no rate above."
+        )
+    if alike:
+        lines.append(
+            f"In {len(alike)} campaigns the set that was preferred has no more parameters than the hidden one and fits "
+            "the readings as well; they count as misses all the same."
+        )
+    return "\n".join(lines) + "\n" if lines else ""
+
+
+def _figure(figures: Mapping[str, str], name: str, caption: str) -> str:
+    return f"![{caption}]({figures[name]})\n\n*{caption}*\n" if name in figures else ""
+
+
+def _smallest(records: Sequence[Record]) -> str:
+    found = smallest(records)
+    if not found:
+        return ""
+    rows = [[s["effect"], str(s["campaigns"]), "-" if s["limits"] is None else f"{s['limits']:.2g}"] for s in found]
+    return "Strength from which on an effect is named in at least half of its campaigns:\n\n" + _table(
+        ["effect", "campaigns", "detection limits"], rows
+    )
+
+
+def _rivals(records: Sequence[Record]) -> str:
+    own = [r for r in usable(records) if r.get("rivals")]
+    if not own:
+        return "No rivals were tried in this batch.\n"
+    names = list(own[0]["rivals"])
+    rows = []
+    for name in names:
+        tried = [(r, r["rivals"][name]) for r in own]
+        good = [(r, o) for r, o in tried if "failed" not in o]
+        rows.append(
+            [
+                name,
+                str(len(good)),
+                *(_median_mm([o["held_out"].get(c) for _, o in good]) for c in ("target.x", "wrist.x")),
+                _flagged([(r, o["flagged"]) for r, o in good], missing=True),
+                _flagged([(r, o["flagged"]) for r, o in good], missing=False),
+                f"{float(np.median([o['seconds'] for _, o in tried])):.0f} s",
+            ]
+        )
+    rows.append(
+        [
+            "spacerobot diagnose",
+            str(len(own)),
+            *(_median_mm([(r.get("channels") or {}).get(c) for r in own]) for c in ("target.x", "wrist.x")),
+            _flagged([(r, r["said"] != "nothing_missing") for r in own], missing=True),
+            _flagged([(r, r["said"] != "nothing_missing") for r in own], missing=False),
+            f"{float(np.median([r['seconds'] for r in own])):.0f} s",
+        ]
+    )
+    head = ["", "n", "held out, target [mm]", "held out, slider [mm]", "speaks up, physics missing"]
+    table = _table([*head, "speaks up, nothing missing", "time"], rows)
+    samples = "\n".join(_quotes(own))
+    return (
+        "Median rms over conditions left out in turn. PySINDy is driven by the recorded force, so it predicts the "
+        "slider alone. No rival names an effect of physics: `mujoco.sysid` reports values and their bounds, PySINDy "
+        f"terms of a library, the refit which values moved.\n\n{table}\n{samples}\n"
+    )
+
+
+def _median_mm(values: Sequence[float | None]) -> str:
+    known = [v for v in values if v is not None]
+    return f"{1e3 * float(np.median(known)):.3f}" if known else "-"
+
+
+def _flagged(found: Sequence[tuple[Record, bool]], *, missing: bool) -> str:
+    own = [flag for r, flag in found if (r["expected"] != "nothing_missing") == missing]
+    return f"{sum(own)} of {len(own)}" if own else "-"
+
+
+def _quotes(records: Sequence[Record], most: int = 3) -> list[str]:
+    lines = ["What they said, in the first campaigns with something missing:\n"]
+    for record in [r for r in records if r["hidden"]][:most]:
+        hidden = " + ".join(" at ".join(h) for h in record["hidden"])
+        lines.append(f"- **{hidden}**, strength {record['strength']:.1f}")
+        for name, opinion in record["rivals"].items():
+            lines.append(f"    - {name}: {opinion.get('says', opinion.get('failed'))}")
+        favourite = " + ".join(" at ".join(f) for f in record["favourite"]) or "no effect"
+        lines.append(f"    - spacerobot: {record['said']}, {favourite}")
+    return lines if len(lines) > 1 else []
+
+
+def _failures(records: Sequence[Record]) -> str:
+    lines = []
+    broken = [r for r in records if "failed" in r]
+    silent = [r for r in usable(records) if r["said"] == "failed"]
+    if broken:
+        lines.append(f"{len(broken)} campaigns could not be made and are in no table.")
+    if silent:
+        lines.append(f"{len(silent)} diagnoses gave no answer and count as abstentions that are not right.")
+    return "\n".join(lines)
