@@ -83,8 +83,8 @@ class FloatingPlatform(ForwardModel):
         follow = ", ".join(f"{joint} follows {channel}" for joint, channel in self.drives.items())
         return (
             f"The joints do exactly what is known of them: {follow}; cubic between samples, still outside of them.",
-            "The start is the straight line through the track of the common centre of mass before the joints move; after that, linear "
-            "and angular momentum stay what they are. The table is level.",
+            "The start is the straight line through the track of the common centre of mass before the joints move; "
+            "after that, linear and angular momentum stay what they are. The table is level.",
         )
 
     def simulate(self, trial: Trial) -> TrialOverlay:
