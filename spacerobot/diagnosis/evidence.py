@@ -27,7 +27,7 @@ def unit_of(channel: str) -> str:
 
 def study_evidence(study: Study, trials: Sequence[TrialData]) -> dict[str, Any]:
     """Title, trials and channels."""
-    channels = {}
+    channels: dict[str, dict[str, Any]] = {}
     for trial in trials:
         for block in trial.blocks:
             for c, name in enumerate(block.channels):

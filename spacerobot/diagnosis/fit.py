@@ -291,7 +291,7 @@ class Fitter:
             iterations += 1
             if age >= REUSE:
                 rows, age = {}, 0
-            rows = self._map(lambda t, at=state, old=rows: self.jacobian(hypothesis, at, t, old.get(t.id)))
+            rows = self._jacobians(hypothesis, state, rows)
             system = self._normal(state, rows, prior, robust)
             accepted = False
             settled = max(SETTLED, WORTH * abs(state.chi2() - state.samples))
@@ -323,6 +323,9 @@ class Fitter:
                     break
                 age = REUSE  # the step came from old derivatives: take new ones before giving up
         return state, iterations, converged, system, rows
+
+    def _jacobians(self, hypothesis: Hypothesis, state: State, old: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+        return self._map(lambda t: self.jacobian(hypothesis, state, t, old.get(t.id)))
 
     def _normal(self, state: State, rows: Mapping[str, np.ndarray], prior: np.ndarray, robust: bool) -> Normal:
         def weighted(trial: TrialData) -> tuple[np.ndarray, np.ndarray]:

@@ -47,6 +47,7 @@ def scene_of(study: Study, fit: Fit, trial: str | None = None) -> Scene:
             speed=float(abs(initial[1])),
             gap=float(max(-initial[0], 0.0)),
         ),
+        duration=float(max(series.time[-1] for series in study.recording(chosen).outputs())),
         effects=effects,
         title=f"{study.title}, trial {chosen.id}, as diagnosed",
     )

@@ -50,7 +50,9 @@ class Mechanism:
             for name in row:
                 if name not in self.coordinates:
                     raise NotFoundError("coordinate", name, self.coordinates, where=f"port {port}")
-        for element in (*self.forces, *self.frictions, *self.impulses, *self.inputs):
+        acting: tuple[Force | Friction | Impulse | Input, ...]
+        acting = (*self.forces, *self.frictions, *self.impulses, *self.inputs)
+        for element in acting:
             self._require_port(element.port, element.name)
         for item in self.fields:
             if item.body not in self.coordinates:

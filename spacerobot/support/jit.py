@@ -40,7 +40,7 @@ def numba() -> Any:
     """The numba module, its cache pointed at `cache_folder`."""
     import numba as module
 
-    module.config.CACHE_DIR = str(cache_folder())
+    setattr(module.config, "CACHE_DIR", str(cache_folder()))  # noqa: B010 - numba's own stubs do not know it
     return module
 
 

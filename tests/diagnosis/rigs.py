@@ -1,0 +1,87 @@
+"""Small synthetic studies of the wrist rig, made by the reduced model with planted physics."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from spacerobot.effects.registry import effect
+from spacerobot.recordings.study import Study, load_study
+from spacerobot.simulation.reduced.run import simulate
+from spacerobot.simulation.rig import rig
+from spacerobot.simulation.sensors import read_channels
+
+BELIEVED = {"wrist.mass": 0.7, "wrist.stiffness": 1020.0, "wrist.damping": 2.1, "contact.stiffness": 68000.0}
+
+HEADER = """format = 1
+title = "synthetic"
+[baseline]
+robot = "pa10_wrist"
+base = "fixed"
+joints = "locked"
+approach = [1, 0, 0]
+gravity = [0, 0, 0]
+[baseline.wrist]
+mass = 0.7
+stiffness = 1020
+damping = 2.1
+equivalent_damping = 5.0
+[baseline.contact]
+stiffness = 68000.0
+[baseline.sigma]
+"wrist.stiffness" = 0.01
+"wrist.mass" = 0.01
+"wrist.equivalent_damping" = 0.15
+"contact.stiffness" = 0.03
+"target.mass" = 0.002
+[streams.mocap]
+time = "time_s"
+[streams.mocap.channels]
+x_target_m = { is = "target.x", sigma = 0.00015 }
+x_wrist_m = { is = "wrist.x", sigma = 0.00015 }
+[streams.force]
+time = "time_s"
+[streams.force.channels]
+f_contact_N = { is = "contact.force", sigma = 0.25 }
+"""
+
+
+def write_study(
+    folder: Path,
+    *,
+    planted: Sequence[tuple[str, str, Mapping[str, float]]] = (),
+    truth: Mapping[str, float] | None = None,
+    masses: Sequence[float] = (9.0, 23.2),
+    speeds: Sequence[float] = (0.06, 0.11),
+    seed: int = 1,
+) -> Study:
+    """A study of len(masses) x len(speeds) trials with sensor noise; `truth` overrides what the lab believes."""
+    random = np.random.default_rng(seed)
+    values = {**BELIEVED, "wrist.equivalent_damping": 5.0, "contact.damping": 60.0, **(truth or {})}
+    text = HEADER
+    for m, mass in enumerate(masses):
+        for s, speed in enumerate(speeds):
+            name = f"{m}{s}"
+            mechanism = rig({**values, "target.mass": mass})
+            for label, where, parameters in planted:
+                mechanism = effect(label).apply(mechanism, where, parameters)
+            end = 0.02 / speed + 1.4
+            run = simulate(mechanism, position={"target": -0.02}, velocity={"target": speed}, end=end)
+            slow, fast = np.arange(0.0, end, 1 / 120), np.arange(0.0, end, 1e-3)
+            seen = read_channels(run, mechanism, ("target.x", "wrist.x"), slow)
+            force = read_channels(run, mechanism, ("contact.force",), fast)["contact.force"]
+            columns = [slow, *(v + 0.00015 * random.standard_normal(slow.size) for v in seen.values())]
+            np.savetxt(
+                folder / f"{name}_mocap.csv", np.transpose(columns), "%.7f", ",",
+                header="time_s,x_target_m,x_wrist_m", comments="",
+            )  # fmt: skip
+            np.savetxt(
+                folder / f"{name}_force.csv", np.transpose([fast, force + 0.25 * random.standard_normal(fast.size)]),
+                "%.6f", ",", header="time_s,f_contact_N", comments="",
+            )  # fmt: skip
+            text += f'[[trials]]\nid = "{name}"\ntarget.mass = {mass}\n'
+            text += f'mocap = "{name}_mocap.csv"\nforce = "{name}_force.csv"\n'
+    (folder / "study.toml").write_text(text)
+    return load_study(folder)

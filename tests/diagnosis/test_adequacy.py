@@ -1,0 +1,62 @@
+"""What a fit leaves over is called noise when it is noise, and not when it is not."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from spacerobot.diagnosis.adequacy import left_over
+from spacerobot.diagnosis.data import Block, TrialData
+
+TRIALS, SAMPLES, TOUCH = 6, 600, 0.5
+
+
+def made(
+    shape: Any = None, scale: float = 1.0, colour: float = 0.0, only: int | None = None
+) -> tuple[Any, list[TrialData]]:
+    """Noise residuals of one channel, plus `shape(t)` after touch in every trial, or in one."""
+    random = np.random.default_rng(3)
+    time = np.linspace(0.0, 2.0, SAMPLES)
+    trials, residuals = [], {}
+    for k in range(TRIALS):
+        noise = scale * random.standard_normal(SAMPLES)
+        for i in range(1, SAMPLES):
+            noise[i] += colour * noise[i - 1]
+        if shape is not None and only in (None, k):
+            noise = noise + np.where(time > TOUCH, shape(time), 0.0)
+        ones = np.ones((1, SAMPLES))
+        block = Block("mocap", ("target.x",), time, 0.0 * ones, ones)
+        trials.append(TrialData(str(k), "all", {}, (block,), 0.0, 2.0))
+        residuals[str(k)] = SimpleNamespace(residual=noise)
+    return SimpleNamespace(trials=residuals), trials
+
+
+def leaves(**how: Any) -> Any:
+    fit, trials = made(**how)
+    return left_over(fit, trials, {t.id: TOUCH for t in trials})
+
+
+def test_white_noise_is_adequate() -> None:
+    left = leaves()
+    assert left.adequate
+    assert left.inflation == pytest.approx(1.0, abs=0.1)
+
+
+@pytest.mark.parametrize("how", [{"scale": 1.5}, {"colour": 0.3}])
+def test_understated_or_coloured_sensor_noise_is_not_physics(how: dict[str, float]) -> None:
+    left = leaves(**how)
+    assert left.adequate
+    assert left.inflation > 1.3
+
+
+def test_a_smooth_force_left_out_is_seen() -> None:
+    assert not leaves(shape=lambda t: 0.8 * np.sin(6.0 * t)).adequate
+
+
+def test_an_effect_in_one_trial_of_six_is_seen() -> None:
+    left = leaves(shape=lambda t: 1.5 * np.sin(6.0 * t), only=4)
+    assert not left.adequate
+    assert left.channels[0].worst_trial == "4"

@@ -1,0 +1,40 @@
+"""Candidates: what is covered by a believed value is not proposed; special cases are known as such."""
+
+from __future__ import annotations
+
+from spacerobot.diagnosis.candidates import candidate_sites, contains, plausible
+from spacerobot.diagnosis.hypothesis import Believed
+from spacerobot.simulation.rig import rig
+
+
+def labels(sigma: dict[str, float], without: tuple[str, ...] = ()) -> set[tuple[str, str]]:
+    believed = Believed({}, sigma, {}, ("all",))
+    return {s.label for s in candidate_sites(rig({}), believed, without)}
+
+
+def test_a_believed_mass_covers_a_payload() -> None:
+    assert ("payload", "target") in labels({})
+    assert ("payload", "target") not in labels({"target.mass": 0.01})
+
+
+def test_effects_can_be_withheld() -> None:
+    assert ("coulomb_friction", "wrist") in labels({})
+    assert not any(name == "coulomb_friction" for name, _ in labels({}, ("coulomb_friction",)))
+
+
+def test_special_cases() -> None:
+    coulomb, both_ways = ("coulomb_friction", "wrist"), ("asymmetric_friction", "wrist")
+    tilt = ("table_tilt", "target")
+    assert contains([both_ways], [coulomb])
+    assert contains([both_ways, tilt], [coulomb])
+    assert contains([coulomb, tilt], [tilt])
+    assert not contains([coulomb], [both_ways])
+    assert not contains([coulomb], [coulomb])
+    assert not contains([("asymmetric_friction", "joint.a")], [coulomb])
+
+
+def test_a_stream_cannot_be_early() -> None:
+    late = {"time_offset@mocap.delay_s": 0.01}
+    early = {"time_offset@mocap.delay_s": -0.01}
+    assert plausible([("time_offset", "mocap")], late)
+    assert not plausible([("time_offset", "mocap")], early)

@@ -1,0 +1,100 @@
+"""Fits recover what was planted, from a wrong start, and never cost more than the truth."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from spacerobot.diagnosis.fit import Fitter
+from spacerobot.diagnosis.hypothesis import Site
+from spacerobot.diagnosis.pool import Task, Workshop
+from spacerobot.diagnosis.screen import Screener
+from spacerobot.effects.registry import effect
+from tests.diagnosis.rigs import write_study
+
+FRICTION = (("coulomb_friction", "wrist"),)
+
+
+@pytest.fixture(scope="module")
+def rubbing(tmp_path_factory: pytest.TempPathFactory) -> Workshop:
+    folder = tmp_path_factory.mktemp("rubbing")
+    truth = {"wrist.stiffness": 1012.0, "wrist.equivalent_damping": 0.0}
+    planted = [("coulomb_friction", "wrist", {"force_N": 0.4})]
+    return Workshop(write_study(folder, planted=planted, truth=truth))
+
+
+def truth_cost(workshop: Workshop, made, values: dict[str, float]) -> float:
+    fitter = workshop.fitter()
+    speeds = {"00": 0.06, "01": 0.11, "10": 0.06, "11": 0.11}
+    state = fitter.state(made, made.start(values), {k: np.array([-0.02, v]) for k, v in speeds.items()})
+    assert state is not None
+    prior = np.array([f.prior for f in made.free], dtype=float)
+    return state.chi2() + float(prior @ state.z**2)
+
+
+@pytest.mark.parametrize("start", [0.05, 1.5])
+def test_planted_friction_is_recovered_from_a_wrong_start(rubbing: Workshop, start: float) -> None:
+    fit = rubbing.run(Task(FRICTION, {"coulomb_friction@wrist.force_N": start}))
+    assert fit is not None
+    assert fit.values()["coulomb_friction@wrist.force_N"] == pytest.approx(0.4, abs=0.01)
+    assert fit.values()["contact.damping"] == pytest.approx(60.0, rel=0.05)
+    assert fit.chi2 / fit.samples == pytest.approx(1.0, abs=0.04)
+    truth = {
+        "coulomb_friction@wrist.force_N": 0.4,
+        "wrist.equivalent_damping": 0.0,
+        "wrist.stiffness": 1012.0,
+        "contact.damping": 60.0,
+    }
+    assert fit.cost <= truth_cost(rubbing, fit.hypothesis, truth) + 1.0
+
+
+def test_without_the_effect_the_fit_is_visibly_worse(rubbing: Workshop) -> None:
+    base = rubbing.run(Task((), {}))
+    better = rubbing.run(Task(FRICTION, {"coulomb_friction@wrist.force_N": 0.2}))
+    assert base is not None
+    assert better is not None
+    assert base.cost > better.cost + 300.0
+
+
+def test_interval_covers_the_truth(rubbing: Workshop) -> None:
+    fit = rubbing.run(Task(FRICTION, {"coulomb_friction@wrist.force_N": 0.2}))
+    assert fit is not None
+    assert fit.covariance is not None
+    index = fit.hypothesis.keys.index("wrist.stiffness")
+    free = fit.hypothesis.free[index]
+    spread = 4.0 * np.sqrt(fit.covariance[index, index])
+    assert free.value(fit.z[index] - spread) < 1012.0 < free.value(fit.z[index] + spread)
+
+
+def test_screening_puts_the_planted_effect_first(rubbing: Workshop) -> None:
+    base = rubbing.run(Task((), {}))
+    assert base is not None
+    sites = [Site(effect(n), "wrist") for n in ("coulomb_friction", "cubic_stiffness", "backlash")]
+    sites.append(Site(effect("table_tilt"), "target"))
+    screen = Screener(rubbing.fitter(), rubbing.model.believed).screen(base, sites)
+    assert screen.scored[0].site.label == ("coulomb_friction", "wrist")
+    assert screen.pairs()[0][0] >= screen.scored[0].gain - 1e-6  # a pair never explains less than its best half
+
+
+def test_trials_order_changes_nothing(tmp_path: Path) -> None:
+    workshop = Workshop(write_study(tmp_path, masses=(9.0,), speeds=(0.06, 0.1, 0.12)))
+    one = workshop.run(Task((), {}))
+    turned = Fitter(workshop.model, workshop.trials[::-1])
+    two = turned.fit(one.hypothesis, warm=None) if one else None
+    assert one is not None
+    assert two is not None
+    assert two.cost == pytest.approx(one.cost, abs=0.2)
+
+
+def test_rescue_brings_back_a_start_that_wandered(rubbing: Workshop) -> None:
+    fit = rubbing.run(Task(FRICTION, {"coulomb_friction@wrist.force_N": 0.2}))
+    assert fit is not None
+    fitter = rubbing.fitter()
+    lost = {k: v + np.array([3e-3, -2e-3]) for k, v in fit.initials().items()}
+    state = fitter.state(fit.hypothesis, fit.z, lost)
+    assert state is not None
+    back, moved = fitter.rescue(fit.hypothesis, state)
+    assert moved
+    assert back.chi2() < 3.0 * fit.chi2 < 0.1 * state.chi2()
