@@ -65,7 +65,7 @@ def test_a_wrong_mass_and_what_slows_a_fall_are_seen(tmp_path: Path) -> None:
 
 
 def test_a_pushed_body_needs_its_mass(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="needs its body.mass"):
+    with pytest.raises(InputError, match=r"needs its body\.mass"):
         worst(study(tmp_path, mass='"unknown"'))
 
 
