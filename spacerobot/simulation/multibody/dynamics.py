@@ -10,7 +10,8 @@ import pinocchio as pin
 
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.simulation.multibody.assembly import Assembly
-from spacerobot.simulation.multibody.kernel import CIRCLE, STRAIGHT, Scratch, accelerate, exert, load, sense
+from spacerobot.simulation.multibody.kernel import CIRCLE, STRAIGHT, accelerate, exert, load, sense
+from spacerobot.simulation.multibody.layout import packed, scratch_from
 from spacerobot.simulation.multibody.ports import for_bodies, layout_of
 from spacerobot.simulation.reduced.arrays import BIAS, FORCE, FRICTION, LAWS, RAW, W_ROWS, D, System, V, assemble, pack
 from spacerobot.simulation.reduced.events import fix_edges
@@ -25,6 +26,9 @@ class Dynamics:
 
     Attributes:
         modes: shape (1 + F + R,), contact, sign of every edge, friction; see the reduced model.
+        features, coordinates: names of what ports are combined from, and the mechanism's coordinates in them,
+            shape (n, nf).
+        layout, scratch: constant and work arrays of the kernel, as views.
         nq, nv, size: of configuration, velocity and ambient state.
         slack: force [N] below which what holds a friction is rounding.
         inertia: shape (nv, nv), at the state last evaluated; a view into Pinocchio's data.
@@ -34,7 +38,7 @@ class Dynamics:
         self.assembly = assembly
         self.mechanism = for_bodies(mechanism)
         self.model, self.data = assembly.model, assembly.model.createData()
-        self.layout, self.features = layout_of(assembly, self.mechanism)
+        self.layout, self.features, self.coordinates = layout_of(assembly, self.mechanism)
         system, self.names = assemble(self.mechanism)
         self.nq, self.nv = self.model.nq, self.model.nv
         self.forces, self.frictions = len(self.names.forces), len(self.names.frictions)
@@ -44,19 +48,8 @@ class Dynamics:
         self.modes = np.zeros(1 + self.forces + self.frictions, dtype=np.int64)
         self.q, self.v = np.zeros(self.nq), np.zeros(self.nv)
         self._drives = np.zeros((1, 1))
-        f, r, nv = len(self.features), max(self.frictions, 1), self.nv
-        self.scratch = Scratch(
-            np.zeros((f, nv)),
-            np.zeros((f, 3)),
-            np.zeros((5, 3)),
-            np.zeros((2, 3, 3)),
-            np.zeros((5, 3)),
-            np.zeros((nv, nv)),
-            np.zeros(nv),
-            np.zeros((r, nv)),
-            np.zeros((r, r)),
-            np.zeros(r),
-        )
+        self._arrays = packed(self.layout, self.frictions)
+        self.scratch = scratch_from(self._arrays[0], self._arrays[2])
         self.biased = self._needs_bias()
         self.pressed_by_contact = [f.normal is not None for f in self.mechanism.frictions]
         self.slack = 0.0
@@ -109,7 +102,7 @@ class Dynamics:
             pin.computeJointJacobiansTimeVariation(self.model, self.data, self.q, self.v)
         else:
             pin.computeJointJacobians(self.model, self.data, self.q)
-        sense(self.packed.ints, self.w, self.layout, self.scratch, self.q, self.v, *self._views)
+        sense(self.packed.ints, self.w, *self._arrays, self.q, self.v, *self._views)
 
     def rate(self, t: float, y: np.ndarray, out: np.ndarray) -> None:
         """out = dy/dt, and all forces into the work array."""
@@ -121,7 +114,7 @@ class Dynamics:
         else:
             pin.computeJointJacobians(self.model, self.data, self.q)
         floats, ints = self.packed
-        sense(ints, self.w, self.layout, self.scratch, self.q, self.v, *self._views)
+        sense(ints, self.w, *self._arrays, self.q, self.v, *self._views)
         accelerate(
             floats,
             ints,
@@ -130,8 +123,7 @@ class Dynamics:
             self.modes,
             self._drives,
             self.w,
-            self.layout,
-            self.scratch,
+            *self._arrays,
             self.q,
             self.v,
             self.inertia,

@@ -7,10 +7,11 @@ that one evaluation costs little more than Pinocchio itself.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
+from spacerobot.simulation.multibody.layout import Scratch, layout_from, scratch_from
 from spacerobot.simulation.reduced.arrays import (
     BIAS,
     FORCE,
@@ -38,38 +39,6 @@ WORLD, HAND, TIP, BASE, TARGET = range(5)
 
 QUATERNION, PAIR, PLAIN = range(3)
 """Kinds of joint, by what their configuration is."""
-
-
-class Layout(NamedTuple):
-    """Constant arrays. nf features, nv velocities, m ports of the mechanism (without contact and slide)."""
-
-    joints: np.ndarray  # (njoints, 3) int: kind, index into q, index into v
-    feature: np.ndarray  # (nf, 3) int: kind, index into q or body, index into v or direction
-    reference: np.ndarray  # (nf,) displacement at the start, taken off
-    ports: np.ndarray  # (m, nf) coefficients
-    coordinates: np.ndarray  # (n, nf) the mechanism's coordinates alike
-    support: np.ndarray  # (5, nv) 1 where a velocity moves the body
-    local: np.ndarray  # (5, 3) the frame's origin in its joint; the target's is its contact point
-    axes: np.ndarray  # (3, 3) rows approach, lateral, up
-    tip_axes: np.ndarray  # (3, 3) rows: contact normal, lateral and upward direction in the tip's joint
-    ahead: np.ndarray  # (3,) approach at the start, in the target's body
-    split: np.ndarray  # (1,) int: first velocity of the target
-    rise: np.ndarray  # (1,) int: port of the upward sliding, or -1
-
-
-class Scratch(NamedTuple):
-    """Work arrays."""
-
-    row: np.ndarray  # (nf, nv)
-    value: np.ndarray  # (nf, 3): displacement, rate, bias acceleration
-    place: np.ndarray  # (5, 3) frame origins in the world
-    motion: np.ndarray  # (2, 3, 3)
-    vectors: np.ndarray  # (5, 3)
-    factor: np.ndarray  # (nv, nv) Cholesky factor
-    free: np.ndarray  # (nv,) acceleration
-    held: np.ndarray  # (R, nv) M^-1 W^T of stuck ports
-    matrix: np.ndarray  # (R, R)
-    vector: np.ndarray  # (R,)
 
 
 @jit
@@ -177,8 +146,9 @@ def _drift(jacobian: Any, rate: Any, mask: Any, v: Any, p: Any, out: Any) -> Non
 def sense(
     c: Any,
     w: Any,
-    layout: Layout,
-    scratch: Scratch,
+    ints: Any,
+    floats: Any,
+    work: Any,
     q: Any,
     v: Any,
     jacobian: Any,
@@ -193,7 +163,11 @@ def sense(
     r_target: Any,
     t_target: Any,
 ) -> None:
-    """Rows, displacements, rates and (where `biased`) bias accelerations of all ports, into `w`."""
+    """Rows, displacements, rates and (where `biased`) bias accelerations of all ports, into `w`.
+
+    `ints`, `floats` and `work` hold Layout and Scratch.
+    """
+    layout, scratch = layout_from(ints, floats), scratch_from(ints, work)
     nv = v.size
     row, value, place = scratch.row, scratch.value, scratch.place
     motion, other, vectors = scratch.motion[0], scratch.motion[1], scratch.vectors
@@ -267,7 +241,7 @@ def sense(
         relative[2] = motion[2, 2] - other[2, 2] - 2.0 * (other[0, 0] * y - other[0, 1] * x)
     n = vectors[4]
     for k in range(3):
-        p = c[PRESS] if k == 0 else c[SLIDE] if k == 1 else layout.rise[0]
+        p = c[PRESS] if k == 0 else c[SLIDE] if k == 1 else layout.rise
         if p < 0:
             continue
         _turned(r_tip, layout.tip_axes[k], n)
@@ -336,8 +310,9 @@ def accelerate(
     modes: Any,
     u: Any,
     w: Any,
-    layout: Layout,
-    scratch: Scratch,
+    ints: Any,
+    floats: Any,
+    work: Any,
     q: Any,
     v: Any,
     inertia: Any,
@@ -345,9 +320,10 @@ def accelerate(
     out: Any,
 ) -> None:
     """out = d/dt (configuration, velocity, work of every force and friction); call after `sense`."""
+    layout, scratch = layout_from(ints, floats), scratch_from(ints, work)
     nq, nv = q.size, v.size
     stuck = exert(x, c, laws, t, modes, u, w, nv)
-    split = layout.split[0]
+    split = layout.split
     _factorise(inertia, 0, split, scratch.factor)
     _factorise(inertia, split, nv, scratch.factor)
     free = scratch.free

@@ -25,8 +25,8 @@ from spacerobot.simulation.multibody.kernel import (
     TARGET,
     TIP,
     YAW,
-    Layout,
 )
+from spacerobot.simulation.multibody.layout import Layout
 
 _POINTS = {"hand": (HAND, 0), "tip": (TIP, 0), "target": (TARGET, 0), "target.y": (TARGET, 1), "base": (BASE, 0)}
 GRAVITY = "gravity"
@@ -71,8 +71,8 @@ def for_bodies(mechanism: Mechanism) -> Mechanism:
     return replace(mechanism, ports=ports, forces=tuple(forces), frictions=tuple(frictions), fields=())
 
 
-def layout_of(assembly: Assembly, mechanism: Mechanism) -> tuple[Layout, list[str]]:
-    """The constant arrays of the compiled kernel, and the names of the features."""
+def layout_of(assembly: Assembly, mechanism: Mechanism) -> tuple[Layout, list[str], np.ndarray]:
+    """The kernel's constants, the features' names, and the mechanism's coordinates in features, shape (n, nf)."""
     model = assembly.model
     names = _features(assembly, mechanism)
     data = model.createData()
@@ -114,16 +114,16 @@ def layout_of(assembly: Assembly, mechanism: Mechanism) -> tuple[Layout, list[st
             feature=feature,
             reference=reference,
             ports=rows,
-            coordinates=coordinates,
             support=np.array([_support(model, body) for body in bodies]),
             local=np.array([np.zeros(3), assembly.hand[1], assembly.tip[1], assembly.base[1], assembly.point]),
             axes=np.ascontiguousarray(assembly.axes.T),
             tip_axes=np.ascontiguousarray((tip.T @ assembly.axes).T),
             ahead=assembly.ahead,
-            split=np.array([assembly.split]),
-            rise=np.array([list(mechanism.ports).index(RISE) if RISE in mechanism.ports else -1]),
+            split=assembly.split,
+            rise=list(mechanism.ports).index(RISE) if RISE in mechanism.ports else -1,
         ),
         names,
+        coordinates,
     )
 
 

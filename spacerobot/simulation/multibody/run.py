@@ -136,9 +136,9 @@ class MultibodyRun:
                 dyn.rate(float(times[i]), y, rate)
                 value, row = dyn.scratch.value, dyn.scratch.row
                 free = rate[dyn.nq : dyn.nq + dyn.nv]
-                out.position[i] = dyn.layout.coordinates @ value[:, 0]
-                out.velocity[i] = dyn.layout.coordinates @ value[:, 1]
-                out.acceleration[i] = dyn.layout.coordinates @ (row @ free + value[:, 2])
+                out.position[i] = dyn.coordinates @ value[:, 0]
+                out.velocity[i] = dyn.coordinates @ value[:, 1]
+                out.acceleration[i] = dyn.coordinates @ (row @ free + value[:, 2])
                 out.features[i] = value[:, :2]
                 out.slider[i] = value[slider, :2]
                 out.force[i] = w[ints[FORCE] : ints[FORCE] + dyn.forces]
