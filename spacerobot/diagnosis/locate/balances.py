@@ -107,7 +107,7 @@ def _body(weak: WeakTrial, mechanism: Mechanism, combination: dict[str, float]) 
     if mechanism.contact is not None and weak.force is not None:
         for c, x in combination.items():
             if c in push(mechanism, weak.yaw, np.zeros(1)):
-                parts.append(x * weak.contact_force(lambda t, c=c: push(mechanism, weak.yaw, t)[c]))
+                parts.append(x * weak.contact_force(mechanism, c))
     name = " + ".join(combination)
     own = name if name in mechanism.ports else None
     row = dict(mechanism.ports[own]) if own and _seen(weak, mechanism, own) else dict(combination)
@@ -150,7 +150,7 @@ def _contact(weak: WeakTrial, mechanism: Mechanism) -> list[Balance]:
     if not keep.any() or contact.p[0] == 0.0:
         return []
     row = {TARGET: 1.0, WRIST: -1.0}
-    measured = weak.contact_force(lambda t: np.ones(t.shape))
+    measured = weak.contact_force(mechanism, None)
     psi = weak.yaw(weak.nodes)
     bent = bulge(mechanism, psi)
     bent_rate = np.gradient(bent, weak.nodes)

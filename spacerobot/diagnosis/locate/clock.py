@@ -9,12 +9,13 @@ import numpy as np
 
 from spacerobot.diagnosis.locate.geometry import TARGET, push
 from spacerobot.diagnosis.locate.located import Clock
+from spacerobot.diagnosis.locate.motion import EDGE
 from spacerobot.diagnosis.locate.samples import trapezoid
 
 LARGEST = 0.02
 """Delays sought, to either side [s]."""
 
-ROUNDS = 6
+ROUNDS = 5
 """Halvings of the spread around the best delay so far; each tries five."""
 
 
@@ -60,16 +61,16 @@ class _Curve:
         if not self.usable:
             return
         self.whiten = one.tested(TARGET).whiten
-        self.weight = trapezoid(weak.force.time)
+        weight = trapezoid(weak.force.time)
         # only the contact is moved: outside it there is nothing but noise
-        pressed = weak.touches.inside(weak.force.time, 5e-3)
+        pressed = weak.touches.inside(weak.force.time, EDGE)
         by = push(one.mechanism, weak.yaw, weak.force.time)[TARGET]
-        self.drive = np.where(pressed, by * weak.force.value * self.weight, 0.0)
+        self.time = weak.force.time[pressed]
+        self.drive = (by * weak.force.value * weight)[pressed]
         self.rest = balance.residual.value - self._integral(0.0)
 
     def _integral(self, delay: float) -> np.ndarray:
-        windows, time = self.one.weak.windows, self.one.weak.force.time
-        return np.asarray(windows.values(time - delay, 0) @ self.drive)
+        return np.asarray(self.one.weak.windows.values(self.time - delay, 0) @ self.drive)
 
     def chi2(self, delay: float) -> float:
         """With the force read `delay` seconds late."""

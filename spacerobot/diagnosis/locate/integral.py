@@ -43,4 +43,3 @@ def total(parts: list[Integral], count: int) -> Integral:
     for part in parts:
         out = out + part
     return out
-

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +15,9 @@ POINTS = 6
 
 DENSE = 6.0
 """A channel with this many samples a knot interval is summed as it is, by the trapezoid rule."""
+
+FEWEST_NODES = 5
+"""Gauss nodes a knot interval."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,14 +35,23 @@ class Grid:
     read: csr_array
 
     @classmethod
-    def of(cls, windows: Windows, time: np.ndarray, spacing: float) -> Grid:
-        """For samples at `time`, shape (T,), with test functions whose knots are `spacing` apart."""
+    def of(cls, windows: Windows, time: np.ndarray, spacing: float, *, bent: bool = False) -> Grid:
+        """For samples at `time`, shape (T,), with test functions whose knots are `spacing` apart.
+
+        Args:
+            windows: the test functions.
+            time: ascending [s].
+            spacing: of the knots [s].
+            bent: whether second derivatives are asked for. They have kinks, which a sum over samples does not
+                forgive: then samples are interpolated, at enough nodes that each is read.
+        """
         step = float(np.median(np.diff(time))) if time.size > 1 else np.inf
-        if step * DENSE <= spacing:
+        dense = spacing / step
+        if dense >= DENSE and not bent:
             nodes, weight = time, trapezoid(time)
             read = csr_array(diags_array(np.ones(time.size)))
         else:
-            nodes, weight = windows.nodes()
+            nodes, weight = windows.nodes(max(FEWEST_NODES, math.ceil(2.0 * dense)))
             read = interpolation(time, nodes)
         return cls.over(windows, nodes, weight, csr_array(read))
 

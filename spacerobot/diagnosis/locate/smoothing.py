@@ -139,5 +139,6 @@ def _basis(times: np.ndarray, knots: np.ndarray, order: int) -> csr_array:
     step = float(knots[1] - knots[0])
     for k in range(order, 0, -1):  # coefficients of the derivative are differences of the coefficients
         rows = count - k
-        out = out @ diags_array([-np.ones(rows), np.ones(rows)], offsets=[0, 1], shape=(rows, rows + 1)) / step
+        both = [np.full(rows, -1.0 / step).tolist(), np.full(rows, 1.0 / step).tolist()]
+        out = csr_array(out @ diags_array(both, offsets=[0, 1], shape=(rows, rows + 1)))
     return csr_array(out)

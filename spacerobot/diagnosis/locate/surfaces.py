@@ -51,9 +51,7 @@ def _of(one: Any, balance: Balance, quantity: str) -> np.ndarray:
     return np.asarray(state.moved if quantity == "displacement" else state.moving)
 
 
-def _surface(
-    prepared: Mapping[str, Any], name: str, quantity: str
-) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+def _surface(prepared: Mapping[str, Any], name: str, quantity: str) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
     present = [p for p in prepared.values() if name in p.found]
     x = [_of(p, p.found[name], quantity) for p in present]
     low, high = min(float(q.min()) for q in x), max(float(q.max()) for q in x)

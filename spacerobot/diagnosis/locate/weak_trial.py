@@ -1,28 +1,20 @@
-"""One trial prepared for weak balances: test functions, the channels' weights, the motion, the contact force."""
+"""One trial prepared for weak balances: test functions, and integrals that are linear in the samples."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from copy import copy
-from functools import cached_property
 
 import numpy as np
 from scipy.sparse import csr_array
 
 from spacerobot.diagnosis.data import TrialData
-from spacerobot.diagnosis.locate.driven import Driven, driven
-from spacerobot.diagnosis.locate.geometry import TARGET, YAW, push
+from spacerobot.diagnosis.locate.geometry import push
 from spacerobot.diagnosis.locate.integral import Integral, total
-from spacerobot.diagnosis.locate.phases import (
-    Touches,
-    phases_of,
-    touches_in_force,
-    touches_in_penetration,
-    windows_of,
-)
-from spacerobot.diagnosis.locate.readings import Observers, Series, State, Track, observers, series_of
+from spacerobot.diagnosis.locate.motion import Motion
+from spacerobot.diagnosis.locate.phases import windows_of
+from spacerobot.diagnosis.locate.readings import Series, State
 from spacerobot.diagnosis.locate.samples import Grid
-from spacerobot.diagnosis.locate.smoothing import Pieces, Smooth
 from spacerobot.diagnosis.locate.windows import Splines
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.support.errors import InputError
@@ -37,148 +29,49 @@ JUMP = 5.0
 
 JUMPS = "|jumps"
 
-EDGE = 5e-3
-"""A force this close [s] to a stretch of contact still drives the expected motion."""
 
-SOFTEN = 4e-3
-"""Width [s] of the running mean of the contact force where it serves as a regressor."""
+class WeakTrial(Motion):
+    """A trial's motion seen through test functions. I test functions, Q nodes.
 
-
-class WeakTrial:
-    """The parts of a trial that do not depend on the values balanced with. I test functions, Q nodes.
+    Nothing here depends on the values that a balance is made with, except the motion that a measured force is
+    expected to cause, which cancels.
 
     Attributes:
-        trial, mechanism: whose, and its baseline (for geometry and readouts).
-        series: valid samples by channel.
-        observers: who measures which coordinate.
-        touches, phases, windows: when what.
-        force: the measured contact force, or None.
+        windows: the test functions.
+        spacing: distance of their knots [s].
         nodes: Gauss nodes that the regressors live on, shape (Q,) [s].
+        smoothed: whether positions are replaced by the smoothed ones.
     """
 
     def __init__(self, trial: TrialData, mechanism: Mechanism) -> None:
-        self.trial = trial
-        self.mechanism = mechanism
-        self.series = series_of(trial)
-        self.observers: Observers = observers(mechanism, self.series)
-        moving = [self.series[c] for c in self.observers.rows]
-        if not moving:
-            raise InputError("no channel measures a coordinate of the model", where=f"trial {trial.id}")
-        self.start = max(s.time[0] for s in moving)
-        self.end = min(s.time[-1] for s in moving)
-        self.spacing = max(SAMPLES_A_KNOT * max(s.step for s in moving), (self.end - self.start) / MOST_PIECES)
-        self.smoothed = False
-        self._turned: dict[str, Smooth] = {}
-        self.force = self._contact_force()
-        self.touches = Touches(())
-        if self.force is not None:
-            self.touches = touches_in_force(self.force.time, self.force.value, self.force.sigma)
-        self._driven = self._expected()
-        self.tracks = {c: self._track(c) for c in self.observers.rows}
-        if self.force is None and mechanism.contact is not None:
-            self.touches = self._touches_by_depth()
-        self.phases = phases_of(self.touches, self._turn(), self.start, self.end)
+        super().__init__(trial, mechanism)
+        self.spacing = max(SAMPLES_A_KNOT * self.step, (self.end - self.start) / MOST_PIECES)
         windows = windows_of(self.touches, self.phases, self.spacing)
         if windows is None:
             raise InputError("a trial is too short for a balance", given=trial.id)
         self.windows = windows
+        self.smoothed = False
         self.nodes, weight = windows.nodes()
         self._own = Grid.over(windows, self.nodes, weight)
-        self._grids: dict[bytes, Grid] = {}
+        self._states: dict[str, State] = {}
+        self._grids: dict[tuple[bytes, bool], Grid] = {}
         self._integrals: dict[tuple[str, int], Integral] = {}
-
-    # --- what was measured ---------------------------------------------------------------------------------------
-
-    def _contact_force(self) -> Series | None:
-        for channel, readout in self.mechanism.readouts.items():
-            if readout.kind == "force" and readout.of == "contact" and channel in self.series:
-                found = self.series[channel]
-                return Series(channel, found.time, readout.sign * found.value, found.sigma)
-        return None
-
-    def _expected(self) -> Driven:
-        """What the model expects of the measured contact force."""
-        if self.force is None or not self.touches.stretches:
-            return driven(self.mechanism, np.array([self.start, self.end]), {})
-        time = self.force.time
-        pressed = np.where(self.touches.inside(time, EDGE), self.force.value, 0.0)
-        return driven(
-            self.mechanism, time, {n: by * pressed for n, by in push(self.mechanism, self.yaw, time).items()}
-        )
-
-    def yaw(self, times: np.ndarray) -> np.ndarray:
-        """Smoothed yaw, zero where it is not measured."""
-        if YAW not in self.observers.solution:
-            return np.zeros(times.shape)
-        out = np.zeros(times.shape)
-        for channel, factor in self.observers.solution[YAW].items():
-            if channel not in self._turned:
-                s = self.series[channel]
-                self._turned[channel] = Smooth.through(s.time, s.value, s.sigma)
-            out += factor * self._turned[channel].value(times)
-        return out
-
-    def _track(self, channel: str) -> Track:
-        s = self.series[channel]
-        rate = channel in self.observers.rates
-        position, slope, bend = self._driven.along(self.observers.rows[channel])
-        base, derivative = (slope, bend) if rate else (position, slope)
-        time = self._driven.time
-        cuts = (self.touches.first, self.touches.last) if self.touches.stretches else ()
-        smooth = Pieces.through(s.time, s.value - np.interp(s.time, time, base), s.sigma, cuts)
-        return Track(smooth, time, base, derivative, bend, rate)
-
-    def _touches_by_depth(self) -> Touches:
-        if not {"wrist", TARGET} <= set(self.observers.solution):
-            return Touches(())
-        time = np.linspace(self.start, self.end, 2000)
-        b, a = self.state_of(TARGET, time), self.state_of("wrist", time)
-        return touches_in_penetration(time, b.d - a.d, np.hypot(a.d_error, b.d_error))
-
-    def _turn(self) -> float | None:
-        if not self.touches.stretches or TARGET not in self.observers.solution:
-            return None
-        time = np.linspace(self.touches.first, self.touches.last, 400)
-        return float(time[int(np.argmax(self.state_of(TARGET, time).d))])
+        self._pushes: dict[tuple[str | None, float, float], Integral] = {}
 
     def state_of(self, coordinate: str, times: np.ndarray) -> State:
-        """Smoothed motion of a coordinate at ascending times, shape (N,)."""
-        return self._sum([(x, self.tracks[c].at(times)) for c, x in self.observers.solution[coordinate].items()], times)
-
-    def port_state(self, row: dict[str, float], times: np.ndarray) -> State:
-        """Smoothed motion of a port with this row of coefficients at ascending times, shape (N,)."""
-        return self._sum([(x, self.state_of(c, times)) for c, x in row.items() if x], times)
-
-    @staticmethod
-    def _sum(parts: list[tuple[float, State]], times: np.ndarray) -> State:
-        zero = np.zeros(times.shape)
-        d, v, dd, vv = zero.copy(), zero.copy(), zero.copy(), zero.copy()
-        for x, s in parts:
-            d += x * s.d
-            v += x * s.v
-            dd += (x * s.d_error) ** 2
-            vv += (x * s.v_error) ** 2
-        return State(times, d, v, np.sqrt(dd), np.sqrt(vv))
-
-    @cached_property
-    def soft_force(self) -> np.ndarray:
-        """The contact force at its own samples, softened and zero out of contact, shape (T,) [N]."""
-        assert self.force is not None  # asked only where it is measured
-        n = max(1, round(SOFTEN / self.force.step))
-        pressed = np.where(self.touches.inside(self.force.time), self.force.value, 0.0)
-        return np.convolve(pressed, np.full(n, 1.0 / n), "same")
-
-    def pressing(self, times: np.ndarray) -> np.ndarray:
-        """The softened contact force at any times [N]; zero where it is not measured."""
-        if self.force is None:
-            return np.zeros(times.shape)
-        return np.interp(times, self.force.time, self.soft_force)
+        """Smoothed motion of a coordinate at ascending times, shape (N,); kept for the nodes."""
+        if times is not getattr(self, "nodes", None):
+            return super().state_of(coordinate, times)
+        if coordinate not in self._states:
+            self._states[coordinate] = super().state_of(coordinate, times)
+        return self._states[coordinate]
 
     def without_noise(self) -> WeakTrial:
-        """The same trial with its positions replaced by the smoothed ones."""
+        """The same trial with its positions replaced by the smoothed ones; its integrals carry no weights."""
         other = copy(self)
         other.smoothed = True
         other._integrals = {}
+        other._pushes = {}
         return other
 
     def pressed_windows(self) -> np.ndarray:
@@ -195,29 +88,12 @@ class WeakTrial:
             first += part.count
         return keep
 
-    def shaking(self, mechanism: Mechanism, coordinates: Sequence[str], mass: float) -> tuple[np.ndarray, np.ndarray]:
-        """Times (T,) and the known load on some coordinates over a mass [m/s^2 or rad/s^2], shape (T,) each.
-
-        The load is the contact force, softened, or else the recorded drives.
-        """
-        if self.force is not None:
-            by = push(mechanism, self.yaw, self.force.time)
-            sums = sum((by[c] for c in coordinates if c in by), np.zeros(self.force.time.shape))
-            return self.force.time, sums * self.soft_force / mass
-        for item in mechanism.inputs:
-            factor = sum(mechanism.ports[item.port].get(c, 0.0) for c in coordinates) * item.gain
-            if factor and item.channel in self.series:
-                series = self.series[item.channel]
-                return series.time, factor * series.value / mass
-        return np.array([self.start, self.end]), np.zeros(2)
-
-    # --- integrals -----------------------------------------------------------------------------------------------
-
     def grid(self, series: Series) -> Grid:
         """The grid of a channel's samples, shared by channels with the same times."""
-        key = series.time.tobytes()
+        bent = series.channel in self.observers.rows
+        key = series.time.tobytes(), bent
         if key not in self._grids:
-            self._grids[key] = Grid.of(self.windows, series.time, self.spacing)
+            self._grids[key] = Grid.of(self.windows, series.time, self.spacing, bent=bent)
         return self._grids[key]
 
     def integral(self, order: int, at_nodes: np.ndarray) -> np.ndarray:
@@ -247,25 +123,36 @@ class WeakTrial:
             value = value + grid.integral(0, grid.read @ np.interp(self.force.time, track.known_time, track.known_bend))
         elif order < 2:
             value = value + sign * self.integral(k, np.interp(self.nodes, track.known_time, track.known))
-        return Integral(value, {channel: weights})
+        return Integral(value, {} if self.smoothed else {channel: weights})
 
-    def contact_force(self, by: Callable[[np.ndarray], np.ndarray]) -> Integral:
-        """int phi c F dt of the measured contact force, c given as a function of time.
+    def contact_force(self, mechanism: Mechanism, coordinate: str | None) -> Integral:
+        """int phi c F dt of the measured contact force, c its push on a coordinate, or one.
 
         A jump between two samples may have come at any time between them: each is a source of noise of its own.
         """
         assert self.force is not None  # asked only where it is measured
-        grid = self.grid(self.force)
+        assert mechanism.contact is not None
+        key = coordinate, mechanism.contact.ahead, mechanism.contact.lateral
+        if key not in self._pushes:
+
+            def by(times: np.ndarray) -> np.ndarray:
+                return np.ones(times.shape) if coordinate is None else push(mechanism, self.yaw, times)[coordinate]
+
+            self._pushes[key] = self._pushed(self.force, by)
+        return self._pushes[key]
+
+    def _pushed(self, force: Series, by: Callable[[np.ndarray], np.ndarray]) -> Integral:
+        grid = self.grid(force)
         weights = grid.weights(0, by(grid.nodes))
-        out = {self.force.channel: weights}
-        time, value, sigma = self.force.time, self.force.value, self.force.sigma
+        out = {force.channel: weights}
+        time, value, sigma = force.time, force.value, force.sigma
         step = np.abs(np.diff(value))
         jumps = np.flatnonzero(step > JUMP * np.hypot(sigma[1:], sigma[:-1]))
         if jumps.size:
             middle = 0.5 * (time[jumps] + time[jumps + 1])
             size = by(middle) * step[jumps] * np.diff(time)[jumps] / np.sqrt(12.0)
-            out[self.force.channel + JUMPS] = csr_array(self.windows.values(middle, 0).multiply(size))
-        return Integral(weights @ value, out)
+            out[force.channel + JUMPS] = csr_array(self.windows.values(middle, 0).multiply(size))
+        return Integral(weights @ value, {} if self.smoothed else out)
 
     def drive(self, channel: str, gain: float) -> Integral:
         """int phi gain u dt of a recorded drive."""
@@ -274,9 +161,7 @@ class WeakTrial:
         return Integral(weights @ series.value, {channel: weights})
 
     def modulated(self, row: dict[str, float], by_d: np.ndarray, by_v: np.ndarray) -> Integral:
-        """int phi (a d + b v) dt of a port, a and b given at the nodes; the rate's derivative goes to phi and b.
-
-        """
+        """int phi (a d + b v) dt of a port, a and b given at the nodes; the rate's derivative goes to phi and b."""
         slope = np.gradient(by_v, self.nodes)
         value = np.zeros(self.windows.count)
         weights: dict[str, csr_array] = {}

@@ -13,7 +13,7 @@ from itertools import pairwise
 
 import numpy as np
 from scipy.interpolate import BSpline
-from scipy.sparse import csr_array, vstack
+from scipy.sparse import csr_array, diags_array, vstack
 
 DEGREE = 3
 
@@ -64,7 +64,9 @@ class Splines:
         basis = BSpline.design_matrix(np.clip(inside, knots[degree], knots[-degree - 1]), knots, degree)
         basis = csr_array(basis.T)[degree : self.pieces]  # those that start at a knot inside and end inside
         for _ in range(order):  # B_n' is the difference of two neighbours of the lower degree, over h
-            basis = (basis[:-1] - basis[1:]) / h
+            rows = basis.shape[0] - 1
+            both = [np.full(rows, 1.0 / h).tolist(), np.full(rows, -1.0 / h).tolist()]
+            basis = csr_array(diags_array(both, offsets=[0, 1], shape=(rows, rows + 1)) @ basis)
         out = csr_array(basis).tocoo()
         return csr_array((out.data, (out.row, out.col + first)), shape=(self.count, times.size))
 

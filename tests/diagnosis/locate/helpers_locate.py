@@ -86,5 +86,3 @@ def record(
             name = f"{mass:g}kg {speed:g}m/s"
             trials.append(TrialData(name, f"target.mass={mass:g}", overrides, tuple(blocks), 0.0, end))
     return Rig(believed(tuple(dict.fromkeys(t.condition for t in trials)))), tuple(trials)
-
-

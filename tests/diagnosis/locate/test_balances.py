@@ -170,11 +170,7 @@ def test_force_read_backwards_is_understood() -> None:
 
 def test_a_sensor_noisier_than_stated_shows() -> None:
     made = record(seed=9, speeds=(0.1,), masses=(9.0,))
-    loud = replace(
-        made[1][0], blocks=tuple(replace(b, weight=3.0 * b.weight) for b in made[1][0].blocks)
-    )
+    loud = replace(made[1][0], blocks=tuple(replace(b, weight=3.0 * b.weight) for b in made[1][0].blocks))
     part = Prepared(made[0], loud, {**VALUES, **loud.overrides}, (loud,))
     total, count = misfit([part], "target")
     assert total / count > 4.0
-
-

@@ -1,13 +1,14 @@
 from __future__ import annotations
 
+import functools
 import os
 from pathlib import Path
 
 import pytest
 
 from spacerobot.diagnosis.data import trial_data
-from spacerobot.diagnosis.locate.located import Located
 from spacerobot.diagnosis.locate.locate import locate
+from spacerobot.diagnosis.locate.located import Located
 from spacerobot.diagnosis.rig_model import RigModel
 from spacerobot.recordings.study import load_study
 
@@ -16,6 +17,7 @@ ROOT = Path(os.environ.get("SPACEROBOT_DATA", Path(__file__).parents[3] / ".." /
 pytestmark = pytest.mark.campaigns
 
 
+@functools.cache
 def located(name: str) -> Located:
     if not (ROOT / name / "study.toml").is_file():
         pytest.skip(f"no campaign {name} under SPACEROBOT_DATA")

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from helpers_locate import VALUES, record
 
-from spacerobot.diagnosis.locate.located import Row
 from spacerobot.diagnosis.locate.locate import believed_values, locate
+from spacerobot.diagnosis.locate.located import Row
 from spacerobot.effects.effect import Placed
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.registry import all_effects
@@ -109,10 +109,10 @@ def test_same_seed_same_rows() -> None:
 
 
 def test_values_within_their_sigma_are_not_reported_and_far_ones_are() -> None:
-    near = {**VALUES, "wrist.stiffness": 1008.0, "target.mass": 9.0}
-    model, trials = record(seed=9, values=near)
+    near = {**VALUES, "wrist.stiffness": 1008.0}
+    model, trials = record(seed=9, values=near, masses=(9.0,))
     assert locate(model, trials).found(0.05) == ()
-    model, trials = record(seed=9, values={**VALUES, "wrist.stiffness": 1150.0})
+    model, trials = record(seed=9, values={**VALUES, "wrist.stiffness": 1150.0}, masses=(9.0,))
     best = locate(model, trials).best()
     assert "wrist" in best
     assert best["wrist"].depends_on.startswith(("displacement", "large"))

@@ -56,6 +56,12 @@ def test_dense_samples_are_summed_as_they_are() -> None:
     time = np.linspace(0.0, 2.0, 4001)
     grid = Grid.of(WINDOWS, time, 0.036)
     assert grid.nodes is time
+    # the kinks of second derivatives are not forgiven by a plain sum
+    bent = Grid.of(WINDOWS, time, 0.036, bent=True)
+    assert np.abs(bent.weights(2) @ (1.0 + time)).max() < 1e-9
+    assert np.abs(grid.weights(2) @ (1.0 + time)).max() > 1e-6
+    used = np.abs(bent.weights(0)).sum(axis=0)[(time > 0.2) & (time < 0.9)]
+    assert used.min() > 0.2 * used.max()  # and no sample is left out
     assert np.isclose(trapezoid(time).sum(), 2.0)
 
 
