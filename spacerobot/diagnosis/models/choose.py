@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from spacerobot.diagnosis.models.axis import axis_model
 from spacerobot.diagnosis.models.grid import even_grid
 from spacerobot.diagnosis.models.inverse_dynamics import InverseDynamics
 from spacerobot.diagnosis.models.links import robot_of
 from spacerobot.diagnosis.models.model import Model
+from spacerobot.dynamics.inertia import joint_space_inertia
+from spacerobot.dynamics.joint_kinds import joint_axis
 from spacerobot.recordings.study import Study
 from spacerobot.recordings.trial import Trial
 
@@ -16,11 +19,17 @@ def models_for(study: Study) -> tuple[Model, ...]:
     Raises:
         InputError: nothing that was recorded can be compared with the baseline.
     """
-    return _joints(study)
+    found: list[Model] = []
+    for joints, trials in _logged(study).items():
+        if len(joints) == 1 and _sprung(study, joints[0]):
+            found.append(axis_of(study, trials, joints[0]))
+        else:
+            found += balances(study, trials, joints)
+    return tuple(found)
 
 
-def _joints(study: Study) -> tuple[Model, ...]:
-    """A balance for each joint whose position and torque were logged."""
+def _logged(study: Study) -> dict[tuple[str, ...], list[Trial]]:
+    """Joints whose position and torque were logged -> the trials that log just these."""
     groups: dict[tuple[str, ...], list[Trial]] = {}
     for trial in study.trials:
         recording = study.recording(trial)
@@ -28,27 +37,45 @@ def _joints(study: Study) -> tuple[Model, ...]:
         both = tuple(n for n in names if f"joint.{n}.position" in recording)
         if both:
             groups.setdefault(both, []).append(trial)
+    return groups
+
+
+def _sprung(study: Study, joint: str) -> bool:
+    """Whether a spring holds the joint: only then can a recorded drive be followed for long without drift."""
+    name = f"joint.{joint}.stiffness"
+    return name in study.baseline.unknown or bool(study.value(name))
+
+
+def axis_of(study: Study, trials: list[Trial], joint: str) -> Model:
+    """The simulated axis."""
+    robot = robot_of(study)
+    index = robot.velocity_index(joint)
+    mass = float(joint_space_inertia(robot, robot.configuration())[index, index])
+    return axis_model(study, trials, joint, mass, joint_axis(robot.model, robot.joint_id(joint))[0])
+
+
+def balances(study: Study, trials: list[Trial], joints: tuple[str, ...]) -> list[Model]:
+    """A torque balance for each joint."""
+    robot = robot_of(study)
+    fully = all(f"joint.{j}.velocity" in study.recording(t) for j in joints for t in trials)
+    kinds = ("position", "torque", "velocity")[: 3 if fully else 2]
+    channels = [f"joint.{j}.{kind}" for j in joints for kind in kinds]
+    grids = {t.id: (even_grid(study.recording(t), channels), study.condition(t), dict(t.overrides)) for t in trials}
+    stream = study.recording(trials[0])[f"joint.{joints[0]}.torque"].stream
+    values = {n: v for n, v in study.values().items() if n.startswith("joint.")}
     found: list[Model] = []
-    for joints, trials in groups.items():
-        robot = robot_of(study)
-        logged = ("position", "torque", "velocity")
-        fully = all(f"joint.{j}.velocity" in study.recording(t) for j in joints for t in trials)
-        channels = [f"joint.{j}.{what}" for j in joints for what in logged[: 3 if fully else 2]]
-        grids = {t.id: (even_grid(study.recording(t), channels), study.condition(t), dict(t.overrides)) for t in trials}
-        stream = study.recording(trials[0])[f"joint.{joints[0]}.torque"].stream
-        values = {n: v for n, v in study.values().items() if n.startswith("joint.")}
-        for joint in joints:
-            unknown = [n for n in sorted(study.baseline.unknown) if n.startswith(f"joint.{joint}.")]
-            found.append(
-                InverseDynamics(
-                    robot,
-                    study.baseline.gravity,
-                    grids,
-                    joints,
-                    compared=[joint],
-                    values=values,
-                    unknown=unknown,
-                    sensor=stream,
-                )
+    for joint in joints:
+        unknown = [n for n in sorted(study.baseline.unknown) if n.startswith(f"joint.{joint}.")]
+        found.append(
+            InverseDynamics(
+                robot,
+                study.baseline.gravity,
+                grids,
+                joints,
+                compared=[joint],
+                values=values,
+                unknown=unknown,
+                sensor=stream,
             )
-    return tuple(found)
+        )
+    return found

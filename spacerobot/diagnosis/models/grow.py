@@ -7,7 +7,7 @@ number of parameters that effects bring along; the choice among all that it met 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,7 +19,8 @@ from spacerobot.diagnosis.models.held_out import HeldOut, folds, parent, predict
 from spacerobot.diagnosis.models.model import Model
 from spacerobot.diagnosis.models.noise import floor_of, reweighted
 from spacerobot.diagnosis.models.plausible import plausible, redundant
-from spacerobot.diagnosis.starts import effect_starts
+from spacerobot.diagnosis.screen import FAINT, Screener, faint
+from spacerobot.diagnosis.starts import fit_near
 from spacerobot.effects.effect import Effect
 from spacerobot.support.errors import SimulationError
 
@@ -43,8 +44,11 @@ BEAM = 3
 TRIED = 5
 """How many models of one size, those that fit best, are fitted to the end and tried on unseen trials."""
 
-ROUGH = 3
-"""Gauss-Newton steps that a candidate gets before it is compared with others of its size."""
+ANYWAY = 2
+"""How many are fitted even where they promise nothing beyond what was reached: promises are linear, gaps are not."""
+
+STEPS = 15
+"""Gauss-Newton steps of a fit."""
 
 MOST = 6
 """Parameters that effects may bring along."""
@@ -81,6 +85,16 @@ class Candidate:
 
 
 @dataclass(frozen=True, eq=False)
+class Promise:
+    """One effect more than a fitted model has, before it is fitted itself."""
+
+    sites: tuple[Site, ...]
+    near: Fit
+    start: Mapping[str, float]
+    cost: float  # that it would come down to
+
+
+@dataclass(frozen=True, eq=False)
 class Growth:
     """What was found.
 
@@ -91,7 +105,7 @@ class Growth:
         after: the chosen model; the baseline where nothing pays.
         rivals: models of the same size that predict as well.
         considered: every model that was tried on unseen trials, best first.
-        screened: labels of those that were only fitted, with their chi-squared.
+        screened: cost that each set of effects promised, by its sensitivities, whether fitted then or not.
         left_out: the folds.
     """
 
@@ -139,64 +153,93 @@ class _Search:
         self.model, self.sites, self.threads, self.say = model, sites, threads, say
         self.trials = model.trials
         self.left_out = tuple(folds(model.trials))
+        self.screened: dict[Label, float] = {}
+        self.reached = np.inf
 
     def run(self, most: int) -> Growth:
-        baseline = self.fitted((), {})
+        baseline = Candidate((), self.fitter().fit(hypothesis(self.model.believed, ()), max_iterations=STEPS))
         for _ in range(2):  # weights from what the baseline leaves, then the baseline fitted under them
             baseline = self.weighed(baseline, baseline)
         baseline = self.tested(baseline)
         tested = [baseline]
-        rough: dict[int, dict[Label, Candidate]] = {}
+        self.reached = baseline.fit.cost
+        ahead: dict[int, dict[Label, Promise]] = {}
         for size in range(most + 1):
-            here = [c for c in rough.pop(size, {}).values() if plausible(c.sites, c.fit.values(), self.model.sizes)]
-            for one in sorted(here, key=lambda c: c.fit.cost)[:TRIED]:
-                tested.append(self.tested(self.fitted(one.sites, one.fit.values(), one.fit)))
-                self.say(f"  {_words(tested[-1].label)}: held-out rms x {tested[-1].error / baseline.error:.4f}")
-            best = min(c.error for c in tested if c.size < size) if size else np.inf
-            layer = [c for c in tested if c.size == size and plausible(c.sites, c.fit.values(), self.model.sizes)]
+            best = min((c.error for c in tested), default=np.inf) if size else np.inf
+            layer = [baseline] if size == 0 else self.layer(ahead.pop(size, {}), baseline)
+            tested += layer if size else []
             layer.sort(key=lambda c: c.error)
             for one in _distinct([c for c in layer if c.error < (1.0 - TIE) * best])[:BEAM]:
-                for site in self.sites:
-                    fits = site.label not in one.label and one.size + len(site.effect.parameters) <= most
-                    if fits and not redundant((*one.sites, site)):
-                        self.extend(one, site, rough)
+                self.look_ahead(one, most, ahead)
         chosen = self.chosen(tested, baseline)
         final = self.weighed(chosen, chosen)
         before = self.tested(self.weighed(baseline, None))
         after = before if chosen is baseline else self.tested(final)
         near = [c for c in tested if c is not chosen and c.size <= chosen.size and c is not baseline]
-        near = [c for c in near if plausible(c.sites, c.fit.values(), self.model.sizes)]
         rivals = tuple(c for c in near if c.error < (1.0 + TIE) * chosen.error)
-        left = tuple((label, c.fit.chi2) for layer in rough.values() for label, c in layer.items())
         ranked = tuple(sorted(tested, key=lambda c: c.error))
-        return Growth(self.model, self.trials, before, after, rivals, ranked, left, self.left_out)
+        return Growth(
+            self.model, self.trials, before, after, rivals, ranked, tuple(self.screened.items()), self.left_out
+        )
 
-    def extend(self, one: Candidate, site: Site, rough: dict[int, dict[Label, Candidate]]) -> None:
-        """One more site, fitted roughly from each of its starts; the best is kept."""
-        for start in effect_starts([site]):
-            try:
-                new = self.fitted((*one.sites, site), {**one.fit.values(), **start}, one.fit, ROUGH)
-            except SimulationError:
-                continue
-            layer = rough.setdefault(new.size, {})
-            if new.label not in layer or new.fit.cost < layer[new.label].fit.cost:
-                layer[new.label] = new
+    def layer(self, promises: Mapping[Label, Promise], baseline: Candidate) -> list[Candidate]:
+        """The most promising models of one size, fitted and tried on unseen trials."""
+        out: list[Candidate] = []
+        bar = (1.0 - TIE) * self.reached
+        ranked = sorted(promises.values(), key=lambda p: p.cost)
+        for place, promise in enumerate(ranked[: 2 * TRIED]):
+            if len(out) == TRIED or (place >= ANYWAY and promise.cost > bar):
+                break
+            one = self.kept(promise)
+            if one is not None:
+                self.reached = min(self.reached, one.fit.cost)
+                out.append(self.tested(one))
+                self.say(f"  {_words(out[-1].label)}: held-out rms x {out[-1].error / baseline.error:.4f}")
+        return out
 
-    def fitted(
-        self, sites: Sequence[Site], start: dict[str, float], warm: Fit | None = None, steps: int = 30
-    ) -> Candidate:
-        made = hypothesis(self.model.believed, sites, start)
-        known = {k: v for k, v in start.items() if k in made.keys}
-        initials = None if warm is None else warm.initials()
-        fitter = Fitter(self.model, self.trials, threads=self.threads)  # type: ignore[arg-type]
-        return Candidate(tuple(sites), fitter.fit(made, warm=known, initials=initials, max_iterations=steps))
+    def look_ahead(self, one: Candidate, most: int, ahead: dict[int, dict[Label, Promise]]) -> None:
+        """What each further effect promises, by its sensitivities at this model."""
+        further = [
+            s
+            for s in self.sites
+            if s.label not in one.label
+            and one.size + len(s.effect.parameters) <= most
+            and not redundant((*one.sites, s))
+        ]
+        screen = Screener(self.fitter(), self.model.believed).screen(one.fit, further)
+        for label, item in screen.best().items():
+            sites = (*one.sites, item.site)
+            share = float(np.clip(FAINT * item.amplitude, -1.0, 1.0)) if item.gain > 0.0 else FAINT
+            start = faint(item.site, item.start, share if abs(share) > 0.02 else float(np.copysign(0.02, share)))
+            promise = Promise(sites, one.fit, start, one.fit.cost - item.gain)
+            name = tuple(sorted((*one.label, label)))
+            layer = ahead.setdefault(one.size + len(item.site.effect.parameters), {})
+            if name not in layer or promise.cost < layer[name].cost:
+                layer[name] = promise
+                self.screened[name] = promise.cost
+
+    def kept(self, promise: Promise) -> Candidate | None:
+        """A promise fitted; None where it cannot be, or where the fit is no physics."""
+        try:
+            fit = fit_near(
+                self.fitter(), self.model.believed, promise.sites, promise.near, promise.start, max_iterations=STEPS
+            )
+        except SimulationError:
+            return None
+        physical = plausible(promise.sites, fit.values(), self.model.sizes)
+        return Candidate(tuple(promise.sites), fit) if physical else None
+
+    def fitter(self) -> Fitter:
+        return Fitter(self.model, self.trials, threads=self.threads)  # type: ignore[arg-type]
 
     def weighed(self, one: Candidate, judge: Candidate | None) -> Candidate:
         """Fitted again, with the weights that a judge's residual asks for; with the present ones if None."""
         if judge is not None:
             residuals = {k: t.residual for k, t in judge.fit.trials.items()}
             self.trials = reweighted(self.trials, floor_of(residuals, self.trials))
-        return self.fitted(one.sites, one.fit.values(), one.fit)
+        fit = one.fit
+        again = self.fitter().fit(fit.hypothesis, warm=fit.values(), initials=fit.initials(), max_iterations=STEPS)
+        return Candidate(one.sites, again)
 
     def tested(self, one: Candidate) -> Candidate:
         made, values, initials = one.fit.hypothesis, one.fit.values(), one.fit.initials()
@@ -208,8 +251,7 @@ class _Search:
 
     def chosen(self, tested: Sequence[Candidate], baseline: Candidate) -> Candidate:
         """The simplest that predicts as well as the best does, as far as a further parameter is worth naming."""
-        sizes = self.model.sizes
-        good = [c for c in tested if plausible(c.sites, c.fit.values(), sizes) and self.pays(c, baseline)]
+        good = [c for c in tested if self.pays(c, baseline)]
         if not good:
             return baseline
         best = min(c.error for c in good)

@@ -16,7 +16,7 @@ from spacerobot.effects.mechanism import Mechanism
 from spacerobot.simulation.reduced.run import simulate
 from spacerobot.simulation.sensors import read_channels
 
-BUDGET = 12_000
+BUDGET = 6_000
 """Readings that a fit looks at; windows of longer recordings are taken evenly over them."""
 
 NEAR = 0.05

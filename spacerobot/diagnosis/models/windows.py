@@ -56,8 +56,8 @@ def cut(trial: TrialData, length: float) -> list[TrialData]:
     count = 1 if span < 1.5 * length else int(span / length + 0.5)
     out = []
     for n in range(count):
-        begin = trial.start + n * length
-        end = trial.end if count == 1 else begin + length
+        begin = trial.start if n == 0 else trial.start + n * length
+        end = trial.end + 1e-6 if count == 1 else begin + length
         blocks = tuple(b for b in (_within(b, begin, end) for b in trial.blocks) if b.time.size)
         if blocks and any((b.weight > 0.0).sum() > 4 for b in blocks):
             name = f"{trial.id}@{n}" if count > 1 else trial.id
