@@ -23,6 +23,7 @@ def locate(
     trials: Sequence[TrialData],
     values_by_trial: Mapping[str, Mapping[str, float]] | None = None,
     *,
+    noise_known: bool = True,
     seed: int = 0,
 ) -> Located:
     """Test every balance that the channels allow against the sensors' noise.
@@ -35,6 +36,8 @@ def locate(
         trials: the recordings.
         values_by_trial: trial id -> values to balance with, by dotted name (those of the refitted baseline); as
             believed where absent.
+        noise_known: whether the trials' weights state the sensors' noise; where they do not, the residual's own spread
+            stands for it.
         seed: of random sign flips.
 
     Raises:
@@ -49,7 +52,7 @@ def locate(
         search.balance(name, prepared, reach[name])
     search.sensors(prepared)
     return Located(
-        search.rows(seed),
+        search.rows(seed, noise_known),
         surfaces(prepared, names),
         tuple(search.totals[name] for name in names),
         clocks(prepared),

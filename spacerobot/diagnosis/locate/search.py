@@ -79,13 +79,13 @@ class Search:
     def _score(self, key: Key, at: np.ndarray) -> Score:
         return self.scores.setdefault(key, Score(at))
 
-    def rows(self, seed: int) -> tuple[Row, ...]:
+    def rows(self, seed: int, noise_known: bool = True) -> tuple[Row, ...]:
         """All tests, most significant first, corrected for their number."""
         drafts: list[tuple[Key, Verdict]] = []
         for key, score in self.scores.items():
             whole = self.scores.get((key[0], ALL, key[2]))
             least = 0.0 if whole is None else TOO_FAINT * float(np.max(whole.information))
-            found = score.verdict(least, seed)
+            found = score.verdict(least, seed, noise_known)
             if found is not None:
                 drafts.append((key, found))
         corrected = significance.holm([v.log_p for _, v in drafts])

@@ -21,6 +21,16 @@ def log_p_normal(z: float) -> float:
     return float(min(np.log(2.0) + log_ndtr(-abs(z)), 0.0))
 
 
+def log_p_student(t: float, freedom: int) -> float:
+    """Natural log of the two-sided p-value of Student's t."""
+    from scipy.stats import t as student
+
+    found = float(student.logsf(abs(t), freedom))
+    if not math.isfinite(found):  # the tail's power law
+        found = -freedom * math.log(abs(t)) + 0.5 * freedom * math.log(freedom)
+    return min(math.log(2.0) + found, 0.0)
+
+
 def log_p_chi2(x: float, freedom: int) -> float:
     """Natural log of the upper tail of chi-squared, also far beyond the smallest float."""
     from scipy.stats import chi2
