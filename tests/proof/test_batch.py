@@ -1,0 +1,165 @@
+"""Batches: what is in them, resuming, the command."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from spacerobot.cli.main import main
+from spacerobot.effects.registry import all_effects
+from spacerobot.proof import batch
+from spacerobot.proof.engine.outsiders import OUTSIDERS
+from spacerobot.proof.orders import CURVES, FULL, KINDS, MOVING, QUICK, Order, schedule
+from spacerobot.support.runs import RunFolder
+
+PLAYED: list[str] = []
+
+
+def fake_play(order: Order, folder: Path, *, rivals: bool = False, command: Sequence[str] = ()) -> dict[str, Any]:
+    """A record as `play` makes it, without playing."""
+    PLAYED.append(order.name)
+    nothing = order.kind == "nothing_missing"
+    outside = order.kind in ("outsider", "withheld")
+    hidden = [] if nothing else [list(order.effect or ("coulomb_friction", "wrist"))]
+    expected = "nothing_missing" if nothing else "unknown" if outside else "named"
+    said = expected
+    opinion = {
+        "held_out": {"target.x": 2e-4, "wrist.x": 1e-4},
+        "says": "no value moved",
+        "flagged": False,
+        "seconds": 1.0,
+    }
+    return {
+        "name": order.name,
+        "kind": order.kind,
+        "family": order.family,
+        "expected": expected,
+        "hidden": hidden,
+        "strength": None if nothing else order.limits or 6.0,
+        "top": True,
+        "in_set": True,
+        "abstained": outside,
+        "confidently_wrong": False,
+        "said": said,
+        "favourite": hidden if expected == "named" else [],
+        "confidence": 0.9,
+        "parameters": [],
+        "same": False,
+        "equal": False,
+        "seconds": 2.0,
+        "seed": order.seed,
+        "channels": {"target.x": 2e-4, "wrist.x": 1e-4},
+        **({"rivals": {"baseline refit": opinion, "PySINDy": {"failed": "no", "seconds": 0.1}}} if rivals else {}),
+    }
+
+
+@pytest.fixture(autouse=True)
+def _played(monkeypatch: pytest.MonkeyPatch) -> None:
+    PLAYED.clear()
+    monkeypatch.setattr(batch, "play", fake_play)
+
+
+def test_the_full_batch_is_what_was_asked_for() -> None:
+    orders = schedule(FULL, 5)
+    names = [o.name for o in orders]
+    assert len(set(names)) == len(names)
+    sealed = [o for o in orders if o.kind != "power"]
+    counts = Counter(o.kind for o in sealed)
+    assert set(counts) | {"power"} == set(KINDS)
+    assert len(sealed) >= 300
+    assert sum(o.family in MOVING for o in sealed) >= len(sealed) / 3
+    for kind in ("nothing_missing", "wrong_value", "unlabelled", "outsider"):
+        assert counts[kind] >= 200
+    assert len(OUTSIDERS) >= 4
+    rig_effects = set(all_effects()) - {"transmission_coupling"}
+    assert {o.effect[0] for o in orders if o.kind == "withheld" and o.effect} == rig_effects
+    power = [o for o in orders if o.kind == "power"]
+    strengths: dict[tuple[str, str], set[float]] = {}
+    for o in power:
+        assert o.effect is not None
+        assert o.limits is not None
+        strengths.setdefault(o.effect, set()).add(o.limits)
+    assert {e for e, _ in strengths} == rig_effects
+    assert len(CURVES) == 8
+    assert all(len(s) == (8 if e in CURVES else 3) for e, s in strengths.items())
+
+
+def test_seeds_differ_and_depend_on_the_batch_alone() -> None:
+    first, again, other = schedule(FULL, 5), schedule(FULL, 5), schedule(FULL, 6)
+    assert first == again
+    assert len({o.seed for o in first}) == len(first)
+    assert not {o.seed for o in first} & {o.seed for o in other}
+    small = {o.name: o.seed for o in schedule(QUICK, 5)}
+    assert all(seed == {o.name: o.seed for o in first}[name] for name, seed in small.items())
+
+
+def test_a_batch_goes_on_where_it_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    orders = schedule(QUICK, 1)
+
+    def stopping(order: Order, folder: Path, **options: Any) -> dict[str, Any]:
+        if order == orders[3]:
+            raise KeyboardInterrupt
+        return fake_play(order, folder, **options)
+
+    monkeypatch.setattr(batch, "play", stopping)
+    with RunFolder(tmp_path / "out", "prove", "hash") as folder, pytest.raises(KeyboardInterrupt):
+        batch.run_batch(folder, orders)
+    assert [o.name for o in orders[:3]] == PLAYED
+    monkeypatch.setattr(batch, "play", fake_play)
+    with RunFolder(tmp_path / "out", "prove", "hash") as folder:
+        records = batch.run_batch(folder, orders)
+    assert [o.name for o in orders] == PLAYED
+    assert [r["name"] for r in records] == [o.name for o in orders]
+
+
+def test_the_command_writes_page_and_figures(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out, docs = tmp_path / "out", tmp_path / "docs"
+    arguments = ["prove", "--out", str(out), "--share", "0.2", "--seed", "11", "--json", "--docs", str(docs)]
+    assert main(arguments) == 0
+    printed = capsys.readouterr()
+    answer = json.loads(printed.out)
+    assert answer["seed"] == 11
+    assert "seed 11" in printed.err
+    assert answer["targets"]["nothing_missing"]["met"] is True
+    text = (docs / "proof.md").read_text()
+    assert "seed 11" in text
+    for name in ("power", "reliability", "confusion"):
+        assert f"figures/proof_{name}.png" in text
+        assert (docs / "figures" / f"proof_{name}.png").stat().st_size > 1000
+    assert "mujoco.sysid" in text
+    assert len(json.loads((out / "records.json").read_text())) == len(PLAYED)
+    count = len(PLAYED)
+    assert main(arguments) == 0  # finished: reused
+    assert len(PLAYED) == count
+
+
+def test_seeds_are_drawn_and_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    seeds = set()
+    for name in ("a", "b", "b"):
+        assert main(["prove", "--quick", "--out", str(tmp_path / name), "--json"]) == 0
+        seeds.add(json.loads(capsys.readouterr().out)["seed"])
+    assert len(seeds) == 2
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--kinds", "unlabeled"], "unlabelled"),
+        (["--quick", "--kinds", "power"], "no campaign"),
+        (["--share", "0"], "--share"),
+        (["--seed", "-3"], "--seed"),
+        (["--jobs", "none"], "--jobs"),
+    ],
+)
+def test_mistakes_are_told_in_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], arguments: list[str], said: str
+) -> None:
+    assert main(["prove", "--out", str(tmp_path / "x"), *arguments]) == 2
+    error = capsys.readouterr().err.strip().splitlines()
+    assert said in error[-1]
+    assert "Traceback" not in "".join(error)

@@ -1,0 +1,103 @@
+"""The blind process: what it is given, and what becomes of its answers."""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+
+from spacerobot.proof.blind import diagnose
+from spacerobot.proof.orders import Order
+from spacerobot.proof.record import play
+
+SPY = """
+import json, os, sys
+tree = [os.path.join(d, f) for d, _, files in os.walk(".") for f in files]
+study = sys.argv[1]
+print(json.dumps({"verdict": "unknown", "confidence": 0.5, "effects": [], "alternatives": [], "parameters": {},
+    "argv": sys.argv[1:], "cwd": os.getcwd(), "tree": tree, "env": dict(os.environ),
+    "study": sorted(os.listdir(study)), "beside": sorted(os.listdir(os.path.dirname(study)))}))
+"""
+
+
+def script(folder: Path, text: str) -> Sequence[str]:
+    path = folder / "stand_in.py"
+    path.write_text(text)
+    return (sys.executable, str(path))
+
+
+def test_the_process_sees_the_study_and_nothing_else(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    study = tmp_path / "scratch" / "abc"
+    study.mkdir(parents=True)
+    (study / "study.toml").write_text("format = 1")
+    monkeypatch.setenv("SPACEROBOT_DATA", "/somewhere")
+    answer = diagnose(study, without="tether", command=script(tmp_path, SPY))
+    assert answer.verdict is not None
+    seen = answer.verdict
+    assert seen["argv"][0] == str(study)
+    assert "--json" in seen["argv"]
+    assert seen["argv"][-2:] == ["--without", "tether"]
+    assert seen["tree"] == []
+    assert Path(seen["cwd"]).resolve() not in (tmp_path, study, Path.cwd())
+    assert not any(k.startswith("SPACEROBOT_") for k in seen["env"])
+    assert seen["study"] == ["study.toml"]
+
+
+def test_the_seal_is_out_of_reach_and_the_name_says_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("mujoco")
+    monkeypatch.setattr(
+        "spacerobot.proof.record._compared", lambda study, *rest: {"same": False, "equal": False, "study": study.name}
+    )
+    spy = tmp_path / "seen.json"
+    text = SPY + f"\nopen({str(spy)!r}, 'w').write(repr((sys.argv, os.getcwd(), dict(os.environ))))\n"
+    order = Order("nothing_missing", "rig", 0, seed=3)
+    record = play(order, tmp_path / "scratch", command=script(tmp_path, text))
+    seen = spy.read_text()
+    assert record["said"] == "unknown"
+    assert record["expected"] == "nothing_missing"
+    assert not record["top"]
+    for word in ("nothing_missing", "rig-0", "truth", "seal-"):
+        assert word not in seen
+    assert not list((tmp_path / "scratch").rglob("*"))  # neither study nor seal is left lying about
+
+
+@pytest.mark.parametrize(
+    ("text", "error"),
+    [
+        ("import sys; sys.stderr.write('broken'); sys.exit(3)", "exit 3: broken"),
+        ("print('hello')", "no verdict"),
+        ("print('[1, 2]')", "no verdict"),
+    ],
+)
+def test_no_answer_is_told(tmp_path: Path, text: str, error: str) -> None:
+    answer = diagnose(tmp_path, command=script(tmp_path, text))
+    assert answer.verdict is None
+    assert error in answer.error
+
+
+def test_an_endless_diagnosis_is_ended_with_its_children(tmp_path: Path) -> None:
+    text = (
+        "import subprocess, sys, time\n"
+        "child = subprocess.Popen([sys.executable, '-c', 'import time; time.sleep(60)'])\n"
+        f"open({str(tmp_path / 'pid')!r}, 'w').write(str(child.pid))\n"
+        "time.sleep(60)\n"
+    )
+    began = time.monotonic()
+    answer = diagnose(tmp_path, command=script(tmp_path, text), limit=3.0)
+    assert answer.verdict is None
+    assert "3 s" in answer.error
+    assert time.monotonic() - began < 20.0
+    child = Path("/proc", (tmp_path / "pid").read_text())
+    gone = not child.exists() or "Z" in child.joinpath("stat").read_text().split(")")[1]
+    assert gone
+
+
+def test_answers_are_read_whole(tmp_path: Path) -> None:
+    answer = diagnose(tmp_path, command=script(tmp_path, SPY))
+    assert answer.verdict is not None
+    assert json.dumps(answer.verdict)
+    assert answer.seconds > 0.0

@@ -1,0 +1,98 @@
+"""Scores against the seal: every outcome that a verdict can have."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from spacerobot.proof.judge import judge
+
+FRICTION = {"effect": "coulomb_friction", "where": "wrist", "force_N": 0.3}
+DRAG = {"effect": "quadratic_drag", "where": "target", "coefficient_Ns2_m2": 4.0}
+CLAIM = {
+    "effect": "coulomb_friction",
+    "where": "wrist",
+    "parameters": {"force_N": {"value": 0.31, "ci95": [0.29, 0.33], "unit": "N"}},
+}
+OTHER = {"effect": "viscous_drag", "where": "target", "parameters": {}}
+
+
+def truth(*effects: dict[str, Any], expected: str = "named", strength: float = 10.0, **more: Any) -> dict[str, Any]:
+    return {"effects": list(effects), "expected": expected, "parameters": [], "strength": strength, **more}
+
+
+def verdict(kind: str, *effects: dict[str, Any], **more: Any) -> dict[str, Any]:
+    return {"verdict": kind, "confidence": 0.9, "effects": list(effects), "alternatives": [], "parameters": {}, **more}
+
+
+def sets(*groups: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    return [{"effects": g, "parameters": {}, "score": 0.0} for g in groups]
+
+
+@pytest.mark.parametrize(
+    ("seal", "said", "top", "in_set", "wrong", "abstained"),
+    [
+        (truth(FRICTION), verdict("named", CLAIM), True, True, False, False),
+        (truth(FRICTION), verdict("named", OTHER), False, False, True, False),
+        (truth(FRICTION), verdict("named", CLAIM, OTHER), False, False, True, False),
+        (truth(FRICTION, DRAG), verdict("named", CLAIM), False, False, True, False),
+        (truth(FRICTION), verdict("ambiguous", alternatives=sets([CLAIM], [OTHER])), True, True, False, True),
+        (truth(FRICTION), verdict("ambiguous", alternatives=sets([OTHER], [CLAIM])), False, True, False, True),
+        (truth(FRICTION), verdict("unknown"), False, False, False, True),
+        (truth(FRICTION), verdict("nothing_missing"), False, False, True, False),
+        (truth(FRICTION, strength=1.5), verdict("nothing_missing"), False, False, False, False),
+        (truth(FRICTION, strength=1.5), verdict("named", OTHER), False, False, True, False),
+        (truth(FRICTION), verdict("wrong_parameter", parameters={"wrist.mass": {}}), False, False, True, False),
+        (truth(expected="nothing_missing"), verdict("nothing_missing"), True, True, False, False),
+        (truth(expected="nothing_missing"), verdict("named", CLAIM), False, False, True, False),
+        (truth(expected="nothing_missing"), verdict("unknown"), False, False, False, True),
+        (truth(FRICTION, expected="unknown"), verdict("unknown"), True, True, False, True),
+        (truth(FRICTION, expected="unknown"), verdict("named", OTHER), False, False, True, False),
+        (truth(FRICTION, expected="unknown"), verdict("not_trusted"), False, True, False, True),
+    ],
+)
+def test_outcomes(
+    seal: dict[str, Any], said: dict[str, Any], top: bool, in_set: bool, wrong: bool, abstained: bool
+) -> None:
+    found = judge(seal, said)
+    assert (found.top, found.in_set, found.confidently_wrong, found.abstained) == (top, in_set, wrong, abstained)
+
+
+def test_wrong_values_are_recognised_by_name() -> None:
+    seal = {**truth(expected="wrong_parameter"), "parameters": ["wrist.mass"]}
+    right = verdict("wrong_parameter", parameters={"wrist.mass": {}, "wrist.stiffness": {}})
+    assert judge(seal, right).top
+    other = judge(seal, verdict("wrong_parameter", parameters={"wrist.stiffness": {}}))
+    assert not other.top
+    assert other.confidently_wrong
+    assert judge(seal, verdict("named", CLAIM)).confidently_wrong
+
+
+def test_a_payload_may_be_called_so_or_a_wrong_mass() -> None:
+    payload = {"effect": "payload", "where": "wrist", "mass_kg": 0.2}
+    seal = {**truth(payload, expected="wrong_parameter"), "parameters": ["wrist.mass"]}
+    claim = {"effect": "payload", "where": "wrist", "parameters": {}}
+    assert judge(seal, verdict("wrong_parameter", parameters={"wrist.mass": {}})).top
+    assert judge(seal, verdict("named", claim)).top
+    assert judge(seal, verdict("ambiguous", alternatives=sets([OTHER], [claim]))).in_set
+    assert judge(seal, verdict("named", OTHER)).confidently_wrong
+
+
+def test_parameters_are_read_where_the_set_is_right() -> None:
+    (found,) = judge(truth(FRICTION), verdict("named", CLAIM)).parameters
+    assert found == {
+        "parameter": "coulomb_friction@wrist.force_N",
+        "true": 0.3,
+        "value": 0.31,
+        "low": 0.29,
+        "high": 0.33,
+    }
+    assert judge(truth(FRICTION), verdict("named", OTHER)).parameters == ()
+
+
+def test_no_answer_is_an_abstention_that_is_not_right() -> None:
+    found = judge(truth(FRICTION), None)
+    assert found.abstained
+    assert not found.top
+    assert found.said == "failed"
