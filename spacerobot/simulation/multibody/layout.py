@@ -64,7 +64,7 @@ def packed(layout: Layout, frictions: int) -> tuple[np.ndarray, np.ndarray, np.n
 def layout_from(k: Any, x: Any) -> Layout:
     """The layout that `packed` wrote, as views."""
     nf, nv, m, nj = k[NF], k[NV], k[PORTS], k[JOINTS]
-    a = HEADER - 1
+    a = HEADER
     joints = k[a : a + 3 * nj].reshape((nj, 3))
     a += 3 * nj
     feature = k[a : a + 3 * nf].reshape((nf, 3))
