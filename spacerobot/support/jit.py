@@ -1,7 +1,8 @@
 """Numba's decorator as the house uses it, with a disk cache that a changed source cannot leave stale.
 
 Numba looks only at the file of the compiled function, not at those it calls; so the cache folder carries a hash of
-every source that compiles anything (its text says so). It lies in the user's cache folder, which also serves read-only installations.
+every source that compiles anything (its text says so). It lies in the user's cache folder, which also serves
+read-only installations.
 """
 
 from __future__ import annotations
