@@ -8,8 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from spacerobot.diagnosis.data import trial_data
+from spacerobot.diagnosis.data import TrialData, trial_data
 from spacerobot.diagnosis.fit import Fit, Fitter
+from spacerobot.diagnosis.held_out import folds, frozen
 from spacerobot.diagnosis.hypothesis import Site
 from spacerobot.diagnosis.rig_model import RigModel
 from spacerobot.diagnosis.starts import fit_from
@@ -19,14 +20,19 @@ from spacerobot.recordings.study import load_study
 Labels = Sequence[tuple[str, str]]
 
 
+ITERATIONS = 8
+"""Gauss-Newton steps of a fit that begins at one to more trials."""
+
+
 @dataclass(frozen=True, eq=False)
 class Fitted:
     """One set of effects fitted to a study.
 
     Attributes:
         fit: to all trials.
-        held_out: rms of the prediction of conditions not seen, in sensor sigmas.
-        channels: the same by channel, SI.
+        held_out: rms of the prediction of conditions not seen, in sensor sigmas; a trial's own start and its
+            condition's scatter are found from the trial itself, as the diagnosis does it.
+        channels: rms by channel, SI, where only the free approach tells how an unseen trial starts.
     """
 
     fit: Fit
@@ -58,39 +64,42 @@ class Bench:
         return self._done[key]
 
     def _held_out(self, fit: Fit) -> tuple[float, dict[str, float]]:
-        """Leave one condition out: fit the others from here, then start each unseen trial from its free approach."""
-        squares: dict[str, float] = {}
-        counts: dict[str, int] = {}
+        """Leave one condition out in turn: fit the others from here, predict what was left out, in both ways."""
         total, samples = 0.0, 0
-        for _, unseen in self._folds():
+        errors: dict[str, list[np.ndarray]] = {}
+        for unseen in folds(self.trials)[1]:
             seen = [t for t in self.trials if t.id not in unseen]
             own = {t.id: fit.initials()[t.id] for t in seen}
-            part = Fitter(self.model, seen).fit(fit.hypothesis, warm=fit.values(), initials=own, max_iterations=12)
+            part = Fitter(self.model, seen).fit(
+                fit.hypothesis, warm=fit.values(), initials=own, max_iterations=ITERATIONS
+            )
             fitter = Fitter(self.model, [t for t in self.trials if t.id in unseen])
-            guess = fitter.guess()
+            conditions = {t.condition for t in fitter.trials}
+            scatter = [f.key for f in part.hypothesis.free if f.kind == "scatter"]
+            free = tuple(key for key in scatter if key.split("|", 1)[0] in conditions)
+            made = frozen(part.hypothesis, part.values(), free)
+            settled = fitter.fit(made, warm=part.values(), max_iterations=ITERATIONS)
+            total, samples = total + settled.chi2, samples + settled.samples
             for trial in fitter.trials:
-                residual, keep = fitter.residual(part.hypothesis, part.z, trial, guess[trial.id])
-                start = self.model.approach_start(trial, guess[trial.id], residual)
-                residual, keep = fitter.residual(part.hypothesis, part.z, trial, start)
-                total += float(np.square(residual[keep]).sum())
-                samples += int(keep.sum())
-                row = 0
-                for block in trial.blocks:
-                    for c, channel in enumerate(block.channels):
-                        rows = slice(row, row + block.time.size)
-                        row += block.time.size
-                        good = keep[rows]
-                        error = residual[rows][good] / block.weight[c][good]
-                        squares[channel] = squares.get(channel, 0.0) + float(error @ error)
-                        counts[channel] = counts.get(channel, 0) + int(good.sum())
-        rms = {c: float(np.sqrt(s / max(counts[c], 1))) for c, s in squares.items()}
+                for channel, error in self._approached(fitter, part, trial).items():
+                    errors.setdefault(channel, []).append(error)
+        rms = {c: float(np.sqrt(np.mean(np.concatenate(e) ** 2))) for c, e in errors.items()}
         return float(np.sqrt(total / max(samples, 1))), rms
 
-    def _folds(self) -> list[tuple[str, set[str]]]:
-        conditions: dict[str, set[str]] = {}
-        for trial in self.trials:
-            conditions.setdefault(trial.condition, set()).add(trial.id)
-        return list(conditions.items())
+    def _approached(self, fitter: Fitter, part: Fit, trial: TrialData) -> dict[str, np.ndarray]:
+        """Channel -> error of the prediction [SI], the trial started from its free approach alone."""
+        guess = fitter.guess()[trial.id]
+        residual, keep = fitter.residual(part.hypothesis, part.z, trial, guess)
+        start = self.model.approach_start(trial, guess, residual)
+        residual, keep = fitter.residual(part.hypothesis, part.z, trial, start)
+        found, row = {}, 0
+        for block in trial.blocks:
+            for c, channel in enumerate(block.channels):
+                rows = slice(row, row + block.time.size)
+                row += block.time.size
+                good = keep[rows]
+                found[channel] = residual[rows][good] / block.weight[c][good]
+        return found
 
 
 def starts_of(effects: Sequence[Mapping[str, object]]) -> dict[str, float]:
