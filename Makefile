@@ -1,5 +1,6 @@
 # Every target sets itself up in .venv; a fresh machine needs only Python 3.11+, venv and make.
 PYTHON ?= python3
+EXTRAS ?= test
 VENV   ?= .venv
 BIN    := $(VENV)/bin
 UV     := $(shell command -v uv 2>/dev/null)
@@ -25,7 +26,7 @@ $(VENV)/.core: $(BIN)/python pyproject.toml constraints.txt
 	@touch $@
 
 $(VENV)/.test: $(VENV)/.core
-	$(INSTALL) -c constraints.txt -e '.[test]'
+	$(INSTALL) -c constraints.txt -e '.[$(EXTRAS)]'
 	@touch $@
 
 setup: $(VENV)/.core  ## install the package and its libraries into .venv

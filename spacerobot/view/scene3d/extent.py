@@ -59,12 +59,19 @@ SEEN = 0.05
 """A difference is drawn about this large [m] where it would be hard to see otherwise."""
 
 
+LEVER = 0.2
+"""A turn is seen at about this distance from the centre of mass [m]."""
+
+
 def gains_for(bodies: Iterable[Body]) -> tuple[float, ...]:
     """Factors for drawing ghosts apart from the simulation: one that makes the largest difference well seen, then 1."""
     apart = 0.0
     for body in bodies:
         if body.beside is not None:
-            apart = max(apart, float(np.linalg.norm(body.poses[:, :3] - body.beside[:, :3], axis=1).max()))
+            moved = np.linalg.norm(body.poses[:, :3] - body.beside[:, :3], axis=1)
+            cosine = np.abs(np.einsum("ti,ti->t", body.poses[:, 3:], body.beside[:, 3:]))
+            turned = 2.0 * np.arccos(np.clip(cosine, 0.0, 1.0))
+            apart = max(apart, float((moved + LEVER * turned).max()))
     if apart <= 0.0 or apart > 0.5 * SEEN:
         return (1.0,)
     gain = max(g for g in (1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0) if g == 1.0 or g * apart <= 1.2 * SEEN)

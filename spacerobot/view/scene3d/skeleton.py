@@ -40,7 +40,7 @@ def skeleton(robot: Robot) -> dict[int, list[Piece]]:
                 place[:3, :3] = _z_onto(end / length)
                 place[:3, 3] = end / 2.0
                 found.append(Piece(capsule(0.045 * size, length).moved(place), _BONES))
-        if joint and not ends[joint]:
+        if joint and not (joint == 1 and robot.floating) and all(np.linalg.norm(end) < 1e-6 for end in ends[joint]):
             found.append(Piece(box((0.3 * size, 0.3 * size, 0.3 * size)), _BONES))
     return pieces
 
