@@ -72,10 +72,26 @@ def regressors(
         one, force = np.ones(weak.nodes.shape), weak.pressing(weak.nodes)
         return {"constant": Pattern.single(one), "force": Pattern.single(force), FREQUENCY: waves}
     state = weak.port_state(balance.row, weak.nodes)
-    d, v, way = state.moved, state.moving, state.way
     resting = np.where(state.resting, known_load(weak, mechanism, balance), 0.0)
+    found = patterns_of_motion(state.moved, state.moving, state.way, resting, extent)
+    found["constant"] = Pattern.single(np.full(weak.nodes.shape, balance.mass))
+    force = weak.pressing(weak.nodes)
+    return {**found, "force": Pattern.single(force), FREQUENCY: waves}
+
+
+def patterns_of_motion(
+    d: np.ndarray, v: np.ndarray, way: np.ndarray, resting: np.ndarray, extent: Extent
+) -> dict[str, Pattern]:
+    """Patterns of a displacement and its rate, shape (Q,) each.
+
+    Args:
+        d, v: displacement and rate, zero where they do not stand clear of their noise.
+        way: sign of the rate, zero at rest.
+        resting: known load where the body rests [N or N m], else zero.
+        extent: of the displacement over all trials.
+    """
     single = {
-        "constant": np.full(weak.nodes.shape, balance.mass),
+        "constant": np.ones(d.shape),
         "displacement": d,
         "displacement^3": d**3,
         "velocity": v,
@@ -83,12 +99,11 @@ def regressors(
         "sign of velocity": way + (resting / extent.held if extent.held > 0.0 else 0.0),
         "velocity^2": v * np.abs(v),
         "direction of motion": np.abs(way),
-        "force": weak.pressing(weak.nodes),
     }
-    found = {name: Pattern.single(b) for name, b in single.items()}
     shares = np.array(LARGE)
     large = np.array([extent.large(d, share) for share in shares])
-    return {**found, "large displacement": Pattern(large, shares * max(extent.high, -extent.low)), FREQUENCY: waves}
+    found = {name: Pattern.single(b) for name, b in single.items()}
+    return {**found, "large displacement": Pattern(large, shares * max(extent.high, -extent.low))}
 
 
 def _of_contact(weak: WeakTrial, mechanism: Mechanism) -> dict[str, np.ndarray]:

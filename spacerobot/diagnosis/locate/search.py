@@ -18,6 +18,9 @@ from spacerobot.diagnosis.locate.sensors import faults
 Key = tuple[str, str, str]
 """(balance, phase, depends_on)"""
 
+CLEAR = 0.05
+"""Rows with a larger p come after all others."""
+
 TOO_FAINT = 1e-3
 """A phase in which a pattern has less than this share of its information in the whole trial does not show it."""
 
@@ -49,7 +52,7 @@ class Search:
             for (phase, depends_on), pattern in patterns.items():
                 part = slice(first, first + pattern.at.size)
                 first = part.stop
-                score = self._score((name, phase, depends_on), pattern.at)
+                score = self.score((name, phase, depends_on), pattern.at)
                 score.add(tested.white, white[:, part], exact[:, part])
         p = math.exp(significance.log_p_chi2(chi2, max(freedom, 1)))
         self.totals[name] = Total(name, unit, chi2, freedom, p)
@@ -72,15 +75,19 @@ class Search:
                     chi2, freedom = old.chi2 + float(tested.white @ tested.white), old.freedom + tested.white.size
                     self.totals[sensor] = Total(sensor, "", chi2, freedom, 1.0)
                     for depends_on, column in columns.items():
-                        score = self._score((sensor, ALL, depends_on), np.array([np.nan]))
+                        score = self.score((sensor, ALL, depends_on), np.array([np.nan]))
                         rows = column[:, None]
                         score.add(tested.white, tested.whiten(rows), tested.exact(rows))
 
-    def _score(self, key: Key, at: np.ndarray) -> Score:
+    def score(self, key: Key, at: np.ndarray) -> Score:
+        """The collected scores of one test; `at` distinguishes its variants, shape (V,)."""
         return self.scores.setdefault(key, Score(at))
 
     def rows(self, seed: int, noise_known: bool = True) -> tuple[Row, ...]:
-        """All tests, most significant first, corrected for their number."""
+        """All tests, most significant first, corrected for their number.
+
+        Where the noise is not known, those found come in the order of how much of their residual they explain.
+        """
         drafts: list[tuple[Key, Verdict]] = []
         for key, score in self.scores.items():
             whole = self.scores.get((key[0], ALL, key[2]))
@@ -90,7 +97,9 @@ class Search:
                 drafts.append((key, found))
         corrected = significance.holm([v.log_p for _, v in drafts])
         rows = [self._row(key, v, p) for (key, v), p in zip(drafts, corrected, strict=True)]
-        return tuple(sorted(rows, key=lambda r: (r.p >= 0.05, r.log_p)))
+        if noise_known:
+            return tuple(sorted(rows, key=lambda r: (r.p >= CLEAR, r.log_p)))
+        return tuple(sorted(rows, key=lambda r: (r.p >= CLEAR, -r.share if r.p < CLEAR else r.log_p)))
 
     def _row(self, key: Key, v: Verdict, p: float) -> Row:
         total = self.totals[key[0]]

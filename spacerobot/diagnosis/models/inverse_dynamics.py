@@ -19,6 +19,7 @@ from spacerobot.diagnosis.models.measured import port_forces, through_sensor
 from spacerobot.diagnosis.models.model import FIRST_NOISE, Model, Predicted, conditions_of
 from spacerobot.diagnosis.models.sizes import Sizes, sizes_of
 from spacerobot.diagnosis.models.weak import Bump
+from spacerobot.dynamics.joint_kinds import joint_axis
 from spacerobot.effects.effect import Effect
 from spacerobot.effects.laws import DAMPER, SPRING
 from spacerobot.effects.mechanism import Mechanism
@@ -87,6 +88,7 @@ class InverseDynamics(Model):
         self.compared = tuple(joints if compared is None else compared)
         self.name = self.compared[0] if len(self.compared) == 1 else "joints"
         self.sensor = sensor
+        self._turns = {j: bool(joint_axis(robot.model, robot.joint_id(j))[0]) for j in self.joints}
         arm = _Rigid(robot, gravity, self.joints)
         raw = {k: _kinematics(g, self.joints, SHARP) for k, (g, _, _) in grids.items()}
         own = {j: _sizes(raw.values(), i) for i, j in enumerate(self.joints)}
@@ -155,6 +157,18 @@ class InverseDynamics(Model):
             forces=tuple(forces),
             sensors={self.sensor: tuple(f"joint.{j}.torque" for j in self.compared)},
         )
+
+    def angular(self, joint: str) -> bool:
+        """Whether a logged joint turns, rather than slides."""
+        return self._turns[joint]
+
+    def measured(self, trial: TrialData) -> Motion:
+        """The motion that a piece's balance runs along."""
+        return self._motion[trial.id]
+
+    def seen(self, trial: TrialData, signal: np.ndarray) -> np.ndarray:
+        """A signal along that motion, shape (T, ...), as the piece's readings show it: through its test functions."""
+        return self._bump[trial.id].smooth(signal)[:: self._motion[trial.id].stride]
 
     def predict(self, mechanism: Mechanism, trial: TrialData, initial: np.ndarray) -> Predicted:
         """The torques that the model asks for along the measured motion, through the test functions."""

@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -13,8 +12,9 @@ from spacerobot.diagnosis.locate.locate import locate
 from spacerobot.effects.laws import DAMPER
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Coordinate, Force, Input, Readout
+from spacerobot.recordings.dataroot import recordings_folder
 
-ROOT = Path(os.environ.get("SPACEROBOT_DATA", Path(__file__).parents[3] / ".." / "shared" / "recordings"))
+ROOT = recordings_folder() or Path("nowhere")
 
 AXIS = "joint.axis"
 POSITION, DRIVE = f"{AXIS}.position", f"{AXIS}.torque"

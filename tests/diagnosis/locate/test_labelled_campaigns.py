@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import functools
-import os
 from pathlib import Path
 
 import pytest
@@ -10,9 +9,10 @@ from spacerobot.diagnosis.data import trial_data
 from spacerobot.diagnosis.locate.locate import locate
 from spacerobot.diagnosis.locate.located import Located
 from spacerobot.diagnosis.rig_model import RigModel
+from spacerobot.recordings.dataroot import recordings_folder
 from spacerobot.recordings.study import load_study
 
-ROOT = Path(os.environ.get("SPACEROBOT_DATA", Path(__file__).parents[3] / ".." / "shared" / "recordings"))
+ROOT = recordings_folder() or Path("nowhere")
 
 pytestmark = pytest.mark.campaigns
 

@@ -1,0 +1,126 @@
+"""Locate for the general models: torque balances of joint logs, and anything that is simulated window by window."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from spacerobot.diagnosis.data import Block, TrialData
+from spacerobot.diagnosis.locate.beliefs import STEP, deviations
+from spacerobot.diagnosis.locate.locate import believed_values, locate
+from spacerobot.diagnosis.locate.located import Located
+from spacerobot.diagnosis.locate.series import BalanceSeries, locate_series
+from spacerobot.diagnosis.models.inverse_dynamics import InverseDynamics
+from spacerobot.diagnosis.models.model import Model
+from spacerobot.diagnosis.models.simulated import Simulated
+from spacerobot.support.errors import InputError
+
+DRIVE = "recorded drive"
+"""Stream name of the inputs that are put among a trial's channels."""
+
+LONGEST = 600
+"""Samples that one stretch of a long recording has."""
+
+PIECES = 12
+
+DRIVE_NOISE = 0.01
+"""Noise of a recorded drive as a share of its rms; how much matters little where the noise is not known."""
+
+
+def locate_model(
+    model: Model, values_by_trial: Mapping[str, Mapping[str, float]] | None = None, *, seed: int = 0
+) -> Located:
+    """Test a general model's balances; the noise is taken as unknown.
+
+    Args:
+        model: from `models.choose`.
+        values_by_trial: trial id -> values to balance with; as believed where absent.
+        seed: of random sign flips.
+
+    Raises:
+        InputError: a model without balances, or trials too short for one.
+    """
+    if isinstance(model, InverseDynamics):
+        return locate_series(joint_series(model, values_by_trial), seed=seed)
+    if isinstance(model, Simulated):
+        pieces = tuple(p for t in model.recorded.values() for p in _pieces(_with_drive(model, t)))
+        if values_by_trial is None:
+            return locate(model, pieces, believed_values(model, pieces), noise_known=False, seed=seed)
+        by_trial = {name.split("@")[0]: v for name, v in values_by_trial.items()}
+        whole = {p.id: by_trial[p.id.split("@")[0]] for p in pieces}
+        return locate(model, pieces, whole, noise_known=False, seed=seed)
+    raise InputError("this model has no balance of its own", given=model.name)
+
+
+def joint_series(
+    model: InverseDynamics, values_by_trial: Mapping[str, Mapping[str, float]] | None = None
+) -> list[BalanceSeries]:
+    """The torque balances of joint logs, a series for each joint and piece."""
+    values = values_by_trial or believed_values(model, model.trials)
+    none = np.zeros(0)
+    out = []
+    for trial in model.trials:
+        own = values[trial.id]
+        base = model.predict(model.mechanism(own, trial), trial, none).blocks[0]
+        moved = {}
+        for name, size in deviations(model.believed, own, model.trials).items():
+            step = STEP * (abs(own[name]) or size)
+            other = model.mechanism({**own, name: own[name] + step}, trial)
+            moved[name] = (model.predict(other, trial, none).blocks[0] - base) * (size / step)
+        motion, block = model.measured(trial), trial.blocks[0]
+        for k, joint in enumerate(model.compared):
+            good = block.weight[k] > 0.0
+            if good.sum() < 8:
+                continue
+            index = model.joints.index(joint)
+            out.append(
+                BalanceSeries(
+                    f"joint.{joint}",
+                    model.angular(joint),
+                    trial.id,
+                    (block.value[k] - base[k])[good],  # the drive's torque is a known force here, the rest is asked for
+                    1.0 / block.weight[k][good],
+                    motion.position[:, index],
+                    motion.velocity[:, index],
+                    _eye(model, trial, good),
+                    {name: -change[k][good] for name, change in moved.items() if np.any(change[k])},
+                )
+            )
+    return out
+
+
+def _eye(model: InverseDynamics, trial: TrialData, good: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+    return lambda patterns: model.seen(trial, patterns)[good]
+
+
+def _pieces(trial: TrialData) -> list[TrialData]:
+    """A long trial as PIECES stretches, evenly over it, each short enough for narrow test functions."""
+    step = max(float(np.median(np.diff(b.time))) for b in trial.blocks if b.stream != DRIVE)
+    length = LONGEST * step
+    if trial.end - trial.start < 2.0 * length:
+        return [trial]
+    count = min(PIECES, int((trial.end - trial.start) / length))
+    out = []
+    for n, begin in enumerate(np.linspace(trial.start, trial.end - length, count)):
+        inside = [(b, slice(*np.searchsorted(b.time, [begin, begin + length]))) for b in trial.blocks]
+        blocks = tuple(
+            replace(b, time=b.time[part], value=b.value[:, part], weight=b.weight[:, part]) for b, part in inside
+        )
+        piece = replace(trial, id=f"{trial.id}@{n}", blocks=blocks, start=float(begin), end=float(begin + length))
+        out.append(piece)
+    return out
+
+
+def _with_drive(model: Simulated, trial: TrialData) -> TrialData:
+    """The trial with its recorded inputs among its channels."""
+    drive = model.drives.get(trial.id)
+    if drive is None or not drive.value:
+        return trial
+    fresh = np.concatenate([[True], np.diff(drive.time) > 0.0])
+    value = np.array(list(drive.value.values()))[:, fresh]
+    rms = np.sqrt(np.mean(value**2, axis=1, keepdims=True))
+    weight = np.ones_like(value) / np.maximum(DRIVE_NOISE * rms, 1e-300)
+    block = Block(DRIVE, tuple(drive.value), drive.time[fresh], value, weight)
+    return replace(trial, blocks=(*trial.blocks, block))

@@ -1,0 +1,48 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from spacerobot.diagnosis.locate.of_model import locate_model
+from spacerobot.diagnosis.models.choose import models_for
+from spacerobot.diagnosis.models.inverse_dynamics import InverseDynamics
+from spacerobot.diagnosis.models.model import Model
+from spacerobot.recordings.dataroot import recordings_folder
+from spacerobot.recordings.study import load_study
+
+STUDIES = Path(__file__).resolve().parents[3] / "examples" / "studies" / "real"
+
+
+def models(name: str) -> dict[str, Model]:
+    top = recordings_folder()
+    if top is None or not (top / "real" / name).exists():
+        pytest.skip("the real recordings are not here: set SPACEROBOT_DATA")
+    return {m.name: m for m in models_for(load_study(STUDIES / name))}
+
+
+@pytest.mark.real
+def test_dry_friction_in_the_joints_of_a_real_arm() -> None:
+    found = {name: locate_model(m) for name, m in models("franka_exciting").items()}
+    dry = [name for name, f in found.items() if f.rows[0].depends_on == "sign of velocity" and f.rows[0].p < 0.01]
+    assert len(dry) >= 5
+    assert all(found[name].rows[0].coefficient > 0.1 for name in dry)  # it resists
+    assert all(f.totals[0].unit == "N m" for f in found.values())
+
+
+@pytest.mark.real
+def test_a_real_drive() -> None:
+    (model,) = models("emps").values()
+    assert isinstance(model, InverseDynamics)
+    top = locate_model(model).rows[0]
+    assert (top.balance, top.depends_on) == ("joint.axis", "sign of velocity")
+    assert locate_model(model).totals[0].unit == "N"
+
+
+@pytest.mark.real
+def test_falling_balls_are_held_back_the_faster_they_are() -> None:
+    found = {name: locate_model(m) for name, m in models("balldrop").items()}
+    whiffle = found["whiffle_ball_1"].best(0.05)["target"]
+    assert "velocity" in whiffle.depends_on
+    assert whiffle.coefficient > 0.0
+    assert "target" not in found["baseball"].best(0.05)
