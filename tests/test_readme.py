@@ -44,8 +44,8 @@ def test_make_demo_runs_the_demo() -> None:
 
 def test_the_demo_prints_what_the_readme_shows(demo: str) -> None:
     shown = [text for kind, text in BLOCKS[: [k for k, _ in BLOCKS].index("python")] if kind == "text"]
-    lines = [line for text in shown[:2] for line in text.splitlines()]
-    assert len(lines) >= 4
+    lines = [line for text in shown[:3] for line in text.splitlines()]
+    assert len(lines) >= 6
     printed = demo.splitlines()
     for line in lines:
         assert line in printed

@@ -10,7 +10,8 @@ examples:
   spacerobot demo --out demo-out --overwrite
 
 A PA10-like arm with a compliant wrist is hit by a floating target; predicted restitution and contact time stand beside
-the simulated ones; then a bundled study is simulated and laid over its recordings. Takes less than two minutes."""
+the simulated ones; a bundled study is simulated and laid over its recordings; and what its model lacks is named. Takes
+about two minutes."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

@@ -47,6 +47,7 @@ class Step:
 STEPS = (
     Step("A floating target hits the compliant wrist of a PA10-like arm", "simulate", HIT, "collision"),
     Step("The same model over recordings of such hits", "overlay", STUDY, "overlay", "overlay.html"),
+    Step("What the model lacks, named and fitted", "diagnose", STUDY, "diagnosis", "report.html"),
 )
 
 

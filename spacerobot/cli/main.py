@@ -15,7 +15,7 @@ from spacerobot.cli.arguments import Parser
 from spacerobot.support.errors import NotFoundError, SpacerobotError
 
 COMMANDS: dict[str, tuple[str, str]] = {
-    "demo": ("demo", "a collision, predicted and simulated, then a simulation over recordings"),
+    "demo": ("demo", "a collision, a simulation over recordings, and what the difference is made of"),
     "robots": ("robots", "list the robots that can be loaded, or show one"),
     "mass": ("mass", "effective mass of a robot at one pose, frame and direction"),
     "simulate": ("simulate", "a wrist meets a free-flying body: predicted beside simulated"),

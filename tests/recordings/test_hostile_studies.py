@@ -34,10 +34,10 @@ HOSTILE = {
 def test_hostile_study_is_refused_soon(tmp_path: Path, content: str | bytes) -> None:
     (tmp_path / "01.csv").write_text(CSV)
     (tmp_path / "study.toml").write_bytes(content.encode() if isinstance(content, str) else content)
-    start = time.perf_counter()
+    start = time.process_time()
     with pytest.raises(InputError) as caught:
         load_study(tmp_path).recordings()
-    assert time.perf_counter() - start < 5
+    assert time.process_time() - start < 5
     assert len(str(caught.value)) < 2000
 
 
