@@ -62,7 +62,7 @@ picture: demo  ## draw the README's picture again
 	cp demo-out/demo.png docs/images/demo.png
 
 constraints:  ## pin the newest versions that fit together (needs uv)
-	$(UV) pip compile -q --universal --upgrade --fork-strategy requires-python --extra test --no-header --no-annotate \
+	$(UV) pip compile -q --universal --upgrade --fork-strategy requires-python --extra test --extra browser --no-header --no-annotate \
 	  pyproject.toml -o constraints.txt
 
 clean:
