@@ -228,9 +228,26 @@ def test_a_sensor_is_not_called_physics() -> None:
     told["effects"] = [copy.deepcopy(DELAY)]
     story = tell(told, read_evidence(evidence()))
     assert "Not the physics but the reading" in story.sentence
-    assert "time offset in the force sensor, 4.200\u00a0ms" in story.sentence
+    assert "lacks a time offset in the force sensor, 4.200\u00a0ms" in story.sentence
     told["effects"].append(copy.deepcopy(verdict("named")["effects"][0]))
     assert "a sensor misreads" in tell(told, read_evidence(evidence())).sentence
+
+
+def test_the_first_picture_of_a_sensors_verdict_is_of_that_sensor(tmp_path: Path) -> None:
+    told = verdict("named")
+    told["effects"] = [copy.deepcopy(DELAY)]
+    caption = r'<figure class="hero">.*?<figcaption>(\S+) in trial'
+    assert re.search(caption, report(tmp_path, told), re.S).group(1) == "contact.force"  # type: ignore[union-attr]
+    assert re.search(caption, report(tmp_path, verdict("named")), re.S).group(1) == "target.x"  # type: ignore[union-attr]
+
+
+def test_many_located_balances_are_folded_away(tmp_path: Path) -> None:
+    shown = evidence()
+    shown["located"] = [dict(shown["located"][0], balance=f"b{i}") for i in range(40)]
+    page = Page(report(tmp_path, verdict("named"), shown))
+    assert not page.faults
+    assert "30 more" in page.text
+    assert "b39" in page.text
 
 
 def test_moved_values_are_told_beside_an_effect() -> None:

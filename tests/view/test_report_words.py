@@ -12,7 +12,15 @@ from hypothesis import strategies as st
 from spacerobot.effects.registry import all_effects
 from spacerobot.view.report import svg
 from spacerobot.view.report.formula import mathml
-from spacerobot.view.report.words import number, parameter_label, place, probability, quantity, unit_of_name
+from spacerobot.view.report.words import (
+    number,
+    parameter_label,
+    place,
+    probability,
+    quantity,
+    unit_of_name,
+    with_article,
+)
 
 
 @pytest.mark.parametrize(
@@ -48,6 +56,14 @@ def test_numbers_keep_three_digits(value: float) -> None:
     mantissa, _, exponent = said.partition(" × 10")
     read = float(mantissa) * 10.0 ** int(exponent.translate(superscripts) or 0)
     assert math.isclose(read, value, rel_tol=5.1e-3, abs_tol=1e-300)
+
+
+def test_articles_and_plain_hundreds() -> None:
+    assert with_article("time offset in the force sensor") == "a time offset in the force sensor"
+    assert with_article("end stop in the wrist's guide") == "an end stop in the wrist's guide"
+    assert with_article("Coulomb friction in the wrist's guide") == "Coulomb friction in the wrist's guide"
+    assert number(190.4, 2) == "190"
+    assert number(1.9e7, 2) == "1.9 × 10⁷"
 
 
 def test_probabilities_do_not_pretend() -> None:

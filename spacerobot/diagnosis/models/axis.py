@@ -74,7 +74,8 @@ def axis_model(study: Study, trials: Sequence[Trial], joint: str, mass: float, a
         speed = np.gradient(value, time)
         parts.append((torque.good()[1], value, speed))
         recorded.append((trial, time, value, position.stream))
-    sizes = sizes_of(*(np.concatenate([p[i] for p in parts]) for i in range(3)))
+    force, place, rate = (np.concatenate([p[i] for p in parts]) for i in range(3))
+    sizes = sizes_of(force, place, rate)
     whole = []
     for trial, time, value, stream in recorded:
         weight = np.full((1, time.size), 1.0 / (FIRST_NOISE * sizes.length))

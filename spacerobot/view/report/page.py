@@ -125,7 +125,17 @@ def _hero(verdict: Mapping[str, Any], evidence: Evidence) -> Trace | None:
         return None
     if verdict["verdict"] in ("unknown", "not_trusted"):
         return max(shown, key=lambda t: t.rms("after") or t.rms("before") or 0.0)
-    return max(shown, key=lambda t: t.gain)
+    read = [t for t in shown if _read_by(t, verdict["effects"], evidence)]
+    return max(read or shown, key=lambda t: t.gain)
+
+
+def _read_by(trace: Trace, effects: Sequence[Mapping[str, Any]], evidence: Evidence) -> bool:
+    """Whether the trace is of a sensor that the verdict, being about sensors alone, names."""
+    if not effects or not all(words.is_sensor(str(e["effect"])) for e in effects):
+        return False
+    stream = str((evidence.channels.get(trace.channel) or {}).get("stream"))
+    force = "force" in trace.channel or "torque" in trace.channel
+    return any(e["where"] in (stream, "force_sensor" if force else "mocap") for e in effects)
 
 
 def _one_a_channel(evidence: Evidence) -> list[Trace]:

@@ -20,6 +20,7 @@ from spacerobot.view.report.words import (
     percent,
     quantity,
     unit_of_name,
+    with_article,
 )
 
 
@@ -70,7 +71,8 @@ def _named(verdict: Mapping[str, Any], evidence: Evidence) -> Story:
     effects: Sequence[Mapping[str, Any]] = verdict["effects"]
     sensors = [is_sensor(str(e["effect"])) for e in effects]
     phrases = [
-        effect_phrase(e) + (f", {parameters_text(e['parameters'])}" if e.get("parameters") else "") for e in effects
+        with_article(effect_phrase(e)) + (f", {parameters_text(e['parameters'])}" if e.get("parameters") else "")
+        for e in effects
     ]
     what = joined(phrases, "and also")
     if all(sensors):

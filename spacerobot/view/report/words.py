@@ -53,6 +53,29 @@ def place(where: str) -> str:
     return f"in {where}"
 
 
+_COUNTED = {
+    "bias",
+    "stop",
+    "impulse",
+    "oscillator",
+    "filter",
+    "force",
+    "payload",
+    "preload",
+    "tether",
+    "offset",
+    "scale",
+}
+
+
+def with_article(phrase: str) -> str:
+    """The phrase of an effect as the object of a sentence: "a time offset", but "Coulomb friction"."""
+    title = phrase.split(" in ")[0].split(" on ")[0].split(" at ")[0]
+    if title.rpartition(" ")[2] not in _COUNTED:
+        return phrase
+    return f"{'an' if phrase[0].lower() in 'aeiou' else 'a'} {phrase}"
+
+
 def effect_phrase(item: Mapping[str, Any]) -> str:
     """ "Coulomb friction in the wrist's guide"."""
     return f"{effect_title(str(item['effect']))} {place(str(item['where']))}"
@@ -117,6 +140,8 @@ def number(value: Any, digits: int = 3) -> str:
     if math.isinf(x):
         return "∞" if x > 0 else "−∞"
     text = f"{x:.{digits}g}"
+    if "e" in text and 1.0 <= abs(x) < 1e5:
+        text = f"{float(text):.0f}"  # 190, not 1.9 × 10²
     if "e" in text:
         mantissa, exponent = text.split("e")
         text = f"{mantissa} × 10{str(int(exponent)).translate(_SUPERSCRIPT)}"
