@@ -37,12 +37,3 @@ def test_a_real_drive() -> None:
     top = locate_model(model).rows[0]
     assert (top.balance, top.depends_on) == ("joint.axis", "sign of velocity")
     assert locate_model(model).totals[0].unit == "N"
-
-
-@pytest.mark.real
-def test_falling_balls_are_held_back_the_faster_they_are() -> None:
-    found = {name: locate_model(m) for name, m in models("balldrop").items()}
-    whiffle = found["whiffle_ball_1"].best(0.05)["target"]
-    assert "velocity" in whiffle.depends_on
-    assert whiffle.coefficient > 0.0
-    assert "target" not in found["baseball"].best(0.05)
