@@ -25,7 +25,7 @@ UNITS = {"mass": "kg", "damping": "N s/m", "stiffness": "N/m"}
 OSCILLATIONS = 15.0
 """Length of a window of an axis on a spring, in units of the motion's own time."""
 
-RESTART = 1.0
+RESTART = 0.5
 """The same without a spring: a simulation under a recorded drive drifts away, and starts again."""
 
 
@@ -73,13 +73,14 @@ def axis_model(study: Study, trials: Sequence[Trial], joint: str, mass: float, a
         drives[trial.id] = Drive(fine, {f"{name}.torque": drive})
         speed = np.gradient(value, time)
         parts.append((torque.good()[1], value, speed))
-        recorded.append((trial, time, value, position.stream))
+        recorded.append((trial, time, value, position))
     force, place, rate = (np.concatenate([p[i] for p in parts]) for i in range(3))
     sizes = sizes_of(force, place, rate)
     whole = []
-    for trial, time, value, stream in recorded:
-        weight = np.full((1, time.size), 1.0 / (FIRST_NOISE * sizes.length))
-        block = Block(stream, (f"{name}.position",), time, value[None, :], weight)
+    for trial, time, value, position in recorded:
+        noise = position.sigma if position.sigma_stated else FIRST_NOISE * sizes.length
+        weight = np.full((1, time.size), 1.0 / noise)
+        block = Block(position.stream, (f"{name}.position",), time, value[None, :], weight)
         condition, start, end = study.condition(trial), float(time[0]), float(time[-1])
         whole.append(TrialData(trial.id, condition, dict(trial.overrides), (block,), start, end))
     values = {n: v for n, v in study.values().items() if n.startswith(f"{name}.")}
@@ -87,12 +88,14 @@ def axis_model(study: Study, trials: Sequence[Trial], joint: str, mass: float, a
     if f"{name}.mass" not in unknown:
         values.setdefault(f"{name}.mass", mass)
     sprung = f"{name}.stiffness" in values or f"{name}.stiffness" in unknown
-    return Simulated(
+    made = Simulated(
         joint,
-        axis(joint, recorded[0][3], angular),
+        axis(joint, recorded[0][3].stream, angular),
         whole,
         drives,
         believed=Believed(values, {}, {}, conditions_of(whole), unknown),
         sizes={"": sizes},
         window=(OSCILLATIONS if sprung else RESTART) * sizes.time * (2.0 * math.pi if sprung else 1.0),
     )
+    made.stated = frozenset(whole[0].channels) if all(r[3].sigma_stated for r in recorded) else frozenset()
+    return made

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from spacerobot.diagnosis.models.axis import axis_model
+from spacerobot.diagnosis.models.body import axes_of, body_models
 from spacerobot.diagnosis.models.grid import even_grid
 from spacerobot.diagnosis.models.inverse_dynamics import InverseDynamics
 from spacerobot.diagnosis.models.links import robot_of
@@ -25,7 +26,23 @@ def models_for(study: Study) -> tuple[Model, ...]:
             found.append(axis_of(study, trials, joints[0]))
         else:
             found += balances(study, trials, joints)
+    for group in ("body", "target"):
+        tracked = [t for t in study.trials if _tracked(study, t, group)]
+        driven = [t for t in tracked if _drives(study, t, group)]
+        # a body that is driven is not free where its drive was not logged
+        chosen = driven or [t for t in tracked if not study.recording(t).inputs()]
+        if chosen:
+            found += body_models(study, chosen, group)
     return tuple(found)
+
+
+def _tracked(study: Study, trial: Trial, group: str) -> bool:
+    recording = study.recording(trial)
+    return any(a.shown(sorted(recording)) for a in axes_of(study, group))
+
+
+def _drives(study: Study, trial: Trial, group: str) -> list[str]:
+    return [c for c in study.recording(trial) if c.startswith((f"{group}.force.", f"{group}.torque."))]
 
 
 def _logged(study: Study) -> dict[tuple[str, ...], list[Trial]]:

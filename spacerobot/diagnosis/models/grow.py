@@ -3,26 +3,24 @@
 For recordings whose noise is not known and whose best model is not exact, where information criteria keep
 rewarding arbitrary terms: what is left out of a fit decides, not what is in it. The search is a beam over the
 number of parameters that effects bring along; the choice among all that it met is made at the end.
+
+Several models may grow together: bodies of one kind, which lack the same physics, each with its own numbers.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from spacerobot.diagnosis.data import TrialData
-from spacerobot.diagnosis.fit import Fit, Fitter
-from spacerobot.diagnosis.hypothesis import Label, Site, hypothesis
-from spacerobot.diagnosis.models.held_out import HeldOut, folds, parent, predict_held_out
+from spacerobot.diagnosis.fit import Fit
+from spacerobot.diagnosis.hypothesis import Label, Site
+from spacerobot.diagnosis.models.bench import Bench, Promise
+from spacerobot.diagnosis.models.held_out import HeldOut, parent
 from spacerobot.diagnosis.models.model import Model
-from spacerobot.diagnosis.models.noise import floor_of, reweighted
-from spacerobot.diagnosis.models.plausible import plausible, redundant
-from spacerobot.diagnosis.screen import FAINT, Screener, faint
-from spacerobot.diagnosis.starts import fit_near
+from spacerobot.diagnosis.models.plausible import redundant
 from spacerobot.effects.effect import Effect
-from spacerobot.support.errors import SimulationError
 
 WORTH_OF_REST = 0.05
 WORTH_OF_BASELINE = 0.02
@@ -31,6 +29,9 @@ for in long recordings any harmless defect is significant."""
 
 SURE = 2.0
 """Standard errors by which the mean gain over unseen trials must exceed zero."""
+
+CLEAR = 3.0
+"""Standard errors by which a body's own value differs from nothing, where several grow together."""
 
 TIE = 0.01
 """Rivals whose held-out rms differ by less than this share are not told apart."""
@@ -42,13 +43,10 @@ BEAM = 3
 """How many models of one size are built upon."""
 
 TRIED = 5
-"""How many models of one size, those that fit best, are fitted to the end and tried on unseen trials."""
+"""How many models of one size, those that promise most, are fitted and tried on unseen trials."""
 
 ANYWAY = 2
 """How many are fitted even where they promise nothing beyond what was reached: promises are linear, gaps are not."""
-
-STEPS = 15
-"""Gauss-Newton steps of a fit."""
 
 MOST = 6
 """Parameters that effects may bring along."""
@@ -59,19 +57,22 @@ class Candidate:
     """A baseline with effects in it: how it fits, and how it predicts.
 
     Attributes:
-        sites: effects and places.
-        fit: to all trials.
-        held_out: on unseen trials; None where that was not tried.
+        fits: to all trials, one a model.
+        held_out: on unseen trials, one a model; empty where that was not tried.
     """
 
-    sites: tuple[Site, ...]
-    fit: Fit
-    held_out: HeldOut | None = None
+    fits: tuple[Fit, ...]
+    held_out: tuple[HeldOut, ...] = ()
+
+    @property
+    def sites(self) -> tuple[Site, ...]:
+        """Effects and places."""
+        return self.fits[0].hypothesis.sites
 
     @property
     def label(self) -> Label:
         """Which effects where."""
-        return self.fit.hypothesis.label
+        return self.fits[0].hypothesis.label
 
     @property
     def size(self) -> int:
@@ -79,19 +80,29 @@ class Candidate:
         return sum(len(s.effect.parameters) for s in self.sites)
 
     @property
+    def cost(self) -> float:
+        """Of the fits together."""
+        return sum(f.cost for f in self.fits)
+
+    @property
     def error(self) -> float:
         """Weighted rms on unseen trials; infinite where it was not tried."""
-        return np.inf if self.held_out is None else float(np.sqrt(self.held_out.mean_square))
+        if not self.held_out:
+            return np.inf
+        return float(np.sqrt(np.mean([h.mean_square for h in self.held_out])))
 
 
 @dataclass(frozen=True, eq=False)
-class Promise:
-    """One effect more than a fitted model has, before it is fitted itself."""
+class Ahead:
+    """A candidate before it is fitted: what it grows from, and what each model promises."""
 
-    sites: tuple[Site, ...]
-    near: Fit
-    start: Mapping[str, float]
-    cost: float  # that it would come down to
+    near: Candidate
+    promises: tuple[Promise, ...]
+
+    @property
+    def cost(self) -> float:
+        """That it would come down to."""
+        return sum(p.cost for p in self.promises)
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,34 +110,40 @@ class Growth:
     """What was found.
 
     Attributes:
-        model: which.
-        trials: with weights from what the chosen model leaves.
+        benches: the models, with their trials under the weights that the chosen model asks for.
         before: the baseline.
-        after: the chosen model; the baseline where nothing pays.
-        rivals: models of the same size that predict as well.
-        considered: every model that was tried on unseen trials, best first.
+        after: the chosen candidate; the baseline where nothing pays.
+        rivals: candidates of no more parameters that predict as well.
+        considered: every candidate that was tried on unseen trials, best first.
         screened: cost that each set of effects promised, by its sensitivities, whether fitted then or not.
-        left_out: the folds.
     """
 
-    model: Model
-    trials: tuple[TrialData, ...]
+    benches: tuple[Bench, ...]
     before: Candidate
     after: Candidate
     rivals: tuple[Candidate, ...]
     considered: tuple[Candidate, ...]
     screened: tuple[tuple[Label, float], ...]
-    left_out: tuple[tuple[str, tuple[str, ...]], ...]
 
-    def rms(self) -> tuple[dict[str, float], dict[str, float]]:
-        """Held-out rms by channel, in the channels' units: of the baseline and of the chosen model."""
-        assert self.before.held_out is not None
-        assert self.after.held_out is not None
-        return self.before.held_out.rms(self.trials), self.after.held_out.rms(self.trials)
+    def rms(self, which: int = 0) -> tuple[dict[str, float], dict[str, float]]:
+        """Held-out rms of one model by channel, in the channels' units: of the baseline and as chosen."""
+        trials = self.benches[which].trials
+        return self.before.held_out[which].rms(trials), self.after.held_out[which].rms(trials)
+
+    def needs(self, which: int = 0) -> bool:
+        """Whether this model itself predicts unseen trials better as chosen than as believed."""
+        before, after = (np.sqrt(c.held_out[which].mean_square) for c in (self.before, self.after))
+        fit = self.after.fits[which]
+        effects = [i for i, f in enumerate(fit.hypothesis.free) if f.kind == "effect"]
+        if not effects or fit.covariance is None or not after < (1.0 - WORTH_OF_REST) * before:
+            return False
+        null = np.array([fit.hypothesis.free[i].z(_null(fit, i)) for i in effects])
+        sigma = np.sqrt(np.diag(fit.covariance)[effects])
+        return bool((np.abs(fit.z[effects] - null) > CLEAR * sigma).any())
 
 
 def grow(
-    model: Model,
+    models: Model | Sequence[Model],
     *,
     effects: Iterable[Effect] | None = None,
     most: int = MOST,
@@ -136,118 +153,107 @@ def grow(
     """The simplest model that predicts unseen trials about as well as the best that a beam search meets.
 
     Args:
-        model: whose baseline to begin with.
+        models: whose baseline to begin with; several grow together.
         effects: the catalogue; all known effects if None.
         most: parameters that effects may bring along.
         threads: of the fits.
         say: told what happens.
 
     Raises:
-        SimulationError: the baseline cannot be fitted, or its prediction not be made.
+        SimulationError: the baseline cannot be fitted.
     """
-    return _Search(model, tuple(model.sites(effects)), threads, say or (lambda text: None)).run(most)
+    every = (models,) if isinstance(models, Model) else tuple(models)
+    return _Search(every, None if effects is None else list(effects), threads, say or (lambda text: None)).run(most)
 
 
 class _Search:
-    def __init__(self, model: Model, sites: tuple[Site, ...], threads: int, say: Callable[[str], None]) -> None:
-        self.model, self.sites, self.threads, self.say = model, sites, threads, say
-        self.trials = model.trials
-        self.left_out = tuple(folds(model.trials))
+    def __init__(
+        self, models: Sequence[Model], effects: list[Effect] | None, threads: int, say: Callable[[str], None]
+    ) -> None:
+        self.benches = tuple(Bench(m, threads) for m in models)
+        self.sites = [{s.label: s for s in m.sites(effects)} for m in models]
+        if len(models) > 1:  # they share their sensors, whose faults cannot have a value for each
+            self.sites = [{k: s for k, s in sites.items() if s.effect.kind != "sensor"} for sites in self.sites]
+        self.say = say
         self.screened: dict[Label, float] = {}
         self.reached = np.inf
 
     def run(self, most: int) -> Growth:
-        baseline = Candidate((), self.fitter().fit(hypothesis(self.model.believed, ()), max_iterations=STEPS))
-        for _ in range(2):  # weights from what the baseline leaves, then the baseline fitted under them
-            baseline = self.weighed(baseline, baseline)
-        baseline = self.tested(baseline)
+        fits = [b.baseline() for b in self.benches]
+        for bench, fit in zip(self.benches, fits, strict=True):
+            bench.sharpen(fit)
+        fits = [b.again(f) for b, f in zip(self.benches, fits, strict=True)]
+        baseline = self.tested(Candidate(tuple(fits)))
         tested = [baseline]
-        self.reached = baseline.fit.cost
-        ahead: dict[int, dict[Label, Promise]] = {}
+        self.reached = baseline.cost
+        ahead: dict[int, dict[Label, Ahead]] = {}
         for size in range(most + 1):
-            best = min((c.error for c in tested), default=np.inf) if size else np.inf
-            layer = [baseline] if size == 0 else self.layer(ahead.pop(size, {}), baseline)
+            best = min(c.error for c in tested) if size else np.inf
+            layer = [baseline] if size == 0 else self.layer(list(ahead.pop(size, {}).values()), baseline)
             tested += layer if size else []
             layer.sort(key=lambda c: c.error)
-            for one in _distinct([c for c in layer if c.error < (1.0 - TIE) * best])[:BEAM]:
+            better = 1.0 - (TIE if size < 2 else WORTH_OF_REST)  # a pair may need two weak singles, no more
+            for one in _distinct([c for c in layer if c.error < better * best])[:BEAM]:
                 self.look_ahead(one, most, ahead)
         chosen = self.chosen(tested, baseline)
-        final = self.weighed(chosen, chosen)
-        before = self.tested(self.weighed(baseline, None))
-        after = before if chosen is baseline else self.tested(final)
-        near = [c for c in tested if c is not chosen and c.size <= chosen.size and c is not baseline]
+        near = [c for c in tested if c is not chosen and c is not baseline and c.size <= chosen.size]
         rivals = tuple(c for c in near if c.error < (1.0 + TIE) * chosen.error)
         ranked = tuple(sorted(tested, key=lambda c: c.error))
-        return Growth(
-            self.model, self.trials, before, after, rivals, ranked, tuple(self.screened.items()), self.left_out
-        )
+        for bench, fit in zip(self.benches, chosen.fits, strict=True):
+            bench.weigh(fit)
+        before = self.tested(self.again(baseline))
+        after = before if chosen is baseline else self.tested(self.again(chosen))
+        return Growth(self.benches, before, after, rivals, ranked, tuple(self.screened.items()))
 
-    def layer(self, promises: Mapping[Label, Promise], baseline: Candidate) -> list[Candidate]:
-        """The most promising models of one size, fitted and tried on unseen trials."""
+    def layer(self, ahead: list[Ahead], baseline: Candidate) -> list[Candidate]:
+        """The most promising candidates of one size, fitted and tried on unseen trials."""
         out: list[Candidate] = []
         bar = (1.0 - TIE) * self.reached
-        ranked = sorted(promises.values(), key=lambda p: p.cost)
-        for place, promise in enumerate(ranked[: 2 * TRIED]):
+        for place, promise in enumerate(sorted(ahead, key=lambda p: p.cost)[: 2 * TRIED]):
             if len(out) == TRIED or (place >= ANYWAY and promise.cost > bar):
                 break
-            one = self.kept(promise)
-            if one is not None:
-                self.reached = min(self.reached, one.fit.cost)
-                out.append(self.tested(one))
-                self.say(f"  {_words(out[-1].label)}: held-out rms x {out[-1].error / baseline.error:.4f}")
+            together = zip(self.benches, promise.near.fits, promise.promises, strict=True)
+            fits = [bench.fitted(near, own) for bench, near, own in together]
+            good = tuple(f for f in fits if f is not None)
+            if len(good) == len(fits):
+                one = self.tested(Candidate(good))
+                self.reached = min(self.reached, one.cost)
+                out.append(one)
+                self.say(f"  {words(one.label)}: held-out rms x {one.error / baseline.error:.4f}")
         return out
 
-    def look_ahead(self, one: Candidate, most: int, ahead: dict[int, dict[Label, Promise]]) -> None:
-        """What each further effect promises, by its sensitivities at this model."""
+    def look_ahead(self, one: Candidate, most: int, ahead: dict[int, dict[Label, Ahead]]) -> None:
+        """What each further effect promises to all models together."""
         further = [
-            s
-            for s in self.sites
+            s.label
+            for s in self.sites[0].values()
             if s.label not in one.label
             and one.size + len(s.effect.parameters) <= most
             and not redundant((*one.sites, s))
         ]
-        screen = Screener(self.fitter(), self.model.believed).screen(one.fit, further)
-        for label, item in screen.best().items():
-            sites = (*one.sites, item.site)
-            share = float(np.clip(FAINT * item.amplitude, -1.0, 1.0)) if item.gain > 0.0 else FAINT
-            start = faint(item.site, item.start, share if abs(share) > 0.02 else float(np.copysign(0.02, share)))
-            promise = Promise(sites, one.fit, start, one.fit.cost - item.gain)
+        found = [
+            {p.site.label: p for p in bench.promises(fit, [sites[label] for label in further])}
+            for bench, fit, sites in zip(self.benches, one.fits, self.sites, strict=True)
+        ]
+        for label in further:
+            if not all(label in f for f in found):
+                continue
+            promise = Ahead(one, tuple(f[label] for f in found))
             name = tuple(sorted((*one.label, label)))
-            layer = ahead.setdefault(one.size + len(item.site.effect.parameters), {})
+            layer = ahead.setdefault(one.size + len(promise.promises[0].site.effect.parameters), {})
             if name not in layer or promise.cost < layer[name].cost:
                 layer[name] = promise
                 self.screened[name] = promise.cost
 
-    def kept(self, promise: Promise) -> Candidate | None:
-        """A promise fitted; None where it cannot be, or where the fit is no physics."""
-        try:
-            fit = fit_near(
-                self.fitter(), self.model.believed, promise.sites, promise.near, promise.start, max_iterations=STEPS
-            )
-        except SimulationError:
-            return None
-        physical = plausible(promise.sites, fit.values(), self.model.sizes)
-        return Candidate(tuple(promise.sites), fit) if physical else None
-
-    def fitter(self) -> Fitter:
-        return Fitter(self.model, self.trials, threads=self.threads)  # type: ignore[arg-type]
-
-    def weighed(self, one: Candidate, judge: Candidate | None) -> Candidate:
-        """Fitted again, with the weights that a judge's residual asks for; with the present ones if None."""
-        if judge is not None:
-            residuals = {k: t.residual for k, t in judge.fit.trials.items()}
-            self.trials = reweighted(self.trials, floor_of(residuals, self.trials))
-        fit = one.fit
-        again = self.fitter().fit(fit.hypothesis, warm=fit.values(), initials=fit.initials(), max_iterations=STEPS)
-        return Candidate(one.sites, again)
+    def again(self, one: Candidate) -> Candidate:
+        """Fitted again under the present weights."""
+        return Candidate(tuple(b.again(f) for b, f in zip(self.benches, one.fits, strict=True)))
 
     def tested(self, one: Candidate) -> Candidate:
-        made, values, initials = one.fit.hypothesis, one.fit.values(), one.fit.initials()
-        try:
-            held = predict_held_out(self.model, self.trials, made, values, self.left_out, initials)
-        except SimulationError:
-            return one
-        return Candidate(one.sites, one.fit, held)
+        """Tried on unseen trials."""
+        held = [b.held_out(f) for b, f in zip(self.benches, one.fits, strict=True)]
+        good = tuple(h for h in held if h is not None)
+        return Candidate(one.fits, good if len(good) == len(held) else ())
 
     def chosen(self, tested: Sequence[Candidate], baseline: Candidate) -> Candidate:
         """The simplest that predicts as well as the best does, as far as a further parameter is worth naming."""
@@ -260,16 +266,18 @@ class _Search:
         simplest = min(c.size for c in near)
         first = min(c.error for c in near if c.size == simplest)
         same = [c for c in near if c.size == simplest and c.error <= (1.0 + SAME) * first]
-        return min(same, key=lambda c: (sum(s.effect.kind == "sensor" for s in c.sites), len(c.sites)))
+        return min(same, key=lambda c: (sum(s.effect.kind == "sensor" for s in c.sites), -len(c.sites)))
 
     def pays(self, new: Candidate, old: Candidate) -> bool:
         """Whether unseen trials are predicted better, by enough and throughout."""
-        if new.held_out is None or old.held_out is None or not new.error < (1.0 - WORTH_OF_REST) * old.error:
+        if not new.held_out or not old.held_out or not new.error < (1.0 - WORTH_OF_REST) * old.error:
             return False
-        before, after = old.held_out.squares(), new.held_out.squares()
-        by_parent = len({parent(t) for t in self.trials}) > 3
+        before = {k: v for h in old.held_out for k, v in h.squares().items()}
+        after = {k: v for h in new.held_out for k, v in h.squares().items()}
+        trials = [t for b in self.benches for t in b.trials]
+        by_parent = len({parent(t) for t in trials}) > 3
         groups: dict[str, list[float]] = {}
-        for trial in self.trials:
+        for trial in trials:
             gain = np.log(max(before[trial.id], 1e-300) / max(after[trial.id], 1e-300))
             groups.setdefault(parent(trial) if by_parent else trial.id, []).append(float(gain))
         gains = np.array([np.mean(g) for g in groups.values()])
@@ -287,5 +295,16 @@ def _distinct(layer: Sequence[Candidate]) -> list[Candidate]:
     return kept
 
 
-def _words(label: Label) -> str:
+def _null(fit: Fit, index: int) -> float:
+    """The value of an effect's parameter at which it does nothing."""
+    key = fit.hypothesis.free[index].key
+    for site in fit.hypothesis.sites:
+        for parameter in site.effect.parameters:
+            if site.key(parameter.name) == key:
+                return parameter.null if np.isfinite(parameter.null) else parameter.upper
+    raise AssertionError(key)
+
+
+def words(label: Label) -> str:
+    """A set of effects in words, for progress and tables."""
     return " + ".join(f"{effect}@{where}" for effect, where in label) or "baseline"

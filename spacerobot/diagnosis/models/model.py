@@ -40,6 +40,7 @@ class Model(ABC):
         believed: values with their sigma, and what is unknown, for hypotheses.
         base: values by dotted name, the trials' overrides apart.
         sizes: what is typical, by place; "" for all others.
+        stated: channels whose noise the study states; the weights of others come from what the best model leaves.
         metric: what the residual is, for tables, e.g. "torque balance" or "simulated motion".
     """
 
@@ -49,6 +50,7 @@ class Model(ABC):
     base: dict[str, float]
     sizes: Mapping[str, Sizes]
     metric: str
+    stated: frozenset[str] = frozenset()
 
     @abstractmethod
     def mechanism(self, values: Mapping[str, float], trial: TrialData) -> Mechanism:

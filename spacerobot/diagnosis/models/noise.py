@@ -72,6 +72,17 @@ def floor_of(residuals: Mapping[str, np.ndarray], trials: Sequence[TrialData]) -
     return out
 
 
+def rms_of(residuals: Mapping[str, np.ndarray], trials: Sequence[TrialData]) -> dict[str, float]:
+    """Root mean square of the weighted residuals by channel, in units of the present weights."""
+    squares: dict[str, float] = {}
+    counts: dict[str, int] = {}
+    for trial in trials:
+        for channel, part in split(residuals[trial.id], trial).items():
+            squares[channel] = squares.get(channel, 0.0) + float(part @ part)
+            counts[channel] = counts.get(channel, 0) + part.size
+    return {c: float(np.sqrt(s / counts[c])) for c, s in squares.items()}
+
+
 def reweighted(trials: Sequence[TrialData], factor: Mapping[str, float]) -> tuple[TrialData, ...]:
     """The trials with each channel's weights divided by its factor; a factor of zero changes nothing."""
     out = []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 
 from spacerobot.diagnosis.hypothesis import Site
@@ -12,6 +13,9 @@ SLOW = 0.3
 
 DRY = frozenset({"coulomb_friction", "asymmetric_friction", "stribeck_friction"})
 """Laws of dry friction; one place has one of them."""
+
+QUICK = 0.1
+"""A filter's time constant is at most this share of the motion's own time."""
 
 HARD = 3.0
 """An end stop is this many times as stiff as a spring that the typical force bends by the typical length."""
@@ -28,7 +32,12 @@ def _end_stop(p: Mapping[str, float], sizes: Sizes) -> bool:
     return p["stiffness_N_m"] > HARD * sizes.force / sizes.length
 
 
-RULES: Mapping[str, Rule] = {"stribeck_friction": _stribeck, "end_stop": _end_stop}
+def _low_pass(p: Mapping[str, float], sizes: Sizes) -> bool:
+    """A sensor that needs longer to settle than this would blur the motion itself."""
+    return 2.0 * math.pi * p["cutoff_Hz"] * QUICK * sizes.time > 1.0
+
+
+RULES: Mapping[str, Rule] = {"stribeck_friction": _stribeck, "end_stop": _end_stop, "low_pass": _low_pass}
 """By effect; those without a rule say all with the bounds of their parameters."""
 
 

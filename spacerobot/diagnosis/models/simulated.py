@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from spacerobot.diagnosis.models.sizes import Sizes
 from spacerobot.diagnosis.models.windows import Drive, cut, local, spread_over
 from spacerobot.diagnosis.rig_model import Nuisance
 from spacerobot.effects.mechanism import Mechanism
+from spacerobot.effects.primitives import Impulse, Readout
 from spacerobot.simulation.reduced.run import simulate
 from spacerobot.simulation.sensors import read_channels
 
@@ -87,16 +89,22 @@ class Simulated(Model):
             known = [r for r in mechanism.readouts.values() if r.of == coordinate and r.channel in whole.channels]
             shown = {r.kind: r for r in known}
             if "position" in shown:
-                time, value, _ = whole.channel(shown["position"].channel)
+                time, value = self._seen(whole, shown["position"])
                 near = local(time, value, trial.start, reach)
                 found.append(Nuisance(coordinate, False, near.value, max(near.value_sigma, 1e-12)))
                 if not (self.at_rest and trial.start <= whole.start) and "velocity" not in shown:
                     found.append(Nuisance(coordinate, True, near.slope, max(near.slope_sigma, 1e-12)))
             if "velocity" in shown:
-                time, value, _ = whole.channel(shown["velocity"].channel)
+                time, value = self._seen(whole, shown["velocity"])
                 near = local(time, value, trial.start, reach)
                 found.append(Nuisance(coordinate, True, near.value, max(near.value_sigma, 1e-12)))
         return found
+
+    @staticmethod
+    def _seen(trial: TrialData, readout: Readout) -> tuple[np.ndarray, np.ndarray]:
+        """Times and values of a channel, counted as its coordinate is."""
+        time, value, _ = trial.channel(readout.channel)
+        return time, readout.sign * value
 
     def predict(self, mechanism: Mechanism, trial: TrialData, initial: np.ndarray) -> Predicted:
         """Simulate the window from its initial values and read its channels."""
@@ -108,20 +116,27 @@ class Simulated(Model):
             if coordinate.carrier is not None:
                 position[name] = position.get(coordinate.carrier, 0.0)
                 velocity[name] = velocity.get(coordinate.carrier, 0.0)
+        # what a late sensor shows at the window's start happened before it: the run begins then, with that state
+        late = _delays(mechanism, trial)
+        start, end = trial.start - max(late), trial.end - min(late) + 1e-9
         drive = self.drives.get(trial.id.split("@")[0])
         step, inputs = 0.25 * self.sizes[""].time, None
         if drive is not None and mechanism.inputs:
-            # a late sensor shows what happened before the window began; drives are cut with some margin
-            first, last = np.searchsorted(drive.time, [trial.start, trial.end + 1e-9])
+            first, last = np.searchsorted(drive.time, [start, end])
             part = slice(max(int(first) - 2, 0), int(last) + 2)
             inputs = (drive.time[part], {c: v[part] for c, v in drive.value.items()})
-            step = min(step, 2.0 * float(np.median(np.diff(drive.time))))
+            if drive.jumps.size:
+                port, inside = next(iter(mechanism.ports)), (drive.jumps > start) & (drive.jumps < end)
+                stops = tuple(Impulse(port, 0.0, float(t), "command") for t in drive.jumps[inside])
+                mechanism = replace(mechanism, impulses=(*mechanism.impulses, *stops))
+            else:
+                step = min(step, 2.0 * float(np.median(np.diff(drive.time))))
         run = simulate(
             mechanism,
             position=position,
             velocity=velocity,
-            start=trial.start,
-            end=trial.end + 1e-9,
+            start=start,
+            end=end,
             tolerance=LOOSEST,
             inputs=inputs,
             max_step=step,
@@ -129,3 +144,10 @@ class Simulated(Model):
         return Predicted(
             tuple(np.array(list(read_channels(run, mechanism, b.channels, b.time).values())) for b in trial.blocks)
         )
+
+
+def _delays(mechanism: Mechanism, trial: TrialData) -> list[float]:
+    """By channel of the trial [s]."""
+    return [
+        sum(m.value for m in mechanism.maps if m.channel == channel and m.kind == "delay") for channel in trial.channels
+    ]

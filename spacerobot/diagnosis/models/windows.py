@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -19,13 +19,18 @@ class Drive:
 
     time: np.ndarray  # (T,) s
     value: Mapping[str, np.ndarray]  # channel -> (T,)
+    jumps: np.ndarray = field(default_factory=lambda: np.zeros(0))  # times at which an integrator must stop
+
+
+EDGE = 1e-6
+"""Time [s] that a command takes to change."""
 
 
 def held(time: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """A command that holds until the next one, as corner points to be joined by lines: times and values, (2 T,)."""
     step = float(np.median(np.diff(time)))
-    ends = np.append(time[1:], time[-1] + step) - 1e-6 * step
-    return np.stack([time, ends], axis=1).ravel(), np.repeat(value, 2)
+    ends = np.append(time[1:], time[-1] + step)
+    return np.stack([time + EDGE, ends], axis=1).ravel(), np.repeat(value, 2)
 
 
 def band_limited(time: np.ndarray, value: np.ndarray, factor: int) -> tuple[np.ndarray, np.ndarray]:

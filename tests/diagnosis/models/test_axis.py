@@ -110,6 +110,7 @@ def test_drives_between_their_readings() -> None:
     assert refinement(np.sin(0.05 * t)) == 1
     corners, stairs = held(t, signal)
     assert np.interp(0.199, corners, stairs) == signal[1]
+    assert np.interp(0.2, corners, stairs) == signal[1]
 
 
 @pytest.mark.real
