@@ -20,6 +20,9 @@ from spacerobot.recordings.study import load_study
 Labels = Sequence[tuple[str, str]]
 
 
+GOOD = 1.03
+"""chi-squared per sample above which a fit is tried from another start."""
+
 ITERATIONS = 8
 """Gauss-Newton steps of a fit that begins at one to more trials."""
 
@@ -58,10 +61,21 @@ class Bench:
         key = tuple(sorted(labels))
         if key not in self._done:
             sites = [Site(effect(name), where) for name, where in key]
-            fit = fit_from(Fitter(self.model, self.trials), self.model.believed, sites, dict(starts or {}))
+            fit = self._fit(sites, dict(starts or {}))
             held_out, channels = self._held_out(fit)
             self._done[key] = Fitted(fit, held_out, channels)
         return self._done[key]
+
+    def _fit(self, sites: Sequence[Site], starts: dict[str, float]) -> Fit:
+        """From absorbing constants as stated or told; where effects take over from them, from zero too."""
+        fitter, believed = Fitter(self.model, self.trials), self.model.believed
+        stated = {name: believed.values[name] for name in believed.absorbing if name in believed.values}
+        first = fit_from(fitter, believed, sites, {**stated, **starts})
+        takes_over = any(name in stated for s in sites for name in s.effect.replaced(s.where))
+        if not sites or (first.chi2 < GOOD * first.samples and not takes_over):
+            return first
+        second = fit_from(fitter, believed, sites, {k: v for k, v in starts.items() if k not in stated})
+        return second if second.cost < first.cost else first
 
     def _held_out(self, fit: Fit) -> tuple[float, dict[str, float]]:
         """Leave one condition out in turn: fit the others from here, predict what was left out, in both ways."""

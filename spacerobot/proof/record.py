@@ -68,7 +68,7 @@ def play(order: Order, folder: Path, *, rivals: bool = False, command: Sequence[
         record = {
             **base,
             "hidden": labels(truth["effects"]),
-            **{k: v for k, v in truth.items() if k != "parameters"},
+            **{k: v for k, v in truth.items() if k not in ("parameters", "rig_as_built")},
             "wrong_values": truth["parameters"],
             **asdict(judged),
             "seconds": answer.seconds,
@@ -114,7 +114,8 @@ def _compared(
         out["baseline"] = _numbers(baseline)
         out["samples"] = baseline.fit.samples
         out["channels"] = dict(baseline.channels)
-        oracle = bench.fitted(hidden, starts_of(truth["effects"])) if known else None
+        told = {n: v for n, v in truth["rig_as_built"].items() if isinstance(v, int | float)}
+        oracle = bench.fitted(hidden, {**told, **starts_of(truth["effects"])}) if known else None
         if oracle is not None:
             out["oracle"] = _numbers(oracle)
         rival = _rival(favourite, verdict)

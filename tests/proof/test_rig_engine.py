@@ -92,7 +92,7 @@ def restitutions(log: Log, ours: ReducedRun) -> tuple[float, float]:
 def test_clean_scene_agrees() -> None:
     for stiffness in (530.0, 1020.0, 5100.0):
         theirs, ours = restitutions(*both(Values(wrist_stiffness=stiffness), ()))
-        assert theirs == pytest.approx(ours, abs=5e-5)
+        assert theirs == pytest.approx(ours, abs=5e-6)
 
 
 def test_free_hand_agrees() -> None:

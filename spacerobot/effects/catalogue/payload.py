@@ -25,6 +25,9 @@ class Payload(Effect):
         return tuple(n for n in names if n in mechanism.coordinates) + joints
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
-        """The body's mass, with this added."""
-        total = mechanism.coordinates[where].mass + values["mass_kg"]
-        return mechanism.with_mass(where, max(total, 1e-6))
+        """The body's mass, with this added, along and sideways."""
+        for name in (where, f"{where}.y"):
+            if name in mechanism.coordinates:
+                total = mechanism.coordinates[name].mass + values["mass_kg"]
+                mechanism = mechanism.with_mass(name, max(total, 1e-6))
+        return mechanism

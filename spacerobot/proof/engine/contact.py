@@ -134,13 +134,14 @@ class Contact:
             return 0.0
         return max(self.law.force(d, self.geometry.rate(q, v)), -self.law.hold)
 
+    def part(self, q: list[float]) -> None:
+        """The surfaces part; they can meet again once they are apart."""
+        self.pressed, self.armed = False, self.geometry.depth(q) <= 0.0
+
     def settle(self, q: list[float], v: list[float]) -> None:
-        """After a step: whether the surfaces still touch."""
-        d = self.geometry.depth(q)
-        if self.pressed:
-            pull = self.law.hold
-            parted = d <= 0.0 if pull == 0.0 else self.law.force(d, self.geometry.rate(q, v)) <= -pull
-            if parted:
-                self.pressed, self.armed = False, d <= 0.0
-        elif not self.armed and d <= 0.0:
-            self.armed = True
+        """After a step: whether surfaces that do not hold each other still touch, and whether others are apart."""
+        if self.pressed and self.law.hold == 0.0:
+            if self.geometry.depth(q) <= 0.0:
+                self.part(q)
+        elif not self.pressed and not self.armed:
+            self.armed = self.geometry.depth(q) <= 0.0

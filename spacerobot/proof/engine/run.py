@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,6 +11,9 @@ import numpy as np
 from spacerobot.proof.engine.contact import Contact, Planar, Spatial
 from spacerobot.proof.engine.rig import Rig
 from spacerobot.support.errors import SimulationError
+
+EXACT = 1e-11
+"""A touch or a parting is met to within so much of its measure [m or N]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,25 +111,33 @@ class _Running:
             i = self.index[name]
             self.model.dof_frictionloss[i] = level(float(self.data.qvel[i]), float(self.data.qfrc_passive[i]))
 
-    def meet(self, before: tuple[float, np.ndarray, np.ndarray], h: float) -> None:
-        """Step from `before` to the touch itself: secant steps on the penetration, ending on its positive side."""
+    def tension(self) -> float:
+        """Pull of the surfaces beyond what holds them [N]: positive once they part."""
+        self.refresh()
+        q, v = self.data.qpos.tolist(), self.data.qvel.tolist()
+        geometry, law = self.contact.geometry, self.contact.law
+        return -law.hold - law.force(geometry.depth(q), geometry.rate(q, v))
+
+    def locate(self, before: tuple[float, np.ndarray, np.ndarray], h: float, measure: Callable[[], float]) -> None:
+        """Step from `before` to where `measure` crosses zero: secant steps and bisection, ending past it."""
         low, high = 0.0, h
-        deep = self.depth()
+        past = measure()
         self.restore(before)
-        shallow = self.depth()
+        short = measure()
         for k in range(12):
-            at = low + (high - low) * (-shallow) / (deep - shallow) if k % 3 < 2 else 0.5 * (low + high)
+            at = low + (high - low) * (-short) / (past - short) if k % 3 < 2 else 0.5 * (low + high)
             self.restore(before)
             self.step(at)
-            d = self.depth()
-            if abs(d) < 1e-11:
-                return
-            if d > 0.0:
-                high, deep = at, d
+            value = measure()
+            if value > -EXACT:
+                high, past = at, value
             else:
-                low, shallow = at, d
+                low, short = at, value
+            if abs(value) < EXACT:
+                break
         self.restore(before)
         self.step(high)
+        self.refresh()
 
     def restore(self, before: tuple[float, np.ndarray, np.ndarray]) -> None:
         """Back to an earlier state."""
@@ -187,11 +198,15 @@ def run(rig: Rig, position: Mapping[str, float], velocity: Mapping[str, float], 
                 at.step(h)
                 at.refresh()
                 if not contact.pressed and contact.armed and at.depth() > 0.0:
-                    at.meet(before, h)
+                    at.locate(before, h, at.depth)
                     at.note()
                     contact.pressed = True
                     at.touches.append(data.time)
                 else:
+                    if contact.pressed and contact.law.hold > 0.0 and at.tension() > 0.0:
+                        at.locate(before, h, at.tension)
+                        at.note()
+                        contact.part(data.qpos.tolist())
                     contact.settle(data.qpos.tolist(), data.qvel.tolist())
             if kicks and data.time >= kicks[0][0] - 1e-12:
                 at.note()
