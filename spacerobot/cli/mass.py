@@ -11,6 +11,7 @@ examples:
   spacerobot mass panda --q 0 -0.5 0 -2 0 1.5 0.8 --frame panda_hand_tcp --set panda_finger_joint1=0.02
   spacerobot mass pa10_wrist --deg --q 0 45 0 90 0 -45 0 --joints servo --servo-stiffness 1e5 --servo-damping 50 \\
       --wrist-stiffness 530 --target-mass 9 --out mass-out
+  spacerobot mass pa10_wrist --deg --q 0 45 0 90 0 -45 0 --to 0 10 0 60 0 20 0 --out mass-out --pictures
 
 Directions are in world axes and have length 1. A free wrist slider is carried along sideways but slides along its
 axis. Infinity is written "inf" in JSON."""
@@ -42,6 +43,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     output = parser.add_argument_group("output")
     output.add_argument("--json", action="store_true", help="print one JSON object")
     output.add_argument("--out", metavar="DIR", help="also write mass.json (servo: and apparent_mass.csv) there")
+    output.add_argument("--pictures", action="store_true", help="with --out: also mass.html and its pictures")
+    output.add_argument("--to", nargs="+", metavar="X", help="with --pictures: pose where a path ends, as --q")
     output.add_argument("--overwrite", action="store_true", help="replace a run that is in DIR")
 
 

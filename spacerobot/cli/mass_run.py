@@ -6,6 +6,7 @@ import argparse
 import math
 import sys
 import warnings
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -61,8 +62,9 @@ def run(args: argparse.Namespace) -> int:
     answer = as_json(result, robot.chain, [*notes, *said], _impact(robot, q, args, target, options))
     for text in result.warnings:
         print(f"spacerobot mass: warning: {text}", file=sys.stderr)
+    files = _pictures(args, robot, pose, direction)
     if args.out is not None:
-        _write(args, robot, q, direction, result, answer, options, servo)
+        _write(args, robot, q, direction, result, answer, options, servo, files)
     print(dumps(answer) if args.json else as_text(answer, angular(robot, robot.chain)))
     return 0
 
@@ -130,8 +132,10 @@ def _write(
     answer: dict[str, Any],
     options: dict[str, Any],
     servo: dict[str, Any],
+    pictures: Callable[[], dict[str, str | bytes]],
 ) -> None:
-    with RunFolder(args.out, "mass", combined_hash(robot.urdf, answer), overwrite=args.overwrite) as folder:
+    shown = [args.to, args.deg, args.speed] if args.pictures else None
+    with RunFolder(args.out, "mass", combined_hash(robot.urdf, answer, shown), overwrite=args.overwrite) as folder:
         if folder.finished:
             return
         folder.write("mass.json", dumps(answer) + "\n")
@@ -139,7 +143,38 @@ def _write(
             omega = result.omega_rad_s * np.logspace(-2.0, 2.0, 401)
             response = apparent_mass(robot, q, direction, omega, **options, **servo)
             folder.write("apparent_mass.csv", response_table(response))
+        for name, content in pictures().items():
+            folder.write(name, content)
         folder.finish()
+
+
+def _pictures(
+    args: argparse.Namespace, robot: Robot, pose: np.ndarray, direction: list[float]
+) -> Callable[[], dict[str, str | bytes]]:
+    """What makes the files that --pictures asks for, checked before anything is written."""
+    if not args.pictures:
+        if args.to is not None:
+            raise InputError("goes with --pictures", where="--to")
+        return dict
+    if args.out is None:
+        raise InputError("needs a folder", valid="--out DIR", where="--pictures")
+    if args.frame is not None:
+        raise InputError("pictures are of the hand", given=args.frame, valid="no --frame", where="--pictures")
+    given: dict[str, Any] = {
+        "servo_stiffness": _list(args.servo_stiffness, "--servo-stiffness"),
+        "servo_damping": _list(args.servo_damping, "--servo-damping"),
+        "target_mass": _number(args.target_mass, "--target-mass"),
+        "wrist_stiffness": _number(args.wrist_stiffness, "--wrist-stiffness"),
+        "speed": _number(args.speed, "--speed"),
+    }
+    if args.to is not None:
+        values = parse_numbers(args.to, "--to", count=len(robot.chain), names=robot.chain)
+        given["end"] = np.array(to_radians(values, angular(robot, robot.chain)) if args.deg else values)
+    from spacerobot.view.mass.page import MassQuestion, mass_files  # loads what draws, which a plain answer can spare
+
+    known = {key: value for key, value in given.items() if value is not None}
+    asked = MassQuestion(robot, pose, np.array(direction), **known)
+    return lambda: mass_files(asked)
 
 
 def _list(tokens: list[str] | None, what: str) -> list[float] | None:

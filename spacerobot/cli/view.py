@@ -12,6 +12,8 @@ _EPILOG = """\
 examples:
   spacerobot view pa10_wrist --html arm.html
   spacerobot view panda --q 0 -0.5 0 -2 0 1.5 0.8 --html panda.html
+  spacerobot view pa10_wrist --deg --q 0 45 0 90 0 -45 0 --to 0 10 0 60 0 20 0 --html path.html
+  spacerobot view chaser_pa10_wrist --map --joints locked --html map.html
   spacerobot view scene.toml --html capture.html
   spacerobot view capture-out/trajectory.npz --html capture.html
   spacerobot view guide-friction --trial 05 --html trial.html
@@ -32,7 +34,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--trial", metavar="ID", help="of a study; default: the first")
     parser.add_argument("--data", metavar="DIR", help="folder that a study's files are relative to")
     parser.add_argument("--q", nargs="+", metavar="X", help="of a robot: joint positions, base to tip")
-    parser.add_argument("--deg", action="store_true", help="angles of --q are degrees, not radians")
+    parser.add_argument(
+        "--to", nargs="+", metavar="X", help="of a robot: move there from --q, the effective mass shown"
+    )
+    parser.add_argument("--deg", action="store_true", help="angles of --q and --to are degrees, not radians")
+    parser.add_argument("--map", action="store_true", help="of a robot: effective mass over its workspace")
+    parser.add_argument("--direction", nargs="+", metavar="X", help="with --to or --map: along which; default: 1 0 0")
+    parser.add_argument("--joints", help="with --map: free (default) or locked")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.add_argument("--overwrite", action="store_true", help="replace FILE if it is there")
 
@@ -46,14 +54,25 @@ def run(args: argparse.Namespace) -> int:
     from spacerobot.view.scene3d.choose import film_of
     from spacerobot.view.scene3d.page import page
 
-    pose = None if args.q is None else parse_numbers(args.q, "--q")
+    pose, end = (
+        None if given is None else parse_numbers(given, name) for given, name in ((args.q, "--q"), (args.to, "--to"))
+    )
     if args.deg:
-        if pose is None:
+        if pose is None and end is None:
             raise InputError("says how to read --q, which is not given", where="--deg")
-        pose = [math.radians(p) for p in pose]
+        pose, end = (None if given is None else [math.radians(p) for p in given] for given in (pose, end))
+    mass = args.map or end is not None
+    for option, value in (("--direction", args.direction), ("--joints", args.joints)):
+        if value is not None and not (mass if option == "--direction" else args.map):
+            raise InputError("goes with " + ("--to or --map" if option == "--direction" else "--map"), where=option)
 
     def make() -> str:
-        return page(film_of(args.what, trial=args.trial, data=args.data, pose=pose))
+        if not mass:
+            return page(film_of(args.what, trial=args.trial, data=args.data, pose=pose))
+        from spacerobot.view.mass.choose import mass_film
+
+        along = parse_numbers(args.direction or ["1", "0", "0"], "--direction", count=3, names=("x", "y", "z"))
+        return page(mass_film(args.what, pose, end, along, filled=args.map, joints=args.joints or "free"))
 
     if args.live:
         if args.html is not None:

@@ -15,8 +15,16 @@ ROUND = 48
 """Points of a circle."""
 
 
-def draw(axes: Axes, robot: Robot, configuration: np.ndarray, *, shift: tuple[float, float] = (0.0, 0.0)) -> None:
-    """Paint a robot's visual shapes, looking along +y: world x to the right, z up.
+def draw(
+    axes: Axes,
+    robot: Robot,
+    configuration: np.ndarray,
+    *,
+    shift: tuple[float, float] = (0.0, 0.0),
+    right: int = 0,
+    alpha: float = 1.0,
+) -> None:
+    """Paint a robot's visual shapes from the side, looking along +y: world x to the right, z up.
 
     Meshes are left out; ours have none.
 
@@ -25,6 +33,8 @@ def draw(axes: Axes, robot: Robot, configuration: np.ndarray, *, shift: tuple[fl
         robot: its URDF's shapes.
         configuration: shape (nq,).
         shift: added to x and z [m].
+        right: 1 for y to the right, seen along -x.
+        alpha: opacity.
     """
     model = robot.model
     shapes = pin.buildGeomFromUrdfString(model, robot.urdf, pin.GeometryType.VISUAL)
@@ -35,8 +45,9 @@ def draw(axes: Axes, robot: Robot, configuration: np.ndarray, *, shift: tuple[fl
         points = np.array(list(_surface(shape.geometry)))
         if points.size:
             world = points @ place.rotation.T + place.translation
-            found.append((float(world[:, 1].min()), world[:, (0, 2)] + shift, shape.meshColor[:3]))
-    for depth, (_, flat, colour) in enumerate(sorted(found, key=lambda item: -item[0])):
+            depth = float(world[:, 1].min()) if right == 0 else -float(world[:, 0].max())
+            found.append((depth, world[:, (right, 2)] + shift, shape.meshColor[:3]))
+    for rank, (_, flat, colour) in enumerate(sorted(found, key=lambda item: -item[0])):
         outline = flat[_hull(flat)]
         axes.add_patch(
             Polygon(
@@ -44,7 +55,8 @@ def draw(axes: Axes, robot: Robot, configuration: np.ndarray, *, shift: tuple[fl
                 facecolor=_shade(colour, 1.0),
                 edgecolor=_shade(colour, 0.55),
                 linewidth=0.7,
-                zorder=3 + 0.01 * depth,
+                alpha=alpha,
+                zorder=3 + 0.01 * rank,
             )
         )
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pinocchio as pin
 
@@ -33,11 +35,36 @@ def robot_film(robot: Robot, pose: Array | None = None) -> Film:
         pose: (len(chain),), about which it moves [rad or m]; a pose within all limits if None.
     """
     centre = resting_pose(robot) if pose is None else np.asarray(pose, dtype=float)
+    kind = "on a floating base" if robot.floating else "on a fixed base"
+    moves = f"its joints {', '.join(robot.chain)} move in turn" if robot.chain else "nothing moves"
     time, configurations, marks = _tour(robot, centre)
+    film = motion_film(robot, time, configurations)
+    return replace(
+        film,
+        subtitle=f"{len(robot.chain)} joints {kind}" + (", with a compliant wrist" if robot.slider else ""),
+        description=f"The robot {robot.name} {kind}; {moves}, and the effective-mass ellipsoid at the tip follows.",
+        marks=marks,
+    )
+
+
+def motion_film(
+    robot: Robot, time: Array, configurations: Array, *, joints: str = "free", base: str | None = None
+) -> Film:
+    """A film of a robot in a given motion, with the effective mass at its tip.
+
+    Args:
+        robot: any that loads.
+        time: (T,) [s].
+        configurations: (T, nq).
+        joints: "free" or "locked", for the effective mass.
+        base: "fixed" or "free", alike; free where the robot floats if None.
+    """
     bodies = robot_bodies(robot, configurations, hide=DRAWN_BY) + wrist_spring(robot, configurations)
     focus, reach, floor = view_of(bodies)
     tip = frame_poses(robot, configurations, robot.contact or robot.tip)[:, :3]
-    ellipsoid = mass_ellipsoid(robot, configurations, min(reach, 0.8)) if robot.chain else None
+    ellipsoid = (
+        mass_ellipsoid(robot, configurations, min(reach, 0.8), joints=joints, base=base) if robot.chain else None
+    )
     data = robot.model.createData()
     com = np.array([pin.centerOfMass(robot.model, data, np.ascontiguousarray(q)) for q in configurations])
     readouts = []
@@ -46,12 +73,10 @@ def robot_film(robot: Robot, pose: Array | None = None) -> Film:
             readouts.append(Readout(f"effective mass along {name}", "kg", mass_along(ellipsoid.mobility, axis)))
     total = float(pin.computeTotalMass(robot.model))
     readouts.append(Readout("mass of everything that moves", "kg", np.full(len(time), total)))
-    kind = "on a floating base" if robot.floating else "on a fixed base"
-    moves = f"its joints {', '.join(robot.chain)} move in turn" if robot.chain else "nothing moves"
     return Film(
         title=robot.name,
-        subtitle=f"{len(robot.chain)} joints {kind}" + (", with a compliant wrist" if robot.slider else ""),
-        description=f"The robot {robot.name} {kind}; {moves}, and the effective-mass ellipsoid at the tip follows.",
+        subtitle="",
+        description=robot.name,
         time=time,
         bodies=bodies,
         focus=focus,
@@ -60,7 +85,6 @@ def robot_film(robot: Robot, pose: Array | None = None) -> Film:
         floor=floor,
         trails=(Trail("tip", tip, (0.9, 0.35, 0.1)),) if robot.chain else (),
         readouts=tuple(readouts),
-        marks=marks,
         ellipsoid=ellipsoid,
         centre_of_mass=com,
         place="space" if robot.floating else "ground",

@@ -1,0 +1,146 @@
+"""Effective mass over the workspace: what a target would feel wherever the hand could wait for it."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from spacerobot.dynamics.batch import checked_poses, effective_mass_batch
+from spacerobot.dynamics.hand_pose import hand_aim
+from spacerobot.model.robot import Robot
+from spacerobot.support.errors import InputError
+
+MOST = 60_000
+"""Points of a grid; more would take minutes."""
+
+
+@dataclass(frozen=True, eq=False)
+class WorkspaceMap:
+    """Effective mass on a grid of hand places.
+
+    The poses are those that continuous motion leads to from the reference pose, each found from a neighbour's and drawn
+    towards the reference: a redundant arm could stand otherwise at most of these places.
+
+    Attributes:
+        axes: coordinates along x, y and z [m], one array each; an axis of one value is not varied.
+        poses: shape (nx, ny, nz, len(chain)) [rad or m]; NaN where the hand does not get.
+        effective_mass_kg: shape (nx, ny, nz); NaN alike, infinite where the hand cannot give way.
+        direction: shape (3,), along which the mass is felt and the hand keeps pointing.
+        came_from: shape (nx, ny, nz), flat index of the neighbour a pose was found from; -1 for none.
+        place: shape (3,), of the hand at the reference pose [m].
+        base, joints: what may move.
+    """
+
+    axes: tuple[np.ndarray, np.ndarray, np.ndarray]
+    poses: np.ndarray
+    effective_mass_kg: np.ndarray
+    direction: np.ndarray
+    came_from: np.ndarray
+    place: np.ndarray
+    base: str
+    joints: str
+
+    @property
+    def reached(self) -> np.ndarray:
+        """Whether the hand gets there, shape (nx, ny, nz)."""
+        return ~np.isnan(self.effective_mass_kg)
+
+    def points(self) -> np.ndarray:
+        """Places of the grid, shape (nx, ny, nz, 3) [m]."""
+        return np.stack(np.meshgrid(*self.axes, indexing="ij"), axis=-1)
+
+    def extreme(self, *, heaviest: bool) -> int:
+        """Flat index of the lightest or heaviest place with a finite mass."""
+        masses = self.effective_mass_kg.ravel()
+        masses = np.where(np.isfinite(masses), masses, -np.inf if heaviest else np.inf)
+        return int(masses.argmax() if heaviest else masses.argmin())
+
+    def way_to(self, index: int) -> np.ndarray:
+        """Poses from where the search began to a place, by its flat index; shape (steps, len(chain))."""
+        poses = self.poses.reshape(-1, self.poses.shape[-1])
+        way = []
+        while index >= 0:
+            way.append(poses[index])
+            index = int(self.came_from.flat[index])
+        return np.array(way[::-1])
+
+
+def workspace_map(
+    robot: Robot,
+    pose: ArrayLike,
+    direction: ArrayLike = (1.0, 0.0, 0.0),
+    *,
+    axes: tuple[ArrayLike, ArrayLike, ArrayLike],
+    frame: str | None = None,
+    base: str | None = None,
+    joints: str = "free",
+) -> WorkspaceMap:
+    """Effective mass along one direction at every place of a grid that the hand gets to without turning.
+
+    Args:
+        robot: the robot; a floating base stands at the world's origin.
+        pose: shape (len(chain),), the reference pose [rad or m]; the search begins at its place.
+        direction: shape (3,), unit vector in world axes.
+        axes: x, y and z [m]; give one value to an axis for a slice.
+        frame: the hand; the wrist mount if None.
+        base: "fixed" or "free"; free where the robot floats if None.
+        joints: "free" or "locked".
+
+    Raises:
+        InputError: an empty or too fine grid, or none of its places within reach.
+    """
+    grid = tuple(np.atleast_1d(np.asarray(a, dtype=float)) for a in axes)
+    shape = tuple(len(a) for a in grid)
+    count = int(np.prod(shape))
+    if len(grid) != 3 or not 0 < count <= MOST or not all(np.isfinite(a).all() for a in grid):
+        raise InputError("the grid does not fit", given=f"{' x '.join(map(str, shape))} points", valid=f"1 to {MOST}")
+    reference = checked_poses(robot, pose)[0]
+    aim = hand_aim(robot, reference, direction, frame=frame)
+    places = np.stack(np.meshgrid(*grid, indexing="ij"), axis=-1).reshape(-1, 3)
+    poses = np.full((count, len(reference)), np.nan)
+    came_from = np.full(count, -1)
+    for begin in np.argsort(np.linalg.norm(places - aim.place, axis=1))[:8]:
+        first = aim.solve(places[begin], reference)
+        if first is not None:
+            break
+    else:
+        raise InputError("the hand gets to no place of the grid near its own", given=aim.place.round(3).tolist())
+    poses[begin] = first
+    waiting = deque([int(begin)])
+    while waiting:
+        index = waiting.popleft()
+        for near in _neighbours(index, shape):
+            if np.isnan(poses[near, 0]):
+                found = aim.solve(places[near], poses[index], reference)
+                if found is not None:
+                    poses[near], came_from[near] = found, index
+                    waiting.append(near)
+    masses = np.full(count, np.nan)
+    there = ~np.isnan(poses[:, 0])
+    batch = effective_mass_batch(robot, poses[there], aim.in_world, frame=frame, base=base, joints=joints)
+    masses[there] = batch.effective_mass_kg[:, 0]
+    return WorkspaceMap(
+        axes=(grid[0], grid[1], grid[2]),
+        poses=poses.reshape(*shape, -1),
+        effective_mass_kg=masses.reshape(shape),
+        direction=aim.in_world,
+        came_from=came_from.reshape(shape),
+        place=aim.place,
+        base=base or ("free" if robot.floating else "fixed"),
+        joints=joints,
+    )
+
+
+def _neighbours(index: int, shape: tuple[int, ...]) -> list[int]:
+    at = np.unravel_index(index, shape)
+    found = []
+    for axis, size in enumerate(shape):
+        for step in (-1, 1):
+            if 0 <= at[axis] + step < size:
+                moved = list(at)
+                moved[axis] += step
+                found.append(int(np.ravel_multi_index(moved, shape)))
+    return found
