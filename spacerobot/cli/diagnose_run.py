@@ -28,6 +28,9 @@ _WORDS = {
 }
 
 
+_UNITS = {"sigma": "in sensor sigmas", "spread": "as a share of each channel's spread"}
+
+
 def run(args: argparse.Namespace) -> int:
     """Diagnose a study and write what was found."""
     if args.jobs is not None and args.jobs < 1:
@@ -62,8 +65,9 @@ def run(args: argparse.Namespace) -> int:
             from spacerobot.view.report import write_plots, write_report
 
             folder.write("verdict.json", dumps(verdict))
-            scene = scene_of(study, result.judgement.chosen)
-            folder.write("scene.toml", scene.to_toml())
+            if result.judgement is not None:  # other machines than a wrist rig have no scene
+                scene = scene_of(study, result.judgement.chosen)
+                folder.write("scene.toml", scene.to_toml())
             write_report(verdict, evidence, folder.path("report.html"))
             write_plots(verdict, evidence, folder.path("plots"))
             folder.save("result", {"verdict": verdict})
@@ -109,7 +113,8 @@ def _show(args: argparse.Namespace, verdict: Mapping[str, Any], folder: RunFolde
     print(f"{verdict['study']}: {verdict['verdict']} (confidence {verdict['confidence']:.2f})")
     print(_WORDS[verdict["verdict"]])
     for entry in verdict["effects"]:
-        print(f"  {entry['effect']} at {entry['where']}")
+        part = f" ({entry['part']})" if "part" in entry and not entry["where"].endswith(entry["part"]) else ""
+        print(f"  {entry['effect']} at {entry['where']}{part}")
         for name, p in entry["parameters"].items():
             low, high = p["ci95"]
             print(f"    {name:24} {_number(p['value'])}   95 % {_number(low)} to {_number(high)} {p['unit']}")
@@ -121,7 +126,8 @@ def _show(args: argparse.Namespace, verdict: Mapping[str, Any], folder: RunFolde
         print(f"  {name} moved from {_number(p['believed'])} to {_number(p['value'])} {p['unit']}")
     overall = verdict["held_out"]["overall"]
     if overall["rms_before"] is not None and overall["rms_after"] is not None:
-        print(f"held out, in sensor sigmas: {overall['rms_before']:.3f} before, {overall['rms_after']:.3f} after")
+        unit = _UNITS[verdict["held_out"].get("unit", "sigma")]
+        print(f"held out, {unit}: {overall['rms_before']:.3f} before, {overall['rms_after']:.3f} after")
     if verdict["next_experiment"]:
         print(f"next experiment: {verdict['next_experiment']['change']}; {verdict['next_experiment']['why']}")
     if folder is not None:

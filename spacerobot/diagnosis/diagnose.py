@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import asdict, replace
 
 from spacerobot import __version__
 from spacerobot.diagnosis import evidence as ev
@@ -15,11 +14,13 @@ from spacerobot.diagnosis.candidates import candidate_sites
 from spacerobot.diagnosis.checks import nested, synthetic
 from spacerobot.diagnosis.fit import Fit
 from spacerobot.diagnosis.held_out import hold_out
-from spacerobot.diagnosis.judge import AMBIGUOUS, NAMED, Judgement, judge, moved
+from spacerobot.diagnosis.judge import AMBIGUOUS, NAMED, judge, moved
 from spacerobot.diagnosis.locate.locate import locate
 from spacerobot.diagnosis.locate.located import LEVEL
+from spacerobot.diagnosis.models.diagnose_parts import diagnose_parts
 from spacerobot.diagnosis.next_experiment import next_experiment
 from spacerobot.diagnosis.pool import Pool, Workshop
+from spacerobot.diagnosis.result import Diagnosis
 from spacerobot.diagnosis.search import Found, Report, search
 from spacerobot.diagnosis.verdict import detectable, held_out_entry, labels_of, verdict_dict
 from spacerobot.recordings.study import Study
@@ -31,25 +32,6 @@ SHOWN = 40
 
 LOOSE = 30.0
 """Factor on a believed value's sigma that sets it free."""
-
-
-@dataclass(frozen=True, eq=False)
-class Diagnosis:
-    """Everything a diagnosis found.
-
-    Attributes:
-        verdict: verdict.json as a dict.
-        evidence: what reports are made from, as a dict.
-        found: every fit and screen.
-        judgement: what was decided, on which fit.
-        left: what the finalists leave over, by set of effects.
-    """
-
-    verdict: Mapping[str, Any]
-    evidence: Mapping[str, Any]
-    found: Found
-    judgement: Judgement
-    left: Mapping[tuple[tuple[str, str], ...], Left]
 
 
 def _silent(what: str, done: int, total: int) -> None:
@@ -68,7 +50,8 @@ def diagnose(
     """Say where simulation and recording part, and which physics was left out.
 
     Args:
-        study: what the lab believes and recorded; a wrist that meets a floating target.
+        study: what the lab believes and recorded: a wrist that meets a floating target, or any other machine, which
+            is then diagnosed part by part (see `diagnosis.models`).
         jobs: processes; all cores if None.
         seed: of synthetic copies and permutations.
         without: effects to leave out of the catalogue.
@@ -76,15 +59,11 @@ def diagnose(
         report: told of progress.
 
     Raises:
-        InputError: the study cannot be diagnosed: no wrist, no contact channels, one trial only.
+        InputError: the study cannot be diagnosed: nothing that was recorded can be compared with the baseline.
     """
     began = time.perf_counter()
     if "wrist.stiffness" not in study.values():
-        raise InputError(
-            "this study has no wrist; diagnosis of other machines is under way in diagnosis.models",
-            given=study.title,
-            valid="a study with [baseline.wrist] and a target",
-        )
+        return diagnose_parts(study, report=report, threads=jobs or 1, seed=seed, without=without)
     if len(study.trials) < 2:
         raise InputError("a diagnosis needs at least two trials", given=len(study.trials), where=str(study.path))
     jobs = jobs or os.cpu_count() or 1

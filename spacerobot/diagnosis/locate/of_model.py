@@ -29,6 +29,11 @@ DRIVE_NOISE = 0.01
 """Noise of a recorded drive as a share of its rms; how much matters little where the noise is not known."""
 
 
+def has_balance(model: Model) -> bool:
+    """Whether a model has balances to be tested."""
+    return isinstance(model, InverseDynamics | Simulated)
+
+
 def locate_model(
     model: Model, values_by_trial: Mapping[str, Mapping[str, float]] | None = None, *, seed: int = 0
 ) -> Located:

@@ -86,9 +86,12 @@ class Bench:
 
     def fitted(self, near: Fit, promise: Promise) -> Fit | None:
         """A promise fitted; None where it cannot be, or where the fit is no physics."""
-        sites = (*near.hypothesis.sites, promise.site)
+        return self.fitted_as(near, (*near.hypothesis.sites, promise.site), promise.start)
+
+    def fitted_as(self, near: Fit, sites: Sequence[Site], start: Mapping[str, float]) -> Fit | None:
+        """These effects fitted, beginning at another fit where they share parameters with it; None as above."""
         try:
-            fit = fit_near(self.fitter(), self.model.believed, sites, near, promise.start, max_iterations=STEPS)
+            fit = fit_near(self.fitter(), self.model.believed, sites, near, start, max_iterations=STEPS)
         except SimulationError:
             return None
         return fit if plausible(sites, fit.values(), self.model.sizes) else None

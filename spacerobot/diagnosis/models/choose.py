@@ -8,6 +8,7 @@ from spacerobot.diagnosis.models.grid import even_grid
 from spacerobot.diagnosis.models.inverse_dynamics import InverseDynamics
 from spacerobot.diagnosis.models.links import robot_of
 from spacerobot.diagnosis.models.model import Model
+from spacerobot.diagnosis.models.prescribed import carried
 from spacerobot.dynamics.inertia import joint_space_inertia
 from spacerobot.dynamics.joint_kinds import joint_axis
 from spacerobot.recordings.study import Study
@@ -33,6 +34,7 @@ def models_for(study: Study) -> tuple[Model, ...]:
         chosen = driven or [t for t in tracked if not study.recording(t).inputs()]
         if chosen:
             found += body_models(study, chosen, group)
+    found += carried(study)
     return tuple(found)
 
 

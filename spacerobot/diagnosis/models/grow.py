@@ -9,11 +9,12 @@ Several models may grow together: bodies of one kind, which lack the same physic
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from spacerobot.diagnosis.candidates import CONTAINS
 from spacerobot.diagnosis.fit import Fit
 from spacerobot.diagnosis.hypothesis import Label, Site
 from spacerobot.diagnosis.models.bench import Bench, Promise
@@ -32,6 +33,9 @@ SURE = 2.0
 
 CLEAR = 3.0
 """Standard errors by which a body's own value differs from nothing, where several grow together."""
+
+PATIENCE = 2
+"""The search ends when so many more parameters have brought nothing that is worth naming."""
 
 TIE = 0.01
 """Rivals whose held-out rms differ by less than this share are not told apart."""
@@ -80,6 +84,11 @@ class Candidate:
         return sum(len(s.effect.parameters) for s in self.sites)
 
     @property
+    def simplicity(self) -> tuple[int, int]:
+        """(parameters, effects): of two models that predict alike, the one with less of both is meant."""
+        return self.size, len(self.sites)
+
+    @property
     def cost(self) -> float:
         """Of the fits together."""
         return sum(f.cost for f in self.fits)
@@ -113,7 +122,7 @@ class Growth:
         benches: the models, with their trials under the weights that the chosen model asks for.
         before: the baseline.
         after: the chosen candidate; the baseline where nothing pays.
-        rivals: candidates of no more parameters that predict as well.
+        rivals: candidates of no more parameters, in no more effects, that predict as well.
         considered: every candidate that was tried on unseen trials, best first.
         screened: cost that each set of effects promised, by its sensitivities, whether fitted then or not.
     """
@@ -124,6 +133,11 @@ class Growth:
     rivals: tuple[Candidate, ...]
     considered: tuple[Candidate, ...]
     screened: tuple[tuple[Label, float], ...]
+
+    @property
+    def considered_baseline(self) -> Candidate:
+        """The baseline under the weights of the search, as the candidates beside it."""
+        return next(c for c in self.considered if not c.sites)
 
     def rms(self, which: int = 0) -> tuple[dict[str, float], dict[str, float]]:
         """Held-out rms of one model by channel, in the channels' units: of the baseline and as chosen."""
@@ -149,6 +163,7 @@ def grow(
     most: int = MOST,
     threads: int = 1,
     say: Callable[[str], None] | None = None,
+    reached: Callable[[int], None] | None = None,
 ) -> Growth:
     """The simplest model that predicts unseen trials about as well as the best that a beam search meets.
 
@@ -158,12 +173,14 @@ def grow(
         most: parameters that effects may bring along.
         threads: of the fits.
         say: told what happens.
+        reached: told how many parameters the models now have that are tried.
 
     Raises:
         SimulationError: the baseline cannot be fitted.
     """
     every = (models,) if isinstance(models, Model) else tuple(models)
-    return _Search(every, None if effects is None else list(effects), threads, say or (lambda text: None)).run(most)
+    search = _Search(every, None if effects is None else list(effects), threads, say or (lambda text: None))
+    return search.run(most, reached or (lambda size: None))
 
 
 class _Search:
@@ -178,7 +195,7 @@ class _Search:
         self.screened: dict[Label, float] = {}
         self.reached = np.inf
 
-    def run(self, most: int) -> Growth:
+    def run(self, most: int, reached: Callable[[int], None]) -> Growth:
         fits = [b.baseline() for b in self.benches]
         for bench, fit in zip(self.benches, fits, strict=True):
             bench.sharpen(fit)
@@ -187,7 +204,12 @@ class _Search:
         tested = [baseline]
         self.reached = baseline.cost
         ahead: dict[int, dict[Label, Ahead]] = {}
+        bests: list[float] = []
         for size in range(most + 1):
+            reached(size)
+            bests.append(min(c.error for c in tested))
+            if size > PATIENCE and bests[-1 - PATIENCE] <= slack(bests[-1], baseline.error):
+                break
             best = min(c.error for c in tested) if size else np.inf
             layer = [baseline] if size == 0 else self.layer(list(ahead.pop(size, {}).values()), baseline)
             tested += layer if size else []
@@ -195,8 +217,9 @@ class _Search:
             better = 1.0 - (TIE if size < 2 else WORTH_OF_REST)  # a pair may need two weak singles, no more
             for one in _distinct([c for c in layer if c.error < better * best])[:BEAM]:
                 self.look_ahead(one, most, ahead)
+        tested += self.reworded(self.chosen(tested, baseline), tested)
         chosen = self.chosen(tested, baseline)
-        near = [c for c in tested if c is not chosen and c is not baseline and c.size <= chosen.size]
+        near = [c for c in tested if c is not chosen and c is not baseline and c.simplicity <= chosen.simplicity]
         rivals = tuple(c for c in near if c.error < (1.0 + TIE) * chosen.error)
         ranked = tuple(sorted(tested, key=lambda c: c.error))
         for bench, fit in zip(self.benches, chosen.fits, strict=True):
@@ -220,6 +243,27 @@ class _Search:
                 self.reached = min(self.reached, one.cost)
                 out.append(one)
                 self.say(f"  {words(one.label)}: held-out rms x {one.error / baseline.error:.4f}")
+        return out
+
+    def reworded(self, chosen: Candidate, tested: Sequence[Candidate]) -> list[Candidate]:
+        """The chosen model said with a general effect in the place of its special case and of one effect more.
+
+        Friction and a constant force may be one friction of two levels; sensitivities at one start do not see that.
+        """
+        known = {c.label for c in tested}
+        out = []
+        for wording in _wordings(chosen.sites, self.sites[0]):
+            label = tuple(sorted(s.label for s, _ in wording))
+            if label in known or redundant([s for s, _ in wording]):
+                continue
+            known.add(label)
+            fits = []
+            for bench, fit, sites in zip(self.benches, chosen.fits, self.sites, strict=True):
+                start = {k: v for s, special in wording if special is not None for k, v in _inherited(s, special, fit)}
+                fits.append(bench.fitted_as(fit, [sites[s.label] for s, _ in wording], start))
+            good = tuple(f for f in fits if f is not None)
+            if len(good) == len(fits):
+                out.append(self.tested(Candidate(good)))
         return out
 
     def look_ahead(self, one: Candidate, most: int, ahead: dict[int, dict[Label, Ahead]]) -> None:
@@ -261,12 +305,11 @@ class _Search:
         if not good:
             return baseline
         best = min(c.error for c in good)
-        slack = max(best / (1.0 - WORTH_OF_REST), best + WORTH_OF_BASELINE * baseline.error)
-        near = [c for c in good if c.error <= slack]
+        near = [c for c in good if c.error <= slack(best, baseline.error)]
         simplest = min(c.size for c in near)
         first = min(c.error for c in near if c.size == simplest)
         same = [c for c in near if c.size == simplest and c.error <= (1.0 + SAME) * first]
-        return min(same, key=lambda c: (sum(s.effect.kind == "sensor" for s in c.sites), -len(c.sites)))
+        return min(same, key=lambda c: (sum(s.effect.kind == "sensor" for s in c.sites), len(c.sites), c.error))
 
     def pays(self, new: Candidate, old: Candidate) -> bool:
         """Whether unseen trials are predicted better, by enough and throughout."""
@@ -286,6 +329,11 @@ class _Search:
         return bool(gains.mean() > SURE * gains.std(ddof=1) / np.sqrt(gains.size))
 
 
+def slack(best: float, baseline: float) -> float:
+    """The largest held-out rms of a model that is as good as the best one."""
+    return max(best / (1.0 - WORTH_OF_REST), best + WORTH_OF_BASELINE * baseline)
+
+
 def _distinct(layer: Sequence[Candidate]) -> list[Candidate]:
     """Without those that say the same as one before them in other words (a preload and a bias of its sensor)."""
     kept: list[Candidate] = []
@@ -293,6 +341,33 @@ def _distinct(layer: Sequence[Candidate]) -> list[Candidate]:
         if all(abs(one.error - k.error) > SAME * k.error for k in kept):
             kept.append(one)
     return kept
+
+
+def _wordings(
+    chosen: Sequence[Site], known: Mapping[tuple[str, str], Site]
+) -> Iterator[list[tuple[Site, Site | None]]]:
+    """Sets with as many parameters in which a general effect stands for its special case and others.
+
+    Yields:
+        The sites, each with the special case that it stands for, or None.
+    """
+    for special in chosen:
+        for general, name in sorted(CONTAINS):
+            new = known.get((general, special.where))
+            if name != special.effect.name or new is None:
+                continue
+            spare = len(new.effect.parameters) - len(special.effect.parameters)
+            rest = [s for s in chosen if s is not special]
+            for left_out in rest:
+                if len(left_out.effect.parameters) == spare:
+                    yield [(new, special), *((s, None) for s in rest if s is not left_out)]
+
+
+def _inherited(new: Site, special: Site, fit: Fit) -> list[tuple[str, float]]:
+    """Start values of a general effect: its special case's own where the units agree."""
+    first = special.effect.parameters[0]
+    value = fit.values()[special.key(first.name)]
+    return [(new.key(p.name), value if p.unit == first.unit else p.starts[0]) for p in new.effect.parameters]
 
 
 def _null(fit: Fit, index: int) -> float:

@@ -43,6 +43,13 @@ def folds(trials: Sequence[TrialData]) -> list[tuple[str, tuple[str, ...]]]:
     return [(f"part {i + 1}", tuple(str(x) for x in p)) for i, p in enumerate(parts)]
 
 
+def scheme_of(trials: Sequence[TrialData]) -> str:
+    """What `folds` leaves out in turn, in words."""
+    if len({t.condition for t in trials}) > 1:
+        return "leave one condition out"
+    return "leave one trial out" if len({parent(t) for t in trials}) > 1 else f"leave one part of {FOLDS} out"
+
+
 @dataclass(frozen=True, eq=False)
 class HeldOut:
     """Prediction errors of trials that the fit had not seen.

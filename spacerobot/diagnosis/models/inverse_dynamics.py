@@ -35,6 +35,9 @@ POINTS = 20
 WIDTH = 0.1
 """Half width of the balance's test functions, as a share of the motion's own time (its length over its speed)."""
 
+FEWEST = 4
+"""Half widths of a test function that a piece holds at least."""
+
 PIECES = 8
 """Into how many parts a trial is cut, so that there is something to hold out."""
 
@@ -102,7 +105,9 @@ class InverseDynamics(Model):
             thin = max(1, int(pace / grid.step / POINTS))
             log = raw[key] if 3 * thin <= SHARP else _kinematics(grid, self.joints, 3 * thin)  # or noise folds over
             log = log.thinned(thin, arm)
-            trials += self._cut(key, log, condition, overrides, max(SHARP, round(pace / log.step)))
+            longest = log.time.size // PIECES // FEWEST
+            half = max(SHARP, min(round(pace / log.step), longest))
+            trials += self._cut(key, log, condition, overrides, half)
         self.trials = tuple(trials)
         inertia = arm.inertia(np.concatenate([m.position[:: m.stride] for m in self._motion.values()]))
         self._mass = {f"joint.{j}": float(x) for j, x in zip(self.joints, inertia, strict=True)}
@@ -118,7 +123,7 @@ class InverseDynamics(Model):
         index = [self.joints.index(j) for j in self.compared]
         out = []
         for n, part in enumerate(np.array_split(np.arange(log.time.size), PIECES)):
-            if part.size < 4 * half:
+            if part.size < FEWEST * half:
                 continue
             seen = bump.smooth(log.torque[part][:, index])[::stride].T
             clean = np.convolve(~log.good[part], np.ones(2 * half + 1), "valid")[::stride] < 0.5
@@ -146,7 +151,7 @@ class InverseDynamics(Model):
         for joint in self.joints:
             name = f"joint.{joint}"
             mass = values.get(f"{name}.mass", self._mass[name]) + values.get(f"{name}.armature", 0.0)
-            coordinates[name] = Coordinate(name, mass)
+            coordinates[name] = Coordinate(name, mass, angular=self._turns[joint])
             if f"{name}.stiffness" in values:
                 forces.append(Force(f"{name}.spring", name, SPRING, (values[f"{name}.stiffness"],), role="spring"))
             if values.get(f"{name}.damping"):

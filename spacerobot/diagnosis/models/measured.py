@@ -11,22 +11,23 @@ from spacerobot.effects.kernel import padded
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import ChannelMap
 from spacerobot.simulation.reduced.arrays import LAWS
+from spacerobot.simulation.reduced.forces import call_law
 from spacerobot.support.jit import jit
 
 
 @jit
 def _along(laws: Any, law: int, d: Any, v: Any, aux: Any, p: Any, out: Any) -> None:
     for i in range(d.size):
-        out[i] = laws[law](d[i], v[i], aux[i], p)
+        out[i] = call_law(laws[law], d[i], v[i], aux[i], p, 0)
 
 
 @jit
 def _sliding(laws: Any, law: int, v: Any, normal: Any, p: Any, out: Any) -> None:
     for i in range(v.size):
         if v[i] > 0.0:
-            out[i] = -laws[law](v[i], normal[i], 0.0, p)
+            out[i] = -call_law(laws[law], v[i], normal[i], 0.0, p, 0)
         elif v[i] < 0.0:
-            out[i] = laws[law](v[i], normal[i], 0.0, p)
+            out[i] = call_law(laws[law], v[i], normal[i], 0.0, p, 0)
         else:
             out[i] = 0.0
 

@@ -41,6 +41,7 @@ class Model(ABC):
         base: values by dotted name, the trials' overrides apart.
         sizes: what is typical, by place; "" for all others.
         stated: channels whose noise the study states; the weights of others come from what the best model leaves.
+        family: models of one family are things of one kind, which lack the same physics; "" for one of its own.
         metric: what the residual is, for tables, e.g. "torque balance" or "simulated motion".
     """
 
@@ -51,6 +52,7 @@ class Model(ABC):
     sizes: Mapping[str, Sizes]
     metric: str
     stated: frozenset[str] = frozenset()
+    family: str = ""
 
     @abstractmethod
     def mechanism(self, values: Mapping[str, float], trial: TrialData) -> Mechanism:

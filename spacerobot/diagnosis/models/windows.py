@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -20,6 +21,11 @@ class Drive:
     time: np.ndarray  # (T,) s
     value: Mapping[str, np.ndarray]  # channel -> (T,)
     jumps: np.ndarray = field(default_factory=lambda: np.zeros(0))  # times at which an integrator must stop
+
+    @cached_property
+    def step(self) -> float:
+        """Median spacing of the times [s]."""
+        return float(np.median(np.diff(self.time)))
 
 
 EDGE = 1e-6
@@ -46,13 +52,18 @@ def band_limited(time: np.ndarray, value: np.ndarray, factor: int) -> tuple[np.n
     return time[0] + step / factor * np.arange(fine.size), np.asarray(fine)
 
 
+BEND = 0.08
+"""Second difference of neighbours, as a share of a signal's spread, that lines may cut short; what reaches the motion
+is a tenth of it (silverbox: 0.2 % of the output)."""
+
+
 def refinement(value: np.ndarray) -> int:
     """How many points a sample needs for lines between them to follow a signal: 1 where neighbours are alike."""
     spread = float(np.std(value))
     if spread == 0.0:
         return 1
     bend = float(np.sqrt(np.mean(np.diff(value, 2) ** 2))) / spread  # of the order of (omega dt)^2
-    return int(np.clip(np.ceil(np.sqrt(bend / 0.02)), 1, 8))
+    return int(np.clip(np.ceil(np.sqrt(bend / BEND)), 1, 8))
 
 
 def cut(trial: TrialData, length: float) -> list[TrialData]:

@@ -1,0 +1,76 @@
+"""A diagnosis of machines other than a wrist rig: every joint, body and sensor of the study on its own."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+
+from spacerobot import __version__
+from spacerobot.diagnosis.locate.of_model import has_balance, locate_model
+from spacerobot.diagnosis.models.choose import models_for
+from spacerobot.diagnosis.models.grow import MOST, grow
+from spacerobot.diagnosis.models.model import Model
+from spacerobot.diagnosis.models.part import Part
+from spacerobot.diagnosis.models.part_checks import checks_of
+from spacerobot.diagnosis.models.part_evidence import evidence_of
+from spacerobot.diagnosis.models.part_verdict import verdict_of
+from spacerobot.diagnosis.result import Diagnosis
+from spacerobot.diagnosis.search import Report
+from spacerobot.effects.registry import all_effects
+from spacerobot.recordings.study import Study
+from spacerobot.support.errors import InputError
+
+
+def diagnose_parts(
+    study: Study, *, report: Report, threads: int = 1, seed: int = 0, without: Sequence[str] = ()
+) -> Diagnosis:
+    """Say of each part of the study where simulation and recording part, and which physics was left out.
+
+    Args:
+        study: what the lab believes and recorded.
+        report: told of progress.
+        threads: of the fits.
+        seed: of sign flips and synthetic copies.
+        without: effects to leave out of the catalogue.
+
+    Raises:
+        InputError: nothing that was recorded can be compared with the baseline.
+    """
+    began = time.perf_counter()
+    report("reading the recordings", 0, 1)
+    families = _families(models_for(study))
+    if not families:
+        raise InputError(
+            "nothing that was recorded can be compared with this baseline",
+            given=", ".join(study.channels()[:8]),
+            valid="a wrist that meets a target; joints with position and torque; a body that is tracked",
+            where=str(study.path),
+        )
+    catalogue = [e for e in all_effects().values() if e.name not in without]
+    parts: list[Part] = []
+    for place, family in enumerate(families, 1):
+        what = f"{family[0].family or family[0].name} ({place} of {len(families)})"
+        growth = grow(family, effects=catalogue, threads=threads, reached=partial(_tell, report, what))
+        parts += [Part(growth, which) for which in range(len(family))]
+    done = []
+    for place, part in enumerate(parts):
+        report("locating and checking", place, len(parts))
+        located = locate_model(part.model, seed=seed) if has_balance(part.model) else None
+        done.append(replace(part, located=located, checks=checks_of(part, seed)))
+    report("judging", 0, 1)
+    verdict = verdict_of(study, done, version=__version__, seed=seed, seconds=time.perf_counter() - began)
+    return Diagnosis(verdict, evidence_of(study, done, verdict), parts=tuple(done))
+
+
+def _tell(report: Report, what: str, size: int) -> None:
+    report(what, size, MOST)
+
+
+def _families(models: Sequence[Model]) -> list[list[Model]]:
+    """Models that grow together; most grow alone."""
+    out: dict[str, list[Model]] = {}
+    for place, model in enumerate(models):
+        out.setdefault(f"family {model.family}" if model.family else f"model {place}", []).append(model)
+    return list(out.values())

@@ -1,0 +1,151 @@
+"""One part of a study after its search: a joint, a body, a sensor, with what it lacks and how sure that is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from spacerobot.diagnosis.data import TrialData
+from spacerobot.diagnosis.fit import Fit
+from spacerobot.diagnosis.judge import AMBIGUOUS, NAMED, NOT_TRUSTED, NOTHING_MISSING, UNKNOWN, WRONG_PARAMETER, moved
+from spacerobot.diagnosis.locate.located import LEVEL, Located, Row
+from spacerobot.diagnosis.models.grow import TIE, Candidate, Growth
+from spacerobot.diagnosis.models.held_out import HeldOut
+from spacerobot.diagnosis.models.model import Model
+from spacerobot.diagnosis.models.noise import split
+
+STRIKING = 0.2
+"""Share of what a balance leaves over that one pattern must explain to be called a mismatch: an effect size, for in
+long recordings any harmless defect is significant."""
+
+DOUBT = 0.5
+"""Confidence in a choice whose best rival predicts as well as it does."""
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """One model of a study and the search it took part in.
+
+    Attributes:
+        growth: the search, which models of one family share.
+        which: this model's place in it.
+        located: its balances; None where it has none of its own.
+        checks: of the fit itself, with "name", "passed" and "detail".
+    """
+
+    growth: Growth
+    which: int = 0
+    located: Located | None = None
+    checks: tuple[dict[str, Any], ...] = field(default=())
+
+    @property
+    def model(self) -> Model:
+        """What was fitted."""
+        return self.growth.benches[self.which].model
+
+    @property
+    def name(self) -> str:
+        """Of the model."""
+        return self.model.name
+
+    @property
+    def trials(self) -> tuple[TrialData, ...]:
+        """Under the weights that the chosen model asks for."""
+        return self.growth.benches[self.which].trials
+
+    @property
+    def chosen(self) -> Candidate:
+        """The growth's choice, or the baseline where this model does not need it."""
+        growth = self.growth
+        if growth.after is growth.before or len(growth.benches) == 1:
+            return growth.after
+        return growth.after if growth.needs(self.which) else growth.before
+
+    @property
+    def fit(self) -> Fit:
+        """Of the chosen candidate."""
+        return self.chosen.fits[self.which]
+
+    @property
+    def before(self) -> HeldOut:
+        """The baseline on unseen trials."""
+        return self.growth.before.held_out[self.which]
+
+    @property
+    def after(self) -> HeldOut:
+        """The chosen candidate on unseen trials."""
+        return self.chosen.held_out[self.which]
+
+    @property
+    def turning(self) -> frozenset[str]:
+        """Places whose displacement is an angle."""
+        trial = self.trials[0]
+        mechanism = self.model.trial_mechanism(self.fit.hypothesis, self.fit.z, trial)
+        return frozenset(p for p in mechanism.ports if mechanism.angular(p))
+
+    @property
+    def rivals(self) -> tuple[Candidate, ...]:
+        """Candidates that predict as well as the chosen one."""
+        return self.growth.rivals if self.chosen is not self.growth.before else ()
+
+    @property
+    def moved(self) -> tuple[str, ...]:
+        """Believed values beyond three of their sigmas."""
+        return moved(self.fit)
+
+    @property
+    def striking(self) -> tuple[Row, ...]:
+        """Patterns in its balances that are significant and large."""
+        rows = self.located.rows if self.located is not None else ()
+        return tuple(r for r in rows if r.p < LEVEL and r.share > STRIKING)
+
+    @property
+    def verdict(self) -> str:
+        """As in verdict.json, of this part alone."""
+        if not all(c["passed"] for c in self.checks):
+            return NOT_TRUSTED
+        if self.fit.hypothesis.sites:
+            return AMBIGUOUS if self.rivals else NAMED
+        if self.striking:
+            return UNKNOWN
+        return WRONG_PARAMETER if self.moved else NOTHING_MISSING
+
+    @property
+    def confidence(self) -> float:
+        """Between 0 and 1: how clear the lead over rivals is, and in how many of the unseen pieces it holds."""
+        sites = self.fit.hypothesis.sites
+        if not sites:
+            best = min((c.error for c in self.growth.considered if c.sites), default=np.inf)
+            lead = best / self.growth.considered_baseline.error - 1.0 + TIE
+            return float(np.clip(1.0 - DOUBT * np.exp(-max(lead, 0.0) / TIE), DOUBT, 0.99))
+        chosen = set(self.growth.after.label)
+        own = next((c.error for c in self.growth.considered if c.label == self.growth.after.label), np.nan)
+        size = self.growth.after.simplicity
+        others = [
+            c.error / own - 1.0
+            for c in self.growth.considered
+            if not chosen <= set(c.label) and not (c.simplicity > size and abs(c.error - own) < TIE * own)
+        ]
+        lead = min(others, default=np.inf)
+        clear = 1.0 - DOUBT * np.exp(-max(lead, 0.0) / TIE)
+        before, after = self.before.squares(), self.after.squares()
+        share = np.mean([after[k] < before[k] for k in before])
+        return float(np.clip(clear * share, 0.05, 0.99))
+
+    def errors(self) -> dict[str, tuple[float, float, int]]:
+        """By channel: sums of squares of the held-out residual before and after [SI squared], and their number."""
+        out: dict[str, tuple[float, float, int]] = {}
+        for trial in self.trials:
+            if trial.id not in self.before.residual or trial.id not in self.after.residual:
+                continue
+            both = [split(h.residual[trial.id], trial) for h in (self.before, self.after)]
+            counted = split(self.after.counted[trial.id], trial)
+            for block in trial.blocks:
+                for c, channel in enumerate(block.channels):
+                    good = counted[channel].astype(bool)
+                    a, b = (float(np.sum((r[channel][good] / block.weight[c][good]) ** 2)) for r in both)
+                    old = out.get(channel, (0.0, 0.0, 0))
+                    out[channel] = (old[0] + a, old[1] + b, old[2] + int(good.sum()))
+        return out

@@ -1,0 +1,74 @@
+"""A fit's own checks, for any model; where one fails, nothing is concluded."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from spacerobot.diagnosis.checks import SLACK
+from spacerobot.diagnosis.fit import Fit, Fitter
+from spacerobot.diagnosis.models.bench import STEPS
+from spacerobot.diagnosis.models.part import Part
+from spacerobot.support.errors import SimulationError
+
+AWAY = 0.5
+"""A refit begins with every strength at this share of its value."""
+
+
+def checks_of(part: Part, seed: int) -> tuple[dict[str, Any], ...]:
+    """Whether more freedom costs more, and whether a synthetic copy of the chosen model is fitted as well as it is."""
+    fit = part.fit
+    if not fit.hypothesis.sites:
+        return ()
+    base = part.growth.before.fits[part.which]
+    nested = {
+        "name": f"nested cost, {part.name}",
+        "passed": bool(fit.cost <= base.cost + SLACK),
+        "detail": f"chi-squared {fit.cost:.1f} as chosen, {base.cost:.1f} without any effect",
+    }
+    return nested, synthetic(part, fit, seed)
+
+
+def synthetic(part: Part, fit: Fit, seed: int) -> dict[str, Any]:
+    """On a copy of the trials made from the chosen model, a fit from afar ends no worse than the truth."""
+    random = np.random.default_rng(seed)
+    name = f"cost at truth, {part.name}"
+    trials = []
+    for trial in part.trials:
+        mechanism = part.model.trial_mechanism(fit.hypothesis, fit.z, trial)
+        shown = part.model.predict(mechanism, trial, fit.trials[trial.id].initial)
+        blocks = []
+        for block, value in zip(trial.blocks, shown.blocks, strict=True):
+            good = block.weight > 0.0
+            sigma = np.where(good, 1.0 / np.where(good, block.weight, 1.0), 0.0)
+            blocks.append(replace(block, value=value + sigma * random.standard_normal(value.shape)))
+        trials.append(replace(trial, blocks=tuple(blocks)))
+    fitter = Fitter(part.model, trials)  # type: ignore[arg-type]
+    state = fitter.state(fit.hypothesis, fit.z, fit.initials())
+    try:
+        again = fitter.fit(
+            fit.hypothesis, warm=_away(fit), initials=fit.initials(), max_iterations=2 * STEPS, robust=False
+        )
+    except SimulationError:
+        again = None
+    if state is None or again is None:
+        return {"name": name, "passed": False, "detail": "a synthetic copy could not be simulated"}
+    prior = np.array([f.prior for f in fit.hypothesis.free], dtype=float)
+    truth = state.chi2() + float(prior @ fit.z**2)
+    return {
+        "name": name,
+        "passed": bool(again.cost <= truth + SLACK),
+        "detail": f"on a synthetic copy the fit costs {again.cost:.1f}, its truth {truth:.1f}",
+    }
+
+
+def _away(fit: Fit) -> dict[str, float]:
+    out = fit.values()
+    for site in fit.hypothesis.sites:
+        for parameter in site.effect.parameters:
+            key = site.key(parameter.name)
+            if not parameter.shape and not parameter.log and np.isfinite(parameter.null):
+                out[key] = parameter.null + AWAY * (out[key] - parameter.null)
+    return out

@@ -1,0 +1,215 @@
+"""verdict.json of a study that is diagnosed part by part."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from spacerobot.diagnosis.judge import AMBIGUOUS, NAMED, NOT_TRUSTED, NOTHING_MISSING, UNKNOWN, WRONG_PARAMETER
+from spacerobot.diagnosis.locate.located import LEVEL
+from spacerobot.diagnosis.models.grow import Candidate
+from spacerobot.diagnosis.models.held_out import scheme_of
+from spacerobot.diagnosis.models.part import Part
+from spacerobot.diagnosis.screen import Screener
+from spacerobot.diagnosis.verdict import detectable, effect_entries, moved_values
+from spacerobot.recordings.study import Study
+
+PRECEDENCE = (NOT_TRUSTED, NAMED, AMBIGUOUS, UNKNOWN, WRONG_PARAMETER, NOTHING_MISSING)
+"""Of the parts' verdicts, the first that occurs is the study's: what is named at one joint stays named whatever is
+said of another."""
+
+LISTED = 5
+"""Rivals that a verdict lists."""
+
+
+def verdict_of(study: Study, parts: Sequence[Part], *, version: str, seed: int, seconds: float) -> dict[str, Any]:
+    """The whole of verdict.json; beside what every verdict has, "parts" with each part's own."""
+    own = [p.verdict for p in parts]
+    verdict = next(v for v in PRECEDENCE if v in own)
+    speaking = [p for p, v in zip(parts, own, strict=True) if v == verdict]
+    effects = [e for p in speaking for e in entries(p, len(parts))] if verdict == NAMED else []
+    return {
+        "format": 1,
+        "spacerobot": version,
+        "input_hash": study.input_hash,
+        "seed": seed,
+        "study": study.title,
+        "seconds": round(seconds, 3),
+        "verdict": verdict,
+        "confidence": float(np.mean([p.confidence for p in speaking])),
+        "effects": effects,
+        "alternatives": alternatives(speaking, verdict),
+        "parameters": {k: v for p in parts for k, v in _moved(p).items()},
+        "located": [
+            {**r.entry(), "balance": balance(p, r.balance, len(parts))}
+            for p in parts
+            if p.located is not None
+            for r in p.located.rows
+            if r.p < LEVEL
+        ],
+        "held_out": held_out(parts),
+        "detectable": _detectable(parts),
+        "next_experiment": None,
+        "parts": [_entry(p, v) for p, v in zip(parts, own, strict=True)],
+    }
+
+
+def entries(part: Part, count: int) -> list[dict[str, Any]]:
+    """The effects that a part lacks; of several bodies each says which one it is."""
+    found = named_entries(part)
+    return [{**e, "part": part.name} for e in found] if count > 1 else found
+
+
+def named_entries(part: Part) -> list[dict[str, Any]]:
+    """The effects that a part lacks, with their values; what turns has its parameters named and counted in angles."""
+    turning = part.turning
+    out = []
+    for entry in effect_entries(part.fit, 1.0):
+        parameters = entry["parameters"]
+        if entry["where"] in turning:
+            parameters = {of_turning(n): {**p, "unit": turning_unit(p["unit"])} for n, p in parameters.items()}
+        out.append({**entry, "parameters": parameters})
+    return out
+
+
+def of_turning(name: str) -> str:
+    """A parameter's name where its effect sits on something that turns: force_N is force_Nm."""
+    for pattern, by in _TURNED:
+        if re.search(pattern, name):
+            return re.sub(pattern, by, name)
+    return name
+
+
+_TURNED = (
+    (r"_Ns2_m2$", "_Nms2_rad2"),
+    (r"_Ns_m$", "_Nms_rad"),
+    (r"_N_m3$", "_Nm_rad3"),
+    (r"_N_m$", "_Nm_rad"),
+    (r"_m_s$", "_rad_s"),
+    (r"_Ns$", "_Nms"),
+    (r"_kg$", "_kgm2"),
+    (r"_N$", "_Nm"),
+    (r"_m$", "_rad"),
+)
+
+
+def turning_unit(unit: str) -> str:
+    """The unit of the same law about an axis: N is N m, m is rad, kg is kg m^2."""
+    above, _, below = unit.partition("/")
+    above = {"N": "N m", "kg": "kg m^2", "m": "rad"}.get(above, above.replace("N s", "N m s"))
+    return f"{above}/{below.replace('m', 'rad')}" if below else above
+
+
+def balance(part: Part, name: str, count: int) -> str:
+    """Name of a balance; where models of one family call theirs alike, with the model's own name."""
+    return f"{part.name}: {name}" if count > 1 and part.model.family else name
+
+
+def alternatives(parts: Sequence[Part], verdict: str) -> list[dict[str, Any]]:
+    """Where ambiguous, the sets that predict alike, the favourite first; else the best rivals of each part."""
+    out = []
+    for part in parts:
+        if verdict == AMBIGUOUS:
+            shown: Sequence[Candidate] = (part.chosen, *part.rivals)
+        else:
+            sites = part.fit.hypothesis.label
+            shown = [c for c in part.growth.considered if c.sites and c.label != sites][: max(1, LISTED // len(parts))]
+        best = part.growth.considered[0].error
+        out += [_alternative(c, part, best) for c in shown]
+    return out
+
+
+def _alternative(one: Candidate, part: Part, best: float) -> dict[str, Any]:
+    """Its score is 2 ln of the held-out rms over the best one's."""
+    tried = next((c for c in part.growth.considered if c.label == one.label), one)
+    return {
+        "effects": [{"effect": e, "where": w} for e, w in one.label],
+        "parameters": {k: v for k, v in one.fits[part.which].values().items() if "@" in k},
+        "score": 2.0 * math.log(tried.error / best) if np.isfinite(tried.error) else None,
+        "part": part.name,
+    }
+
+
+def _moved(part: Part) -> dict[str, Any]:
+    return moved_values(part.fit, part.moved, part.model.believed.sigma, 1.0)
+
+
+def sizes(parts: Sequence[Part]) -> dict[str, float]:
+    """By channel, what errors are measured by over all: its stated noise where every channel's is, else its spread."""
+    if all(c in p.model.stated for p in parts for t in p.trials for c in t.channels):
+        return {c: 1.0 / float(w.max()) for p in parts for t in p.model.trials for c, w in _weights(t)}
+    values: dict[str, list[np.ndarray]] = {}
+    for part in parts:
+        for trial in part.trials:
+            for channel in trial.channels:
+                x = trial.channel(channel)[1]
+                values.setdefault(channel, []).append(x)
+    return {c: float(np.std(np.concatenate(v))) or 1.0 for c, v in values.items()}
+
+
+def _weights(trial: Any) -> list[tuple[str, np.ndarray]]:
+    return [(c, w) for b in trial.blocks for c, w in zip(b.channels, b.weight, strict=True)]
+
+
+def held_out(parts: Sequence[Part]) -> dict[str, Any]:
+    """Held-out errors by channel in SI, and over all in "unit": "sigma" where the noise is stated, else "spread"."""
+    sums: dict[str, tuple[float, float, int]] = {}
+    for part in parts:
+        for channel, (a, b, n) in part.errors().items():
+            old = sums.get(channel, (0.0, 0.0, 0))
+            sums[channel] = (old[0] + a, old[1] + b, old[2] + n)
+    scale = sizes(parts)
+    stated = all(c in p.model.stated for p in parts for t in p.trials for c in t.channels)
+    before = sum(a / scale[c] ** 2 for c, (a, _, _) in sums.items())
+    after = sum(b / scale[c] ** 2 for c, (_, b, _) in sums.items())
+    count = max(sum(n for _, _, n in sums.values()), 1)
+    return {
+        "scheme": scheme_of(parts[0].trials),
+        "unit": "sigma" if stated else "spread",
+        "channels": {
+            c: {"rms_before": math.sqrt(a / max(n, 1)), "rms_after": math.sqrt(b / max(n, 1))}
+            for c, (a, b, n) in sums.items()
+        },
+        "overall": {
+            "rms_before": math.sqrt(before / count),
+            "rms_after": math.sqrt(after / count),
+            "noise_floor": 1.0 if stated else None,
+            "chi2_before": before if stated else None,
+            "chi2_after": after if stated else None,
+        },
+    }
+
+
+def _detectable(parts: Sequence[Part]) -> list[dict[str, Any]]:
+    """The smallest effects that would have shown, of parts that lack nothing and of single ones."""
+    out = []
+    for part in parts:
+        bench = part.growth.benches[part.which]
+        near = [s for s in part.model.sites() if s.label not in part.fit.hypothesis.label]
+        screen = Screener(bench.fitter(), part.model.believed).screen(part.fit, near)
+        rows = detectable(screen, 1.0)
+        out += [{**r, "part": part.name} for r in rows] if len(parts) > 1 else rows
+    return out
+
+
+def _entry(part: Part, verdict: str) -> dict[str, Any]:
+    before, after = (float(np.sqrt(h.mean_square)) for h in (part.before, part.after))
+    return {
+        "part": part.name,
+        "verdict": verdict,
+        "confidence": part.confidence,
+        "effects": named_entries(part),
+        "compared": part.model.metric,
+        "error_ratio": after / before if before else None,
+        "values": _fitted(part),
+    }
+
+
+def _fitted(part: Part) -> Mapping[str, float]:
+    """What the baseline left open, as fitted."""
+    fit = part.fit
+    return {f.key: f.value(float(z)) for f, z in zip(fit.hypothesis.free, fit.z, strict=True) if f.kind != "effect"}

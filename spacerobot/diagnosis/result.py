@@ -1,0 +1,33 @@
+"""What a diagnosis hands over, whatever machine it was of."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from spacerobot.diagnosis.adequacy import Left
+from spacerobot.diagnosis.judge import Judgement
+from spacerobot.diagnosis.models.part import Part
+from spacerobot.diagnosis.search import Found
+
+
+@dataclass(frozen=True, eq=False)
+class Diagnosis:
+    """Everything a diagnosis found.
+
+    Attributes:
+        verdict: verdict.json as a dict.
+        evidence: what reports are made from, as a dict.
+        found: every fit and screen of a wrist rig; None for other machines.
+        judgement: of a wrist rig, what was decided, on which fit; None for other machines.
+        left: of a wrist rig, what the finalists leave over, by set of effects.
+        parts: of other machines, what was found at each joint, body or sensor.
+    """
+
+    verdict: Mapping[str, Any]
+    evidence: Mapping[str, Any]
+    found: Found | None = None
+    judgement: Judgement | None = None
+    left: Mapping[tuple[tuple[str, str], ...], Left] = field(default_factory=dict)
+    parts: tuple[Part, ...] = ()
