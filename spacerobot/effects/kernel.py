@@ -61,10 +61,13 @@ def padded(parameters: tuple[float, ...]) -> np.ndarray:
 
 @functools.cache
 def compiled(law: ScalarLaw) -> Any:
-    """`law` compiled once for the shared signature; cached on disk where its source is a file."""
+    """`law` compiled once as a C function of (d, v, aux, pointer to p); cached on disk where its source is a file.
+
+    Division by zero gives an infinity or NaN there, which integrators refuse; a C function cannot raise.
+    """
     numba = jit.numba()
-    signature = numba.float64(numba.float64, numba.float64, numba.float64, numba.float64[::1])
+    signature = numba.float64(numba.float64, numba.float64, numba.float64, numba.types.CPointer(numba.float64))
     try:
-        return numba.njit(signature, cache=True)(law)
+        return numba.cfunc(signature, cache=True, error_model="numpy")(law)
     except RuntimeError:  # no file to cache beside: defined in a notebook or by exec
-        return numba.njit(signature)(law)
+        return numba.cfunc(signature, error_model="numpy")(law)

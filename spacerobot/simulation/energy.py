@@ -9,7 +9,7 @@ import numpy as np
 
 from spacerobot.effects.kernel import Kernel, no_energy, padded
 from spacerobot.effects.mechanism import Mechanism
-from spacerobot.simulation.reduced.motion import PRESSED
+from spacerobot.simulation.reduced.forces import PRESSED
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,7 @@ import pinocchio as pin
 from spacerobot.simulation.energy import Ledger, stored_by_elements
 from spacerobot.simulation.events import Event, contact_intervals
 from spacerobot.simulation.multibody.run import MultibodyRun, MultibodySample
-from spacerobot.simulation.reduced.motion import PRESSED
+from spacerobot.simulation.reduced.forces import PRESSED
 from spacerobot.simulation.reduced.run import ReducedRun, Sample
 from spacerobot.simulation.restitution import Restitution, Speeds, restitution_of
 from spacerobot.simulation.scene import Scene

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Iterable
+from dataclasses import dataclass
 
 import numpy as np
 
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import ChannelMap, Readout
-from spacerobot.simulation.reduced.run import ReducedRun, Sample
+from spacerobot.simulation.reduced.run import ReducedRun
 from spacerobot.support.errors import NotFoundError
 
 
@@ -31,7 +33,7 @@ def read_channels(
         NotFoundError: a channel that the mechanism does not show.
     """
     out: dict[str, np.ndarray] = {}
-    taken: dict[float, Sample] = {}
+    taken: dict[float, _Taken] = {}
     for channel in channels:
         readout = mechanism.readouts.get(channel)
         if readout is None:
@@ -41,8 +43,28 @@ def read_channels(
     return out
 
 
+@dataclass(frozen=True)
+class _Taken:
+    """What a run holds at some times, found when first asked for: most channels need no force evaluated."""
+
+    run: ReducedRun
+    times: np.ndarray
+
+    @functools.cached_property
+    def states(self) -> tuple[np.ndarray, np.ndarray]:
+        return self.run.states(self.times)
+
+    @functools.cached_property
+    def acceleration(self) -> np.ndarray:
+        return self.run.sample(self.times).acceleration
+
+    def of(self, kind: str) -> np.ndarray:
+        """Coordinates' positions, velocities or accelerations, shape (T, n)."""
+        return self.acceleration if kind == "acceleration" else self.states[kind == "velocity"]
+
+
 def _read(
-    run: ReducedRun, readout: Readout, maps: list[ChannelMap], times: np.ndarray, taken: dict[float, Sample]
+    run: ReducedRun, readout: Readout, maps: list[ChannelMap], times: np.ndarray, taken: dict[float, _Taken]
 ) -> np.ndarray:
     late = sum(m.value for m in maps if m.kind == "delay")
     cutoffs = [m.value for m in maps if m.kind == "low_pass" and math.isfinite(m.value)]
@@ -51,7 +73,7 @@ def _read(
         value = _filtered(run, readout, inertias, cutoffs, times - late)
     else:
         if late not in taken:
-            taken[late] = run.sample(times - late)
+            taken[late] = _Taken(run, times - late)
         value = _raw(run, readout, inertias, taken[late])
     for m in maps:
         if m.kind == "gain":
@@ -61,11 +83,11 @@ def _read(
     return value
 
 
-def _raw(run: ReducedRun, readout: Readout, inertias: list[ChannelMap], taken: Sample) -> np.ndarray:
+def _raw(run: ReducedRun, readout: Readout, inertias: list[ChannelMap], taken: _Taken) -> np.ndarray:
     if readout.kind == "force":
-        value = readout.sign * run.contact_force(taken)
+        value = readout.sign * run.contact_at(taken.times)
     else:
-        value = readout.sign * run.port(readout.of, getattr(taken, readout.kind))
+        value = readout.sign * run.port(readout.of, taken.of(readout.kind))
     for m in inertias:
         assert m.of is not None  # an inertia map names the port it rides on
         value = value - m.value * run.port(m.of, taken.acceleration)
@@ -83,7 +105,7 @@ def _filtered(
     begin = times[0] - 12.0 / (2.0 * math.pi * min(cutoffs))
     begin = max(begin, run.start - step)
     grid = np.arange(begin, times[-1] + step, step)
-    value = _raw(run, readout, inertias, run.sample(grid))
+    value = _raw(run, readout, inertias, _Taken(run, grid))
     from scipy.signal import lfilter, lfiltic
 
     for cutoff in cutoffs:

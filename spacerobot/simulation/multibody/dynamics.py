@@ -15,7 +15,8 @@ from spacerobot.simulation.multibody.layout import packed, scratch_from
 from spacerobot.simulation.multibody.ports import for_bodies, layout_of
 from spacerobot.simulation.reduced.arrays import BIAS, FORCE, FRICTION, LAWS, RAW, W_ROWS, D, System, V, assemble, pack
 from spacerobot.simulation.reduced.events import fix_edges
-from spacerobot.simulation.reduced.motion import PRESSED, STICK, TINY, guards, level
+from spacerobot.simulation.reduced.forces import PRESSED, STICK, TINY, level
+from spacerobot.simulation.reduced.guards import guards
 
 
 class Dynamics:

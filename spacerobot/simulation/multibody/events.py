@@ -7,7 +7,7 @@ import numpy as np
 from spacerobot.simulation.multibody.dynamics import Dynamics
 from spacerobot.simulation.multibody.kernel import solve
 from spacerobot.simulation.multibody.stepper import interpolate
-from spacerobot.simulation.reduced.motion import APART, PRESSED, RELEASED, STICK
+from spacerobot.simulation.reduced.forces import APART, PRESSED, RELEASED, STICK
 
 SAMPLES = 8
 """Parts of a step at whose ends the guards are looked at; between them, at every extremum of the gap."""

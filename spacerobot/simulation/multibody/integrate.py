@@ -13,7 +13,7 @@ from spacerobot.simulation.multibody.dynamics import Dynamics
 from spacerobot.simulation.multibody.events import Modes, Probe
 from spacerobot.simulation.multibody.kernel import load, solve
 from spacerobot.simulation.multibody.stepper import error_norm, interpolant, stage
-from spacerobot.simulation.reduced.motion import APART, PRESSED, RELEASED, STICK
+from spacerobot.simulation.reduced.forces import APART, PRESSED, RELEASED, STICK
 from spacerobot.support.errors import SimulationError
 
 MAX_STEPS, MAX_EVENTS = 500_000, 5_000

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from spacerobot.simulation.multibody.layout import Scratch, layout_from, scratch_from
+from spacerobot.simulation.multibody.layout import Scratch, layout_inside, scratch_inside
 from spacerobot.simulation.reduced.arrays import (
     BIAS,
     FORCE,
@@ -28,8 +28,8 @@ from spacerobot.simulation.reduced.arrays import (
     D,
     V,
 )
-from spacerobot.simulation.reduced.motion import STICK, act
-from spacerobot.support.jit import jit
+from spacerobot.simulation.reduced.forces import STICK, act
+from spacerobot.support.jit import lean
 
 STRAIGHT, CIRCLE, POINT, YAW = range(4)
 """Kinds of feature: a joint with one number; with cosine and sine; a frame's displacement; the target's heading."""
@@ -41,7 +41,7 @@ QUATERNION, PAIR, PLAIN = range(3)
 """Kinds of joint, by what their configuration is."""
 
 
-@jit
+@lean
 def load(y: Any, joints: Any, q: Any, v: Any) -> None:
     """Configuration on its manifold and velocity from the ambient state."""
     nq, nv = q.size, v.size
@@ -64,7 +64,7 @@ def load(y: Any, joints: Any, q: Any, v: Any) -> None:
                 q[i] /= length
 
 
-@jit
+@lean
 def configuration_rate(q: Any, v: Any, joints: Any, out: Any) -> None:
     """dq/dt in ambient coordinates."""
     for j in range(joints.shape[0]):
@@ -87,19 +87,19 @@ def configuration_rate(q: Any, v: Any, joints: Any, out: Any) -> None:
             out[a + 6] = -x * p - y * r - z * s
 
 
-@jit
+@lean
 def _turned(rotation: Any, a: Any, out: Any) -> None:
     """out = rotation a."""
     for i in range(3):
         out[i] = rotation[i, 0] * a[0] + rotation[i, 1] * a[1] + rotation[i, 2] * a[2]
 
 
-@jit
+@lean
 def _along(a: Any, b: Any) -> float:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@jit
+@lean
 def _row(jacobian: Any, mask: Any, n: Any, p: Any, sign: float, out: Any) -> None:
     """out += sign * velocity along n of the body point at p, per unit velocity."""
     m0 = p[1] * n[2] - p[2] * n[1]
@@ -117,7 +117,7 @@ def _row(jacobian: Any, mask: Any, n: Any, p: Any, sign: float, out: Any) -> Non
             )
 
 
-@jit
+@lean
 def _drift(jacobian: Any, rate: Any, mask: Any, v: Any, p: Any, out: Any) -> None:
     """Angular velocity, velocity and bias acceleration of the body point at p: out shape (3, 3)."""
     for k in range(3):
@@ -142,7 +142,7 @@ def _drift(jacobian: Any, rate: Any, mask: Any, v: Any, p: Any, out: Any) -> Non
         out[2, k] += out[0, i] * out[1, j] - out[0, j] * out[1, i]
 
 
-@jit
+@lean
 def sense(
     c: Any,
     w: Any,
@@ -167,7 +167,7 @@ def sense(
 
     `ints`, `floats` and `work` hold Layout and Scratch.
     """
-    layout, scratch = layout_from(ints, floats), scratch_from(ints, work)
+    layout, scratch = layout_inside(ints, floats), scratch_inside(ints, work)
     nv = v.size
     row, value, place = scratch.row, scratch.value, scratch.place
     motion, other, vectors = scratch.motion[0], scratch.motion[1], scratch.vectors
@@ -258,15 +258,15 @@ def sense(
         w[c[BIAS] + p] = _along(n, relative) if biased else 0.0
 
 
-@jit
+@lean
 def exert(x: Any, c: Any, laws: Any, t: float, modes: Any, u: Any, w: Any, count: int) -> int:
     """Forces at the ports from what `sense` found; returns how many frictions stick."""
     for i in range(count):
         w[c[TAU] + i] = 0.0
-    return act(x, c, laws, t, modes, u, w)
+    return act(x, c, laws, t, modes, u, w, c[FORCES])
 
 
-@jit
+@lean
 def _factorise(inertia: Any, first: int, last: int, factor: Any) -> None:
     for i in range(first, last):
         for j in range(first, i + 1):
@@ -280,7 +280,7 @@ def _factorise(inertia: Any, first: int, last: int, factor: Any) -> None:
                 factor[i, j] = total / factor[j, j]
 
 
-@jit
+@lean
 def _solve(factor: Any, first: int, last: int, b: Any) -> None:
     for i in range(first, last):
         total = b[i]
@@ -294,14 +294,14 @@ def _solve(factor: Any, first: int, last: int, b: Any) -> None:
         b[i] = total / factor[i, i]
 
 
-@jit
+@lean
 def solve(factor: Any, split: int, b: Any) -> None:
     """b = M^-1 b; robot and target are two blocks."""
     _solve(factor, 0, split, b)
     _solve(factor, split, b.size, b)
 
 
-@jit
+@lean
 def accelerate(
     x: Any,
     c: Any,
@@ -320,7 +320,7 @@ def accelerate(
     out: Any,
 ) -> None:
     """out = d/dt (configuration, velocity, work of every force and friction); call after `sense`."""
-    layout, scratch = layout_from(ints, floats), scratch_from(ints, work)
+    layout, scratch = layout_inside(ints, floats), scratch_inside(ints, work)
     nq, nv = q.size, v.size
     stuck = exert(x, c, laws, t, modes, u, w, nv)
     split = layout.split
@@ -344,7 +344,7 @@ def accelerate(
         out[at + r] = 0.0 if sticks else w[c[FRICTION] + r] * w[c[V] + c[c[FRICTION_PORT] + r]]
 
 
-@jit
+@lean
 def hold(c: Any, w: Any, stuck: int, split: int, scratch: Scratch) -> None:
     """Forces that keep stuck ports from accelerating, W M^-1 W^T f = -(W a + bias); adds them to the motion."""
     free, held, matrix, vector = scratch.free, scratch.held, scratch.matrix, scratch.vector

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from spacerobot.support.jit import jit
+from spacerobot.support.jit import jit, lean
 
 NF, NV, PORTS, JOINTS, STUCK, SPLIT, RISE, HEADER = range(8)
 """Where the packed integers keep the counts of features, velocities, ports, joints and frictions, and two indices."""
@@ -102,3 +102,7 @@ def scratch_from(k: Any, s: Any) -> Scratch:
     return Scratch(
         row, value, place, motion, vectors, factor, free, held, s[a : a + r * r].reshape((r, r)), s[a + r * r :]
     )
+
+
+layout_inside, scratch_inside = lean(layout_from.py_func), lean(scratch_from.py_func)
+"""The same for compiled callers; what they return must not reach Python."""

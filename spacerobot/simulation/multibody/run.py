@@ -16,7 +16,7 @@ from spacerobot.simulation.multibody.integrate import Integrator, Kick, Steps
 from spacerobot.simulation.multibody.kernel import load
 from spacerobot.simulation.multibody.stepper import interpolate
 from spacerobot.simulation.reduced.arrays import FORCE, FRICTION, TAU
-from spacerobot.simulation.reduced.motion import PRESSED, STICK
+from spacerobot.simulation.reduced.forces import PRESSED, STICK
 from spacerobot.simulation.scene import Scene
 from spacerobot.support.errors import InputError
 
@@ -159,6 +159,15 @@ class MultibodyRun:
         out.momentum[:, 3:] += np.cross(centre, out.momentum[:, :3])
         self._memo["last"] = out
         return out
+
+    def states(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Positions and velocities at `times`, as `sample` gives them."""
+        taken = self.sample(times)
+        return taken.position, taken.velocity
+
+    def contact_at(self, times: np.ndarray) -> np.ndarray:
+        """Contact force, positive in compression, at `times`, shape (T,) [N]."""
+        return self.contact_force(self.sample(times))
 
     def port(self, name: str, states: np.ndarray) -> np.ndarray:
         """A port's displacement, rate or acceleration from the coordinates', shape (T,)."""

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from spacerobot.effects.kernel import PARAMETERS, Kernel, compiled, no_edge
+from spacerobot.effects.kernel import PARAMETERS, Kernel, compiled
 from spacerobot.effects.laws import CONTACT, DAMPER, SPRING
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.support.errors import NotFoundError
@@ -54,16 +54,21 @@ class System(NamedTuple):
 # arrays instead of twenty cut the cost of a compiled call to a quarter: Numba counts references per array.
 N, PORTS, FORCES, FRICTIONS, INPUTS, KICKS, PRESS, SLIDE, YAW, CONTACT_FORCE = range(10)
 MASS, ROWS, GEOMETRY, PARAMETER, FRICTION_PARAMETER, CONSTANT, GAIN, KICK_TIME, KICK = range(10, 19)
-PORT, SENSE, AUX, LAW, EDGE, FRICTION_PORT, FRICTION_LAW, FRICTION_NORMAL, INPUT_PORT = range(19, 28)
-D, V, BIAS, W_ROWS, TAU, RAW, FORCE, FRICTION, MATRIX, VECTOR, STUCK, WORK_SIZE = range(28, 40)
-HEADER = 40
+LINEAR = 19
+PORT, SENSE, AUX, LAW, EDGE, FRICTION_PORT, FRICTION_LAW, FRICTION_NORMAL, INPUT_PORT = range(20, 29)
+FORCE_ORDER, PORT_ORDER = 29, 30
+D, V, BIAS, W_ROWS, TAU, RAW, FORCE, FRICTION, MATRIX, VECTOR, STUCK, WORK_SIZE = range(31, 43)
+LIVE_FORCES, LIVE_PORTS = 43, 44
+HEADER = 45
 
 
 class Packed(NamedTuple):
     """The system as the compiled code takes it.
 
-    GEOMETRY holds (ahead, lateral, hold, bilateral). The work array holds what the last evaluation found: D and V
-    displacements and rates of the ports, TAU generalised forces, RAW what the laws say, FORCE what acts.
+    GEOMETRY holds (ahead, lateral, hold, bilateral). LINEAR, shape (n, 2n), holds what linear springs and dampers at
+    ports of constant rows do to the generalised forces; the forces and ports beyond them are the live ones, first in
+    FORCE_ORDER and PORT_ORDER. The work array holds what the last evaluation found: D and V displacements and rates
+    of the ports, TAU generalised forces, RAW what the laws say, FORCE what acts.
     """
 
     floats: np.ndarray
@@ -83,6 +88,7 @@ def pack(s: System) -> Packed:
     """The two arrays that hold a system."""
     ports, n = s.rows.shape
     f, r = s.force_port.size, s.friction_port.size
+    linear, force_order, live_forces, port_order, live_ports = _folded(s)
     header = np.zeros(HEADER, dtype=np.int64)
     header[:PRESS] = n, ports, f, r, s.input_port.size, s.impulse_time.size
     header[PRESS:MASS] = s.special
@@ -96,6 +102,7 @@ def pack(s: System) -> Packed:
         s.input_gain,
         s.impulse_time,
         s.impulse.ravel(),
+        linear.ravel(),
     ]
     offset = 0
     for slot, block in zip(range(MASS, PORT), floats, strict=True):
@@ -111,6 +118,8 @@ def pack(s: System) -> Packed:
         s.friction_law,
         s.friction_normal,
         s.input_port,
+        force_order,
+        port_order,
     ]
     offset = HEADER
     for slot, block in zip(range(PORT, D), ints, strict=True):
@@ -121,7 +130,30 @@ def pack(s: System) -> Packed:
         header[slot] = offset
         offset += size
     header[WORK_SIZE] = offset
+    header[LIVE_FORCES], header[LIVE_PORTS] = live_forces, live_ports
     return Packed(np.concatenate(floats), np.concatenate([header, *ints]))
+
+
+def _folded(s: System) -> tuple[np.ndarray, np.ndarray, int, np.ndarray, int]:
+    """What linear forces do, as a matrix; and the order of forces and ports, those left to be evaluated first."""
+    ports, n = s.rows.shape
+    turning = {int(s.special[0]), int(s.special[1])}  # their rows depend on the state
+    linear = np.zeros((n, 2 * n))
+    live: list[int] = []
+    needed = {*turning, *s.friction_port.tolist()} - {NONE}
+    for j, (port, sensed, aux, law) in enumerate(
+        zip(s.force_port.tolist(), s.force_sense.tolist(), s.force_aux.tolist(), s.force_law.tolist(), strict=True)
+    ):
+        if law in (NATIVE_SPRING, NATIVE_DAMPER) and port not in turning and sensed not in turning:
+            first = 0 if law == NATIVE_SPRING else n
+            linear[:, first : first + n] -= s.parameters[j, 0] * np.outer(s.rows[port], s.rows[sensed])
+        else:
+            live.append(j)
+            needed |= {sensed} | ({aux} if aux >= 0 else set())
+    folded = [j for j in range(s.force_port.size) if j not in live]
+    rest = [p for p in range(ports) if p not in needed]
+    forces, order = np.array(live + folded, dtype=np.int64), np.array([*needed, *rest], dtype=np.int64)
+    return linear, forces, len(live), order, len(needed)
 
 
 @dataclass(frozen=True)
@@ -142,40 +174,30 @@ class Layout:
 
 
 class LawTable:
-    """Every compiled law seen so far, as one typed list, so that systems hold plain indices."""
+    """Addresses of every compiled law seen so far, as one array, so that systems hold plain indices."""
 
     def __init__(self) -> None:
         self._index: dict[Any, int] = {}
-        self._list: Any = None
+        self._kept: list[Any] = []
+        self._addresses = np.zeros(1, dtype=np.int64)
         self._lock = threading.Lock()
 
     def index(self, law: Any) -> int:
         """The law's place in `laws`, compiling it on first use."""
         found = self._index.get(law)
         if found is None:
-            with self._lock:  # fits run in threads, and the list must not grow twice for one law
+            with self._lock:  # fits run in threads, and the table must not grow twice for one law
                 found = self._index.get(law)
                 if found is None:
-                    found = self._add(law)
+                    self._kept.append(compiled(law))
+                    self._addresses = np.array([k.address for k in self._kept], dtype=np.int64)
+                    found = self._index[law] = len(self._kept) - 1
         return found
 
-    def _add(self, law: Any) -> int:
-        from numba.core import types
-        from numba.typed import List
-
-        if self._list is None:
-            floats = (types.float64, types.float64, types.float64, types.float64[::1])
-            self._list = List.empty_list(types.FunctionType(types.float64(*floats)))
-        self._list.append(compiled(law))
-        self._index[law] = len(self._list) - 1
-        return self._index[law]
-
     @property
-    def laws(self) -> Any:
-        """The typed list."""
-        if self._list is None:
-            self.index(no_edge)
-        return self._list
+    def laws(self) -> np.ndarray:
+        """The addresses, shape (at least 1,)."""
+        return self._addresses
 
 
 LAWS = LawTable()

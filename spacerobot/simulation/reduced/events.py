@@ -1,4 +1,4 @@
-"""Events: guards bracketed inside every step, located by bisection; what mode follows. Compiled."""
+"""Events: guards bracketed inside every step, located by safeguarded secants; what mode follows. Compiled."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from spacerobot.simulation.reduced.arrays import (
     FRICTION_PORT,
     FRICTIONS,
     GEOMETRY,
+    LIVE_PORTS,
     MASS,
     PARAMETER,
     PRESS,
@@ -27,24 +28,17 @@ from spacerobot.simulation.reduced.arrays import (
     N,
     V,
 )
-from spacerobot.simulation.reduced.motion import (
-    APART,
-    PRESSED,
-    RELEASED,
-    STICK,
-    TINY,
-    evaluate,
-    guards,
-    kinematics,
-    level,
-)
+from spacerobot.simulation.reduced.forces import APART, PRESSED, RELEASED, STICK, TINY, call_law, level
+from spacerobot.simulation.reduced.guards import guards
+from spacerobot.simulation.reduced.motion import accelerate, sense
+from spacerobot.simulation.reduced.ports import kinematics
 from spacerobot.simulation.reduced.stepper import interpolate
-from spacerobot.support.jit import jit
+from spacerobot.support.jit import jit, lean
 
 SUBSAMPLES = 5
 
 
-@jit
+@lean
 def guard_at(
     x: Any,
     c: Any,
@@ -63,11 +57,11 @@ def guard_at(
 ) -> None:
     """Guards at t + theta h, into g."""
     interpolate(y, h, q, theta, temp)
-    evaluate(x, c, laws, t + theta * h, temp, modes, u, w, slope)
+    sense(x, c, laws, t + theta * h, temp, modes, u, w, slope)
     guards(x, c, laws, modes, w, g)
 
 
-@jit
+@lean
 def find_event(
     x: Any,
     c: Any,
@@ -98,9 +92,11 @@ def find_event(
     best = -1
     for i in range(count):
         lo, hi = -1.0, -1.0
+        above, below = 0.0, 0.0
         for j in range(1, SUBSAMPLES + 1):
             if samples[j, i] < 0.0:
                 lo, hi = (j - 1) / SUBSAMPLES, j / SUBSAMPLES
+                above, below = samples[j - 1, i], samples[j, i]
                 break
             dip = -1.0
             if i == 0 and press >= 0 and modes[0] != PRESSED:
@@ -132,16 +128,30 @@ def find_event(
                 guard_at(x, c, laws, t, y, h, q, dip, modes, u, w, temp, slope, samples[SUBSAMPLES + 1])
                 if samples[SUBSAMPLES + 1, i] < 0.0:
                     lo, hi = (j - 1) / SUBSAMPLES, dip
+                    above, below = samples[j - 1, i], samples[SUBSAMPLES + 1, i]
                     break
         if hi < 0.0 or lo >= best_theta:
             continue
-        for _ in range(60):
-            mid = 0.5 * (lo + hi)
+        # Illinois, with a bisection every third time; ends on the far side of the root
+        scale = max(abs(above), abs(below))
+        side = 0
+        for n in range(90):
+            part = above / (above - below) if above > 0.0 else 0.0
+            mid = lo + (hi - lo) * part if n % 3 < 2 and 0.0 < part < 1.0 else 0.5 * (lo + hi)
             guard_at(x, c, laws, t, y, h, q, mid, modes, u, w, temp, slope, samples[SUBSAMPLES + 1])
-            if samples[SUBSAMPLES + 1, i] < 0.0:
-                hi = mid
+            value = samples[SUBSAMPLES + 1, i]
+            if value < 0.0:
+                hi, below = mid, value
+                if side < 0:
+                    above *= 0.5
+                side = -1
+                if -value <= 1e-14 * scale:
+                    break
             else:
-                lo = mid
+                lo, above = mid, value
+                if side > 0:
+                    below *= 0.5
+                side = 1
             if hi - lo < 1e-13:
                 break
         if hi < best_theta:
@@ -151,7 +161,7 @@ def find_event(
     return best, best_theta
 
 
-@jit
+@lean
 def _extremum(
     x: Any,
     c: Any,
@@ -173,7 +183,7 @@ def _extremum(
     for _ in range(40):
         mid = 0.5 * (lo + hi)
         interpolate(y, h, q, mid, temp)
-        kinematics(x, c, temp, w)
+        kinematics(x, c, temp, w, c[LIVE_PORTS])
         if w[c[V] + press] > 0.0:
             lo = mid
         else:
@@ -181,12 +191,12 @@ def _extremum(
     return 0.5 * (lo + hi)
 
 
-@jit
+@lean
 def switch(x: Any, c: Any, laws: Any, i: int, t: float, y: Any, modes: Any, u: Any, w: Any, slope: Any) -> None:
     """Changes mode i after its guard fell to zero at state y."""
     n = c[N]
     forces = c[FORCES]
-    evaluate(x, c, laws, t, y, modes, u, w, slope)
+    accelerate(x, c, laws, t, y, modes, u, w, slope)
     if i == 0:
         d = w[c[D] + c[PRESS]]
         if modes[0] == APART:
@@ -215,12 +225,12 @@ def switch(x: Any, c: Any, laws: Any, i: int, t: float, y: Any, modes: Any, u: A
     settle(x, c, laws, t, y, modes, u, w, slope)
 
 
-@jit
+@lean
 def settle(x: Any, c: Any, laws: Any, t: float, y: Any, modes: Any, u: Any, w: Any, slope: Any) -> None:
     """Lets every stuck port whose friction exceeds its limit slide; repeated until consistent."""
     base = 1 + c[FORCES]
     for _ in range(c[FRICTIONS] + 1):
-        evaluate(x, c, laws, t, y, modes, u, w, slope)
+        accelerate(x, c, laws, t, y, modes, u, w, slope)
         normal = 0.0
         if c[PRESS] >= 0:
             normal = max(0.0, -w[c[FORCE] + c[CONTACT_FORCE]])
@@ -241,7 +251,7 @@ def start_modes(x: Any, c: Any, laws: Any, t: float, y: Any, u: Any, w: Any, slo
     """Modes that fit the state y."""
     forces = c[FORCES]
     modes = np.zeros(1 + forces + c[FRICTIONS], dtype=np.int64)
-    kinematics(x, c, y, w)
+    kinematics(x, c, y, w, c[LIVE_PORTS])
     if c[PRESS] >= 0:
         d, v = w[c[D] + c[PRESS]], w[c[V] + c[PRESS]]
         if d > 0.0 or (d == 0.0 and v > 0.0):
@@ -258,17 +268,14 @@ def start_modes(x: Any, c: Any, laws: Any, t: float, y: Any, u: Any, w: Any, slo
     return modes
 
 
-@jit
+@lean
 def fix_edges(x: Any, c: Any, laws: Any, modes: Any, w: Any) -> None:
     """Sets the sign of every edge to that of the present state."""
     for j in range(c[FORCES]):
         if c[c[EDGE] + j] >= 0:
             sense = c[c[SENSE] + j]
             aux = w[c[V] + c[c[AUX] + j]] if c[c[AUX] + j] >= 0 else 0.0
-            value = laws[c[c[EDGE] + j]](
-                w[c[D] + sense],
-                w[c[V] + sense],
-                aux,
-                x[c[PARAMETER] + PARAMETERS * j : c[PARAMETER] + PARAMETERS * (j + 1)],
+            value = call_law(
+                laws[c[c[EDGE] + j]], w[c[D] + sense], w[c[V] + sense], aux, x, c[PARAMETER] + PARAMETERS * j
             )
             modes[1 + j] = -1 if value < 0.0 else 1

@@ -24,7 +24,8 @@ from spacerobot.simulation.reduced.events import (
     start_modes,
     switch,
 )
-from spacerobot.simulation.reduced.motion import evaluate, guards
+from spacerobot.simulation.reduced.guards import guards
+from spacerobot.simulation.reduced.motion import accelerate
 from spacerobot.simulation.reduced.stepper import dense, error_norm, stages
 from spacerobot.support.jit import jit
 
@@ -91,7 +92,7 @@ def integrate(
             watched = True
     while kick < c[KICKS] and x[c[KICK_TIME] + kick] < t0:
         kick += 1
-    evaluate(x, c, laws, t, y, modes, u, w, k[0])
+    accelerate(x, c, laws, t, y, modes, u, w, k[0])
     while t < t1:
         stop = t1
         if kick < c[KICKS] and x[c[KICK_TIME] + kick] <= t1:
@@ -103,7 +104,7 @@ def integrate(
             contact_mode = modes[0]
             modes = start_modes(x, c, laws, t, y, u, w, slope)
             modes[0] = contact_mode
-            evaluate(x, c, laws, t, y, modes, u, w, k[0])
+            accelerate(x, c, laws, t, y, modes, u, w, k[0])
             continue
         full = min(h, h_max)
         final = False
@@ -133,13 +134,13 @@ def integrate(
             part = max(theta * full, 0.0)
             for _ in range(4):
                 stages(x, c, laws, t, y, part, modes, u, w, k, new)
-                evaluate(x, c, laws, t + part, new, modes, u, w, slope)
+                accelerate(x, c, laws, t + part, new, modes, u, w, slope)
                 guards(x, c, laws, modes, w, samples[0])
                 value = samples[0, hit]
                 probe = max(1e-7 * full, 1e-12)
                 for i in range(size):
                     temp[i] = new[i] + probe * slope[i]
-                evaluate(x, c, laws, t + part + probe, temp, modes, u, w, slope)
+                accelerate(x, c, laws, t + part + probe, temp, modes, u, w, slope)
                 guards(x, c, laws, modes, w, samples[1])
                 rate = (samples[1, hit] - value) / probe
                 if rate >= 0.0:
@@ -180,7 +181,7 @@ def integrate(
                 break
         else:
             h = full * grow if not final else max(h, full * grow)
-        evaluate(x, c, laws, t, y, modes, u, w, k[0])
+        accelerate(x, c, laws, t, y, modes, u, w, k[0])
         if m >= most:
             status = TOO_MANY_STEPS
             break

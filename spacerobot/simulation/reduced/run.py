@@ -10,9 +10,9 @@ import numpy as np
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.simulation.events import Event
 from spacerobot.simulation.reduced.arrays import LAWS, Layout, Packed, System, assemble, initial_vector, pack
+from spacerobot.simulation.reduced.forces import APART, PRESSED, RELEASED, STICK
 from spacerobot.simulation.reduced.integrate import MAX_STEPS, NOT_FINITE, OK, TOO_MANY_EVENTS, Steps, integrate
-from spacerobot.simulation.reduced.motion import APART, PRESSED, RELEASED, STICK
-from spacerobot.simulation.reduced.sampling import sample, work_done
+from spacerobot.simulation.reduced.sampling import sample, sample_contact, sample_states, work_done
 from spacerobot.support.errors import InputError, SimulationError
 
 _CONTACT_NAMES = {APART: "apart", PRESSED: "touch", RELEASED: "release"}
@@ -60,6 +60,18 @@ class ReducedRun:
         )
         n = len(self.layout.coordinates)
         return Sample(times, y[:, :n], y[:, n:], rate[:, n:], force, friction)
+
+    def states(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Positions and velocities at `times`, shape (T,), ascending; shape (T, n) each."""
+        time, length, state, dense, _ = self.steps
+        y = sample_states(time, length, state, dense, np.ascontiguousarray(times, dtype=float))
+        n = len(self.layout.coordinates)
+        return y[:, :n], y[:, n:]
+
+    def contact_at(self, times: np.ndarray) -> np.ndarray:
+        """Contact force, positive in compression, at `times`, shape (T,), ascending [N]."""
+        at = np.ascontiguousarray(times, dtype=float)
+        return np.asarray(sample_contact(*self.packed, LAWS.laws, self.packed.work(), *self.steps, at))
 
     def port(self, name: str, states: np.ndarray) -> np.ndarray:
         """A port's displacement, rate or acceleration from the coordinates', shape (T,); constant rows."""

@@ -8,21 +8,67 @@ import numpy as np
 
 from spacerobot.simulation.reduced.arrays import (
     CONSTANT,
+    CONTACT_FORCE,
     FORCE,
     FORCES,
     FRICTION,
     FRICTION_PORT,
     FRICTIONS,
+    LIVE_PORTS,
     PORT,
     TAU,
     V,
 )
+from spacerobot.simulation.reduced.forces import PRESSED, say
 from spacerobot.simulation.reduced.motion import evaluate
+from spacerobot.simulation.reduced.ports import kinematics
 from spacerobot.simulation.reduced.stepper import interpolate
-from spacerobot.support.jit import jit
+from spacerobot.support.jit import jit, lean
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(5)
 _NODES, _WEIGHTS = 0.5 * (_NODES + 1.0), 0.5 * _WEIGHTS
+
+
+@lean
+def _step_at(time: Any, length: Any, step: int, t: float) -> Any:
+    """The step that holds time t, looked for from `step` on, and where in it."""
+    last = time.size - 1
+    if t < time[step]:
+        step = 0
+    while step < last and t >= time[step + 1]:
+        step += 1
+    theta = 0.0
+    if length[step] > 0.0:
+        theta = min(max((t - time[step]) / length[step], 0.0), 1.0)
+    return step, theta
+
+
+@jit
+def sample_states(time: Any, length: Any, state: Any, dense: Any, at: Any) -> Any:
+    """States at the times `at`, shape (T, 2n), without any force."""
+    out = np.empty((at.size, state.shape[1]))
+    step = 0
+    for i in range(at.size):
+        step, theta = _step_at(time, length, step, at[i])
+        interpolate(state[step], length[step], dense[step], theta, out[i])
+    return out
+
+
+@jit
+def sample_contact(
+    x: Any, c: Any, laws: Any, w: Any, time: Any, length: Any, state: Any, dense: Any, modes: Any, at: Any
+) -> Any:
+    """Contact force, positive in compression, at the times `at`, shape (T,); nothing is evaluated while apart."""
+    out = np.zeros(at.size)
+    y = np.empty(state.shape[1])
+    step = 0
+    for i in range(at.size):
+        step, theta = _step_at(time, length, step, at[i])
+        if modes[step, 0] == PRESSED:
+            interpolate(state[step], length[step], dense[step], theta, y)
+            kinematics(x, c, y, w, c[LIVE_PORTS])
+            out[i] = -say(x, c, laws, modes[step], w, c[CONTACT_FORCE])
+    return out
 
 
 @jit
@@ -47,15 +93,8 @@ def sample(
     out, rate = np.empty((at.size, size)), np.empty((at.size, size))
     force, friction = np.empty((at.size, c[FORCES])), np.empty((at.size, c[FRICTIONS]))
     step = 0
-    last = time.size - 1
     for i in range(at.size):
-        if i > 0 and at[i] < at[i - 1]:
-            step = 0
-        while step < last and at[i] >= time[step + 1]:
-            step += 1
-        theta = 0.0
-        if length[step] > 0.0:
-            theta = min(max((at[i] - time[step]) / length[step], 0.0), 1.0)
+        step, theta = _step_at(time, length, step, at[i])
         interpolate(state[step], length[step], dense[step], theta, out[i])
         evaluate(x, c, laws, at[i], out[i], modes[step], u, w, rate[i])
         for j in range(c[FORCES]):

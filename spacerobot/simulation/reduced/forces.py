@@ -1,0 +1,163 @@
+"""Forces at the ports of the reduced model, set-valued friction among them. Compiled."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from spacerobot.effects.kernel import PARAMETERS
+from spacerobot.effects.laws import contact_force
+from spacerobot.simulation.reduced.arrays import (
+    AUX,
+    BIAS,
+    CONTACT_FORCE,
+    FORCE,
+    FORCE_ORDER,
+    FORCES,
+    FRICTION,
+    FRICTION_LAW,
+    FRICTION_NORMAL,
+    FRICTION_PARAMETER,
+    FRICTION_PORT,
+    FRICTIONS,
+    INPUTS,
+    LAW,
+    MASS,
+    MATRIX,
+    NATIVE_CONTACT,
+    NATIVE_DAMPER,
+    NATIVE_SPRING,
+    PARAMETER,
+    PORT,
+    RAW,
+    SENSE,
+    STUCK,
+    TAU,
+    VECTOR,
+    W_ROWS,
+    D,
+    N,
+    V,
+)
+from spacerobot.simulation.reduced.ports import drive
+from spacerobot.support.jit import call_law as _call_law
+from spacerobot.support.jit import inlined, lean
+
+call_law = _call_law()
+native_contact = lean(contact_force)
+
+APART, PRESSED, RELEASED = 0, 1, 2
+"""Contact modes: surfaces apart; force carried; overlapping on paper but the contact force has ended."""
+
+SLIP_MINUS, STICK, SLIP_PLUS = -1, 0, 1
+TINY = 1e-300
+
+
+@lean
+def level(x: Any, c: Any, laws: Any, r: int, v: float, normal: float) -> float:
+    """Largest magnitude of friction r while sliding at rate v (its sign is the direction)."""
+    load = normal if c[c[FRICTION_NORMAL] + r] == 1 else 1.0
+    return call_law(laws[c[c[FRICTION_LAW] + r]], v, load, 0.0, x, c[FRICTION_PARAMETER] + PARAMETERS * r)
+
+
+@inlined
+def say(x: Any, c: Any, laws: Any, modes: Any, w: Any, j: int) -> float:
+    """What law j says at the present displacements and rates, kept in RAW; and what acts, kept in FORCE."""
+    sense = c[c[SENSE] + j]
+    d, v = w[c[D] + sense], w[c[V] + sense]
+    law = c[c[LAW] + j]
+    first = c[PARAMETER] + PARAMETERS * j
+    if law == NATIVE_SPRING:
+        f = -x[first] * d
+    elif law == NATIVE_DAMPER:
+        f = -x[first] * v
+    else:
+        aux = w[c[V] + c[c[AUX] + j]] if c[c[AUX] + j] >= 0 else 0.0
+        if law == NATIVE_CONTACT:
+            # a tuple: a view of x would cost more than the law, for its reference count
+            f = native_contact(d, v, aux, (x[first], x[first + 1], x[first + 2], x[first + 3]))
+        else:
+            f = call_law(laws[law], d, v, aux, x, first)
+    w[c[RAW] + j] = f
+    if j == c[CONTACT_FORCE] and modes[0] != PRESSED:
+        f = 0.0
+    w[c[FORCE] + j] = f
+    return f
+
+
+@inlined
+def act(x: Any, c: Any, laws: Any, t: float, modes: Any, u: Any, w: Any, count: int) -> int:
+    """Adds what the first `count` forces of FORCE_ORDER, drives and frictions do to TAU; returns how many stick.
+
+    Reads displacements and rates of the ports; fills RAW, FORCE, FRICTION (of the sliding) and STUCK (which are
+    not). modes = (contact, edge signs (F), frictions (R)).
+    """
+    n = c[N]
+    normal = 0.0
+    for k in range(count):
+        j = c[c[FORCE_ORDER] + k]
+        f = say(x, c, laws, modes, w, j)
+        if j == c[CONTACT_FORCE]:
+            normal = max(0.0, -f)
+        if f != 0.0:
+            row = c[W_ROWS] + c[c[PORT] + j] * n
+            for i in range(n):
+                w[c[TAU] + i] += w[row + i] * f
+    if c[INPUTS] > 0:
+        drive(x, c, t, u, w)
+    base = 1 + c[FORCES]
+    stuck = 0
+    for r in range(c[FRICTIONS]):
+        m = modes[base + r]
+        if m == STICK:
+            w[c[STUCK] + stuck] = r
+            stuck += 1
+            continue
+        p = c[c[FRICTION_PORT] + r]
+        speed = m * max(m * w[c[V] + p], TINY)
+        f = -m * level(x, c, laws, r, speed, normal)
+        w[c[FRICTION] + r] = f
+        for i in range(n):
+            w[c[TAU] + i] += w[c[W_ROWS] + p * n + i] * f
+    return stuck
+
+
+@lean
+def stick(x: Any, c: Any, stuck: int, w: Any) -> None:
+    """Forces that keep the stuck ports from accelerating: J M^-1 J^T f = -(J M^-1 tau + bias)."""
+    n = c[N]
+    for a in range(stuck):
+        pa = c[c[FRICTION_PORT] + int(w[c[STUCK] + a])]
+        total = w[c[BIAS] + pa]
+        for i in range(n):
+            total += w[c[W_ROWS] + pa * n + i] * x[c[MASS] + i] * w[c[TAU] + i]
+        w[c[VECTOR] + a] = -total
+        for b in range(stuck):
+            pb = c[c[FRICTION_PORT] + int(w[c[STUCK] + b])]
+            coupling = 0.0
+            for i in range(n):
+                coupling += w[c[W_ROWS] + pa * n + i] * x[c[MASS] + i] * w[c[W_ROWS] + pb * n + i]
+            w[c[MATRIX] + a * stuck + b] = coupling
+    for a in range(stuck):  # elimination without pivoting: the matrix is symmetric positive semidefinite
+        pivot = w[c[MATRIX] + a * stuck + a]
+        if pivot <= 1e-14:
+            continue
+        for b in range(a + 1, stuck):
+            ratio = w[c[MATRIX] + b * stuck + a] / pivot
+            for e in range(a, stuck):
+                w[c[MATRIX] + b * stuck + e] -= ratio * w[c[MATRIX] + a * stuck + e]
+            w[c[VECTOR] + b] -= ratio * w[c[VECTOR] + a]
+    for k in range(stuck):
+        a = stuck - 1 - k
+        pivot = w[c[MATRIX] + a * stuck + a]
+        value = w[c[VECTOR] + a]
+        for b in range(a + 1, stuck):
+            value -= w[c[MATRIX] + a * stuck + b] * w[c[VECTOR] + b]
+        # a second friction at the same port finds a zero pivot and carries nothing; the first carries all
+        w[c[VECTOR] + a] = value / pivot if pivot > 1e-14 else 0.0
+    for a in range(stuck):
+        r = int(w[c[STUCK] + a])
+        f = w[c[VECTOR] + a]
+        w[c[FRICTION] + r] = f
+        p = c[c[FRICTION_PORT] + r]
+        for i in range(n):
+            w[c[TAU] + i] += w[c[W_ROWS] + p * n + i] * f

@@ -1,0 +1,63 @@
+"""Guards: one value per mode, positive while the mode holds. Compiled."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from spacerobot.effects.kernel import PARAMETERS
+from spacerobot.simulation.reduced.arrays import (
+    AUX,
+    CONTACT_FORCE,
+    EDGE,
+    FORCE,
+    FORCES,
+    FRICTION,
+    FRICTION_PORT,
+    FRICTIONS,
+    GEOMETRY,
+    PARAMETER,
+    PRESS,
+    RAW,
+    SENSE,
+    D,
+    V,
+)
+from spacerobot.simulation.reduced.forces import APART, PRESSED, STICK, TINY, call_law, level
+from spacerobot.support.jit import lean
+
+
+@lean
+def guards(x: Any, c: Any, laws: Any, modes: Any, w: Any, out: Any) -> None:
+    """One value per mode, positive while the mode holds; call after `evaluate`. Shape (1 + F + R,)."""
+    forces = c[FORCES]
+    normal = 0.0
+    if c[PRESS] >= 0:
+        d = w[c[D] + c[PRESS]]
+        push = -w[c[RAW] + c[CONTACT_FORCE]]
+        normal = max(0.0, -w[c[FORCE] + c[CONTACT_FORCE]])
+        if modes[0] == APART:
+            out[0] = -d
+        elif modes[0] == PRESSED:
+            out[0] = d if x[c[GEOMETRY] + 3] > 0.5 else push + x[c[GEOMETRY] + 2]
+        else:
+            out[0] = min(d, -push)
+    else:
+        out[0] = 1.0
+    for j in range(forces):
+        e = c[c[EDGE] + j]
+        if e < 0:
+            out[1 + j] = 1.0
+            continue
+        sense = c[c[SENSE] + j]
+        aux = w[c[V] + c[c[AUX] + j]] if c[c[AUX] + j] >= 0 else 0.0
+        value = call_law(laws[e], w[c[D] + sense], w[c[V] + sense], aux, x, c[PARAMETER] + PARAMETERS * j)
+        out[1 + j] = modes[1 + j] * value
+    base = 1 + forces
+    for r in range(c[FRICTIONS]):
+        m = modes[base + r]
+        if m == STICK:
+            f = w[c[FRICTION] + r]
+            limit = level(x, c, laws, r, -TINY if f > 0.0 else TINY, normal)
+            out[base + r] = limit * (1.0 + 1e-12) + 1e-300 - abs(f)
+        else:
+            out[base + r] = m * w[c[V] + c[c[FRICTION_PORT] + r]]

@@ -1,0 +1,79 @@
+"""Displacements and rates of the ports of the reduced model, and the recorded drives. Compiled."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from spacerobot.simulation.reduced.arrays import (
+    BIAS,
+    GAIN,
+    GEOMETRY,
+    INPUT_PORT,
+    INPUTS,
+    PORT_ORDER,
+    PRESS,
+    ROWS,
+    SLIDE,
+    TAU,
+    W_ROWS,
+    YAW,
+    D,
+    N,
+    V,
+)
+from spacerobot.support.jit import lean
+
+
+@lean
+def kinematics(x: Any, c: Any, y: Any, w: Any, count: int) -> None:
+    """Displacements and rates of the first `count` ports of PORT_ORDER at state y = (q, v)."""
+    n, rows, at, rate, order = c[N], c[ROWS], c[D], c[V], c[PORT_ORDER]
+    for k in range(count):
+        p = c[order + k]
+        d = 0.0
+        v = 0.0
+        for i in range(n):
+            r = x[rows + p * n + i]
+            d += r * y[i]
+            v += r * y[n + i]
+        w[at + p] = d
+        w[rate + p] = v
+    yaw = c[YAW]
+    if yaw >= 0 and c[PRESS] >= 0:
+        a, b = x[c[GEOMETRY] + 0], x[c[GEOMETRY] + 1]
+        sine, cosine = np.sin(y[yaw]), np.cos(y[yaw])
+        across = a * sine + b * cosine
+        along = a * cosine - b * sine
+        spin = y[n + yaw]
+        press, slide = c[PRESS], c[SLIDE]
+        w[at + press] += a * (cosine - 1.0) - b * sine
+        w[rate + press] -= across * spin
+        w[c[W_ROWS] + press * n + yaw] = -across
+        w[c[BIAS] + press] = -along * spin * spin
+        w[at + slide] += a * sine + b * (cosine - 1.0)
+        w[rate + slide] += along * spin
+        w[c[W_ROWS] + slide * n + yaw] = along
+        w[c[BIAS] + slide] = -across * spin * spin
+
+
+@lean
+def drive(x: Any, c: Any, t: float, u: Any, w: Any) -> None:
+    """Adds the recorded drives, interpolated linearly; outside the record the nearest sample holds."""
+    n = c[N]
+    last = u.shape[1] - 1
+    k = int(np.searchsorted(u[0], t, side="right")) - 1
+    if k < 0:
+        k, blend = 0, 0.0
+    elif k >= last:
+        k, blend = last, 0.0
+    else:
+        blend = (t - u[0, k]) / (u[0, k + 1] - u[0, k])
+    for j in range(c[INPUTS]):
+        value = u[1 + j, k]
+        if blend > 0.0:
+            value += blend * (u[1 + j, k + 1] - value)
+        p = c[c[INPUT_PORT] + j]
+        for i in range(c[N]):
+            w[c[TAU] + i] += w[c[W_ROWS] + p * n + i] * x[c[GAIN] + j] * value
