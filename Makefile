@@ -13,7 +13,7 @@ else
   INSTALL   = $(BIN)/python -m pip install -q --disable-pip-version-check
 endif
 
-.PHONY: help setup demo test test-long test-all lint types check wheel picture constraints clean
+.PHONY: help setup demo test test-long test-all fuzz lint types check wheel picture constraints clean
 
 help:  ## this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "make %-12s %s\n", $$1, $$2}'
@@ -46,6 +46,10 @@ test-all:  ## the test suite on every supported Python that is installed
 	@for v in 3.11 3.12 3.13; do \
 	  if command -v python$$v >/dev/null || [ -n "$(UV)" ]; then $(MAKE) test PYTHON=$$( [ -n "$(UV)" ] && echo $$v || echo python$$v ) VENV=.venv-$$v || exit 1; \
 	  else echo "python$$v is not installed: skipped"; fi; done
+
+fuzz: $(VENV)/.test  ## fuzz every reader with more than a million cases (an hour; goes on where it stopped)
+	$(INSTALL) -c constraints.txt -e '.[fuzz]'
+	$(BIN)/python -m fuzz
 
 lint: $(VENV)/.test
 	$(BIN)/ruff check .

@@ -3,23 +3,19 @@
 from __future__ import annotations
 
 import io
-import json
-import zipfile
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
+from spacerobot.simulation import saved
 from spacerobot.simulation.energy import Ledger
 from spacerobot.simulation.events import Event
 from spacerobot.simulation.restitution import Restitution
 from spacerobot.support.errors import InputError, NotFoundError
 from spacerobot.support.files import atomic
 from spacerobot.support.jsonio import dumps
-
-FORMAT = 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +77,7 @@ class Trajectory:
         arrays.update({f"work/{k}": v for k, v in self.ledger.work.items()})
         arrays["event/time"] = np.array([e.time for e in self.events], dtype=float)
         about = {
-            "format": FORMAT,
+            "format": saved.FORMAT,
             "backend": self.backend,
             "units": dict(self.units),
             "events": [[e.element, e.kind] for e in self.events],
@@ -104,31 +100,24 @@ class Trajectory:
             InputError: missing, damaged, or no trajectory.
         """
         try:
-            with np.load(Path(path), allow_pickle=False) as archive:
-                arrays = {key: archive[key] for key in archive.files}
-            about: dict[str, Any] = json.loads(bytes(arrays["about"]).decode())
-            if about["format"] != FORMAT:
-                raise InputError("unknown format of a trajectory", given=about["format"], valid=str(FORMAT))
-            times = arrays["event/time"].tolist()
-            events = tuple(Event(t, *pair) for t, pair in zip(times, about["events"], strict=True))
-            restitution: dict[str, Any] = {k: float("nan") if v is None else v for k, v in about["restitution"].items()}
+            arrays, about = saved.read_parts(Path(path))
+            time = saved.clock(arrays, "time")
+            channels = saved.group(arrays, "channel", len(time))
+            measured = saved.group(arrays, "measured", len(time))
+            units, backend, scene, notes = saved.words(about, channels)
             return cls(
-                arrays["time"],
-                _under(arrays, "channel"),
-                about["units"],
-                _under(arrays, "measured"),
-                Ledger(
-                    arrays["ledger/time"], arrays["ledger/kinetic"], _under(arrays, "stored"), _under(arrays, "work")
-                ),
-                events,
-                Restitution(**restitution),
-                about["backend"],
-                about["scene"],
-                tuple(about["notes"]),
+                time,
+                channels,
+                units,
+                measured,
+                saved.ledger(arrays),
+                saved.events(saved.line(arrays["event/time"], "event/time", None), about["events"]),
+                saved.restitution(about["restitution"]),
+                backend,
+                scene,
+                notes,
             )
-        except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
+        except (ValueError, KeyError, TypeError, RecursionError) as error:
             raise InputError(f"not a trajectory file ({type(error).__name__}: {error})", given=str(path)) from None
-
-
-def _under(arrays: Mapping[str, np.ndarray], group: str) -> dict[str, np.ndarray]:
-    return {key.split("/", 1)[1]: value for key, value in arrays.items() if key.startswith(f"{group}/")}
+        except InputError as error:
+            raise InputError(f"not a trajectory file ({error.what})", given=error.given or str(path)) from None

@@ -27,15 +27,18 @@ class InputError(SpacerobotError):
     def __init__(
         self, what: str, *, given: object = None, valid: str | None = None, where: str | None = None
     ) -> None:
-        self.what, self.valid, self.where = what, valid, where
+        # Any of them may carry names out of a stranger's file, and ends up on a terminal.
+        self.what = _short(what, 800)
         self.given = None if given is None else _short(given)
-        parts = [what]
+        self.valid = valid and _short(valid, 1500)
+        self.where = where and _short(where, 500)
+        parts = [self.what]
         if self.given is not None:
             parts.append(f"given: {self.given}")
-        if valid:
-            parts.append(f"valid: {valid}")
+        if self.valid:
+            parts.append(f"valid: {self.valid}")
         text = "; ".join(parts)
-        super().__init__(f"{where}: {text}" if where else text)
+        super().__init__(f"{self.where}: {text}" if self.where else text)
 
 
 class NotFoundError(InputError):
@@ -61,6 +64,7 @@ def nearest(name: str, known: Iterable[str]) -> str | None:
 
 
 def _short(value: object, limit: int = 120) -> str:
+    """Text of `value` in one line, with nothing in it that a terminal would obey."""
     text = value if isinstance(value, str) else repr(value)
-    text = "".join(c if c.isprintable() else "?" for c in text)
-    return text if len(text) <= limit else text[: limit - 3] + "..."
+    shown = "".join(c if c.isprintable() else " " if c == "\n" else "?" for c in text[:limit])
+    return shown if len(text) <= limit else shown[: limit - 3] + "..."

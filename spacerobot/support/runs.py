@@ -136,7 +136,7 @@ class RunFolder:
             found = json.loads(self._partial(name, "json").read_text(encoding="utf-8"))
         except (OSError, ValueError):
             return None
-        return found["value"] if isinstance(found, dict) and found.get("name") == name else None
+        return found.get("value") if isinstance(found, dict) and found.get("name") == name else None
 
     def save_arrays(self, name: str, arrays: Mapping[str, NDArray[Any]]) -> None:
         """Keep arrays under `name`, for a run that resumes; NaN stays NaN."""

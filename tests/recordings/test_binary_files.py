@@ -216,3 +216,19 @@ def damaged(data: bytes, edits: list[tuple[float, bytes]], cut: float) -> bytes:
         start = int(where * (len(found) - len(new)))
         found[start : start + len(new)] = new
     return bytes(found[: int(cut * len(found))])
+
+
+def test_a_child_that_dies_while_it_answers_is_no_answer(tmp_path: Path) -> None:
+    said = b'{"arrays": [["x", [3]]], "notes": []}\n'
+    assert sandbox.unpack(said + bytes(24), tmp_path)[0]["x"].tolist() == [0, 0, 0]
+    for cut in (b"", b'{"arr', said, said + bytes(17), said + bytes(32)):
+        with pytest.raises(InputError, match="gave up"):
+            sandbox.unpack(cut, tmp_path)
+
+
+def test_bytes_are_not_blown_up_to_floats_eight_times_as_long(tmp_path: Path) -> None:
+    path = tmp_path / "wide.npy"
+    kind = np.dtype([(f"f{i}", "u1") for i in range(200)])
+    np.lib.format.open_memmap(path, mode="w+", dtype=kind, shape=(400_000,)).flush()
+    with pytest.raises(InputError, match="too large"):
+        read_table(path)

@@ -46,9 +46,14 @@ def restrain() -> None:
 
 
 def main(source: IO[bytes], sink: IO[bytes]) -> None:
-    """Read a request, write the answer: a line of JSON, then the numbers."""
+    """Read a request, write the answer, within the limits."""
     request = json.loads(source.read())
     restrain()
+    reply(request, sink)
+
+
+def reply(request: dict[str, str | None], sink: IO[bytes]) -> None:
+    """Write the answer: a line of JSON, then the numbers."""
     try:
         arrays, notes = answer(request)
     except InputError as error:

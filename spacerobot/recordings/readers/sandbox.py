@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import subprocess
 import sys
@@ -17,6 +18,7 @@ from spacerobot.support.errors import InputError
 
 _ROOT = str(Path(__file__).resolve().parents[3])
 _KEPT_VALUES = 4_000_000
+_GAVE_UP = "the parser gave up on it: the file is damaged or hostile"
 
 
 def sandboxed_arrays(path: Path, format: str, variable: str | None = None) -> tuple[dict[str, Floats], tuple[str, ...]]:
@@ -74,24 +76,36 @@ def _ask(path: Path, format: str, variable: str | None) -> tuple[dict[str, Float
         done = subprocess.run(  # noqa: S603 - our own module, and the request goes through a pipe
             command,
             input=request,
-            capture_output=True,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,  # a parser may have no end of complaints
             timeout=limits.CHILD_SECONDS,
             env=_environment(),
             check=False,
         )
     except subprocess.TimeoutExpired:
         raise InputError(f"reading took longer than {limits.CHILD_SECONDS:g} s", where=str(path)) from None
-    head, _, body = done.stdout.partition(b"\n")
+    return unpack(done.stdout, path)
+
+
+def unpack(said: bytes, path: Path) -> tuple[dict[str, Floats], tuple[str, ...]]:
+    """The child's standard output as arrays and remarks.
+
+    Raises:
+        InputError: what the child says of the file, or that it died over it.
+    """
+    head, _, body = said.partition(b"\n")
     try:
         answer = json.loads(head)
     except ValueError:
-        answer = {"error": "the parser gave up on it: the file is damaged or hostile"}
+        answer = {"error": _GAVE_UP}
     if "error" in answer:
         raise InputError(str(answer["error"])[:300], where=str(path))
+    if sum(8 * math.prod(shape) for _, shape in answer["arrays"]) != len(body):  # it died while it wrote
+        raise InputError(_GAVE_UP, where=str(path))
     arrays: dict[str, Floats] = {}
     offset = 0
     for name, shape in answer["arrays"]:
-        count = int(np.prod(shape, dtype=np.int64))
+        count = math.prod(shape)
         arrays[name] = np.frombuffer(body, dtype=np.float64, count=count, offset=offset).reshape(shape)
         offset += 8 * count
     return arrays, tuple(answer["notes"])

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import io
+import re
+from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -20,6 +22,8 @@ CREASE = np.radians(35.0)
 
 KINDS = ("stl", "obj", "dae")
 
+_FORBIDDEN = re.compile(rb"<!\s*(doctype|entity)", re.IGNORECASE)
+
 
 @lru_cache(maxsize=256)
 def read_mesh(path: Path, triangles: int) -> tuple[tuple[Solid, Look | None], ...]:
@@ -35,23 +39,26 @@ def read_mesh(path: Path, triangles: int) -> tuple[tuple[Solid, Look | None], ..
     if kind not in KINDS or path.stat().st_size > MAX_BYTES:
         return ()
     try:
-        parts = _parts(path.read_bytes(), kind)
-    except Exception:  # whatever a reader makes of a damaged file
+        return tuple(_solids(_parts(path.read_bytes(), kind), triangles))
+    except Exception:  # whatever a reader, or the thinning, makes of a damaged file
         return ()
+
+
+def _solids(parts: list[tuple[Any, Look | None]], triangles: int) -> Iterator[tuple[Solid, Look | None]]:
     total = sum(len(mesh.faces) for mesh, _ in parts)
-    found = []
     for mesh, look in parts:
         share = triangles * len(mesh.faces) / max(total, 1)
         solid = _solid(mesh, int(max(share, 24)))
         if len(solid.faces) and np.all(np.isfinite(solid.points)):
-            found.append((solid, look))
-    return tuple(found)
+            yield solid, look
 
 
 def _parts(data: bytes, kind: str) -> list[tuple[Any, Look | None]]:
     """Meshes and their colours. The reader is given bytes and no folder: materials and textures are not looked for."""
     import trimesh
 
+    if kind == "dae" and (_FORBIDDEN.search(data) or b"\0" in data):  # the reader's parser would follow entities
+        return []
     loaded = trimesh.load(io.BytesIO(data), file_type=kind, process=True, skip_materials=kind == "obj")
     if isinstance(loaded, trimesh.Scene):
         parts = []
