@@ -95,6 +95,11 @@ def axis_model(study: Study, trials: Sequence[Trial], joint: str, mass: float, a
         drives,
         believed=Believed(values, {}, {}, conditions_of(whole), unknown),
         sizes={"": sizes},
+        covered=frozenset(
+            (effect, name)
+            for effect, value in (("payload", "mass"), ("viscous_friction", "damping"))
+            if f"{name}.{value}" in unknown
+        ),
         window=(OSCILLATIONS if sprung else RESTART) * sizes.time * (2.0 * math.pi if sprung else 1.0),
     )
     made.stated = frozenset(whole[0].channels) if all(r[3].sigma_stated for r in recorded) else frozenset()

@@ -19,7 +19,10 @@ from spacerobot.effects.primitives import Coordinate, Field, Force, Input, Reado
 from spacerobot.recordings.study import Study
 from spacerobot.recordings.trial import Trial
 
-RESTART = 0.5
+COMMAND = "command"
+"""What the sensors' effects call the recorded forces: thrust that comes out weaker, later or sluggish."""
+
+RESTART = 1.5
 """Length of a window under recorded forces, in units of the motion's own time: simulations of a free body drift."""
 
 
@@ -87,7 +90,7 @@ def body(axes: Sequence[Axis], along: float, sensors: Mapping[str, tuple[str, ..
             fields=(Field("target", along),) if along and "target" in coordinates else (),
             inputs=tuple(inputs),
             readouts=readouts,
-            sensors={s: tuple(c for c in names if c in readouts) for s, names in sensors.items()},
+            sensors={s: tuple(c for c in names if c in readouts or c in driven) for s, names in sensors.items()},
         )
 
     return build
@@ -145,15 +148,22 @@ def _model(study: Study, trials: Sequence[Trial], group: str, name: str) -> Simu
     sensors: dict[str, tuple[str, ...]] = {}
     for block in whole[0].blocks:
         sensors[block.stream] = (*sensors.get(block.stream, ()), *block.channels)
+    if driven:
+        sensors[COMMAND] = tuple(driven)
     known = study.recording(trials[0])
+    stated = {f"body.{n.split('.', 1)[1]}": v for n, v in study.sigma.items() if n.startswith(f"{group}.")}
+    sigma = {n: v for n, v in stated.items() if n in ("body.mass", "body.yaw_inertia") and n not in unknown}
+    fitted = {*sigma, *unknown}
+    covers = {("payload", "target"): "body.mass", ("payload", "target.yaw"): "body.yaw_inertia"}
     made = Simulated(
         name,
         body(axes, float(gravity @ approach), sensors, driven),
         whole,
         drives,
-        believed=Believed(values, {}, {}, conditions_of(whole), unknown),
+        believed=Believed(values, sigma, {}, conditions_of(whole), unknown),
         sizes=sizes,
         window=RESTART * sizes[""].time if driven else math.inf,
+        covered=frozenset(label for label, value in covers.items() if value in fitted),
     )
     made.stated = frozenset(c for c in whole[0].channels if known[c].sigma_stated)
     return made

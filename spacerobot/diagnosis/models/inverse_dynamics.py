@@ -73,6 +73,7 @@ class InverseDynamics(Model):
         compared: Sequence[str] | None = None,
         values: Mapping[str, float] | None = None,
         unknown: Sequence[str] = (),
+        sigma: Mapping[str, float] | None = None,
         sensor: str = "torques",
     ) -> None:
         """From joint logs.
@@ -85,6 +86,8 @@ class InverseDynamics(Model):
             compared: those whose balance counts; all if None.
             values: believed values, "joint.NAME.mass", ".damping", ".stiffness", ".armature".
             unknown: names of values that are to be fitted.
+            sigma: relative deviations of believed values; of a "joint.NAME.mass" that is not among the values it is
+                that of the robot's own inertia about the joint, in its mean pose.
             sensor: what verdicts call the torque sensors.
         """
         self.joints = tuple(joints)
@@ -113,7 +116,11 @@ class InverseDynamics(Model):
         self._mass = {f"joint.{j}": float(x) for j, x in zip(self.joints, inertia, strict=True)}
         self.base = dict(values or {})
         centres = {n: own[n.split(".")[1]].of(_UNITS[n.split(".")[2]]) for n in unknown}
-        self.believed = Believed(self.base, {}, {}, conditions_of(trials), centres)
+        sigma = {n: s for n, s in (sigma or {}).items() if n not in centres}
+        self.base.update(
+            {n: self._mass[n[: -len(".mass")]] for n in sigma if n.endswith(".mass") and n not in self.base}
+        )
+        self.believed = Believed(self.base, sigma, {}, conditions_of(trials), centres)
 
     def _cut(self, key: str, log: _Log, condition: str, overrides: Mapping[str, float], half: int) -> list[TrialData]:
         """The trial in pieces, each with its motion and with its torque seen through the test functions."""
@@ -140,7 +147,9 @@ class InverseDynamics(Model):
     def sites(self, effects: Iterable[Effect] | None = None) -> list[Site]:
         """As everywhere; of one joint among several, those at it: a shared sensor or a coupling is no joint's own."""
         felt = {f"joint.{j}" for j in self.compared}
-        every = super().sites(effects)
+        covered = {(e, n) for n in felt for e, v in _COVERED.items() if f"{n}.{v}" in self.believed.sigma}
+        covered |= {(e, n) for n in felt for e, v in _COVERED.items() if f"{n}.{v}" in self.believed.unknown}
+        every = [s for s in super().sites(effects) if s.label not in covered]
         if len(self.compared) == len(self.joints):
             return every
         return [s for s in every if s.where in felt and s.effect.name != "transmission_coupling"]
@@ -197,6 +206,9 @@ class InverseDynamics(Model):
             out.append(bump.smooth(torque)[:: motion.stride])
         return Predicted((np.array(out),))
 
+
+_COVERED = {"payload": "mass", "viscous_friction": "damping"}
+"""Effects that act exactly as a value of the joint does; where that is fitted, it stands for both."""
 
 _UNITS = {"mass": "kg", "armature": "kg", "damping": "N s/m", "stiffness": "N/m", "friction": "N"}
 

@@ -37,7 +37,17 @@ def _low_pass(p: Mapping[str, float], sizes: Sizes) -> bool:
     return 2.0 * math.pi * p["cutoff_Hz"] * QUICK * sizes.time > 1.0
 
 
-RULES: Mapping[str, Rule] = {"stribeck_friction": _stribeck, "end_stop": _end_stop, "low_pass": _low_pass}
+def _payload(p: Mapping[str, float], sizes: Sizes) -> bool:
+    """Mass that is there; less of it than believed is a wrong value, not a payload."""
+    return p["mass_kg"] > 0.0
+
+
+RULES: Mapping[str, Rule] = {
+    "stribeck_friction": _stribeck,
+    "end_stop": _end_stop,
+    "low_pass": _low_pass,
+    "payload": _payload,
+}
 """By effect; those without a rule say all with the bounds of their parameters."""
 
 

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from spacerobot.diagnosis.data import TrialData
-from spacerobot.diagnosis.hypothesis import Believed
+from spacerobot.diagnosis.hypothesis import Believed, Site
 from spacerobot.diagnosis.models.model import Model, Predicted
 from spacerobot.diagnosis.models.sizes import Sizes
 from spacerobot.diagnosis.models.windows import Drive, cut, local, spread_over
 from spacerobot.diagnosis.rig_model import Nuisance
+from spacerobot.effects.effect import Effect
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Impulse, Readout
 from spacerobot.simulation.reduced.run import simulate
@@ -47,6 +48,7 @@ class Simulated(Model):
         window: float,
         at_rest: bool = False,
         budget: int = BUDGET,
+        covered: frozenset[tuple[str, str]] = frozenset(),
     ) -> None:
         """From recordings.
 
@@ -60,12 +62,13 @@ class Simulated(Model):
             window: length of a window [s]; infinite for whole trials.
             at_rest: whether trials are known to begin at rest.
             budget: readings that a fit looks at.
+            covered: effects, each with its place, that a fitted value stands for.
         """
         self.name, self.build, self.believed, self.sizes = name, build, believed, sizes
         self.base = dict(believed.values)
         self.drives = dict(drives)
         self.recorded = {t.id: t for t in recorded}
-        self.at_rest = at_rest
+        self.at_rest, self.covered = at_rest, covered
         windows = [w for t in recorded for w in cut(t, window)]
         self.trials = tuple(spread_over(windows, budget))
         self._starts: dict[str, tuple[Nuisance, ...]] = {}
@@ -73,6 +76,10 @@ class Simulated(Model):
     def mechanism(self, values: Mapping[str, float], trial: TrialData) -> Mechanism:
         """The baseline of one trial with these values."""
         return self.build(values, trial)
+
+    def sites(self, effects: Iterable[Effect] | None = None) -> list[Site]:
+        """As everywhere, less those that a fitted value stands for."""
+        return [s for s in super().sites(effects) if s.label not in self.covered]
 
     def nuisances(self, trial: TrialData) -> tuple[Nuisance, ...]:
         """Initial position and velocity of every coordinate that some channel shows."""
@@ -120,6 +127,8 @@ class Simulated(Model):
         late = _delays(mechanism, trial)
         start, end = trial.start - max(late), trial.end - min(late) + 1e-9
         drive = self.drives.get(trial.id.split("@")[0])
+        if drive is not None:
+            drive = drive.through(mechanism.maps, start, end)
         step, inputs = 0.25 * self.sizes[""].time, None
         if drive is not None and mechanism.inputs:
             first, last = np.searchsorted(drive.time, [start, end])

@@ -53,6 +53,8 @@ class Sizes:
             return self.reading if unit == "channel unit" else 1.0
         if unit == "rad":  # an angle against gravity: the slope that moves by the length in the time
             return self.length / self.time**2 / STANDARD_GRAVITY
+        if unit == "rad/m":  # such a slope over the length
+            return 1.0 / self.time**2 / STANDARD_GRAVITY
         basic = {"N": self.force, "m": self.length, "s": self.time, "kg": self.mass, "Hz": 1.0 / self.time, "1": 1.0}
         above, _, below = unit.partition("/")
         size = 1.0

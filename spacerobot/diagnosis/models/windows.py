@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 
 from spacerobot.diagnosis.data import Block, TrialData
+from spacerobot.diagnosis.models.measured import through_sensor
+from spacerobot.effects.primitives import ChannelMap
 
 ENOUGH = 256
 """Readings a window keeps; more frequent ones are thinned, since a fit gains nothing from them."""
@@ -24,9 +26,30 @@ class Drive:
 
     @cached_property
     def step(self) -> float:
-        """Median spacing of the times [s]."""
-        return float(np.median(np.diff(self.time)))
+        """Typical spacing of the times [s]; where a command holds, of its changes."""
+        gaps = np.diff(self.time)
+        return float(np.median(gaps[gaps > 2.0 * EDGE]))
 
+    def through(self, maps: Sequence[ChannelMap], start: float, end: float) -> Drive:
+        """What of the recorded command comes out, from `start` to `end`: weaker, later, or sluggish."""
+        own = {c: tuple(m for m in maps if m.channel == c) for c in self.value}
+        if not any(own.values()):
+            return self
+        if all(m.kind in ("gain", "offset") for some in own.values() for m in some):
+            return replace(self, value={c: through_sensor(own[c], v, 1.0) for c, v in self.value.items()})
+        late = sum(abs(m.value) for some in own.values() for m in some if m.kind == "delay")
+        grid = np.arange(start - late - SETTLE * self.step, end + late, self.step / FINER)
+        value = {
+            c: through_sensor(own[c], np.interp(grid, self.time, v), self.step / FINER) for c, v in self.value.items()
+        }
+        return Drive(grid, value)
+
+
+FINER = 4
+"""Points between two corners of a command that comes out late or sluggish."""
+
+SETTLE = 40
+"""Corners before a window in which a sluggish command forgets what came before."""
 
 EDGE = 1e-6
 """Time [s] that a command takes to change."""
