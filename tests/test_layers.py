@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parent.parent / "spacerobot"
-_ORDER = ["support", "model", "dynamics", "effects", "simulation", "recordings", "diagnosis", "proof", "view", "cli"]
+_ORDER = ["support", "model", "dynamics", "effects", "simulation", "recordings", "diagnosis", "proof"]
+_ORDER += ["sweep", "view", "cli"]
 ALLOWED: dict[str, set[str]] = {layer: set(_ORDER[: i + 1]) for i, layer in enumerate(_ORDER)}
 ALLOWED["theory"] = {"theory"}
 for _layer in _ORDER[_ORDER.index("simulation") :]:

@@ -24,6 +24,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "diagnose": ("diagnose", "which physics was left out of a study's baseline, named, fitted and shown"),
     "view": ("view", "a robot, a capture or a recorded trial as a scene in one file"),
     "prove": ("prove", "hide physics in another engine's recordings, diagnose them blind, score"),
+    "sweep": ("sweep", "captures by the million: poses, speeds, masses, springs and scatter, as Parquet"),
     "study": ("study", "write a first study file from a folder of recordings, or check one"),
 }
 """Name -> (module under spacerobot.cli with `configure(parser)` and `run(args) -> int | None`, its help).

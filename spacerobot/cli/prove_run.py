@@ -16,9 +16,10 @@ from spacerobot.proof.code_hash import code_hash
 from spacerobot.proof.orders import FULL, KINDS, QUICK, Order, Size, schedule
 from spacerobot.proof.summary import as_json
 from spacerobot.support.errors import InputError, NotFoundError
+from spacerobot.support.executors.choose import executor
 from spacerobot.support.files import atomic, write_text
 from spacerobot.support.jsonio import dumps
-from spacerobot.support.numbers import parse_numbers
+from spacerobot.support.numbers import parse_numbers, parse_whole
 from spacerobot.support.progress import say
 from spacerobot.support.runs import RunFolder, combined_hash
 from spacerobot.view.plotting import png
@@ -34,8 +35,10 @@ def run(args: argparse.Namespace) -> int:
     share = parse_numbers([args.share], "--share", count=1)[0]
     if not 0.0 < share <= 1.0:
         raise InputError("not a share", given=share, valid="above 0, up to 1", where="--share")
-    jobs = _whole(args.jobs, "--jobs", 1)
-    asked = None if args.seed is None else _whole(args.seed, "--seed", 0)
+    if args.dask is not None and args.jobs is not None:
+        raise InputError("the workers are Dask's", given=f"--jobs {args.jobs}", valid="--dask or --jobs")
+    jobs = 1 if args.jobs is None else parse_whole(args.jobs, "--jobs", least=1)
+    asked = None if args.seed is None else parse_whole(args.seed, "--seed")
     code = code_hash()
     key = combined_hash("prove", code, args.quick, sorted(kinds), share, not args.no_rivals, asked)
     with RunFolder(args.out, "prove", key, overwrite=args.overwrite) as folder:
@@ -57,7 +60,8 @@ def _play(
         folder.save("batch", begun)
     say(f"seed {begun['seed']}, code {code}")
     orders = _orders(QUICK if args.quick else FULL, begun["seed"], kinds, share)
-    records = run_batch(folder, orders, jobs=jobs, rivals=not args.no_rivals, verbose=args.verbose)
+    with executor(jobs, args.dask) as workers:
+        records = run_batch(folder, orders, workers=workers, rivals=not args.no_rivals, verbose=args.verbose)
     about: dict[str, Any] = {**begun, "version": __version__, "code": code, "command": _command(args)}
     names = {}
     for name, draw in FIGURES.items():
@@ -94,16 +98,6 @@ def _kinds(given: list[str] | None) -> list[str]:
             raise NotFoundError("kind of concealment", token, known, where="--kinds")
         found.append(known[name])
     return list(dict.fromkeys(found))
-
-
-def _whole(text: str, where: str, least: int) -> int:
-    try:
-        value = int(text)
-    except ValueError:
-        value = least - 1
-    if not least <= value < 2**62:
-        raise InputError("not a number that serves here", given=text, valid=f"a whole number from {least}", where=where)
-    return value
 
 
 def _command(args: argparse.Namespace) -> str:

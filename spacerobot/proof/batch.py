@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import multiprocessing
 import os
-import signal
-from collections.abc import Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -14,6 +12,7 @@ from typing import Any
 from spacerobot.proof.blind import COMMAND
 from spacerobot.proof.orders import Order
 from spacerobot.proof.record import play
+from spacerobot.support.executors.base import Executor, Here
 from spacerobot.support.progress import Progress
 from spacerobot.support.runs import RunFolder
 
@@ -37,7 +36,7 @@ def run_batch(
     folder: RunFolder,
     orders: Sequence[Order],
     *,
-    jobs: int = 1,
+    workers: Executor | None = None,
     rivals: bool = True,
     verbose: bool = False,
     command: Sequence[str] = COMMAND,
@@ -47,7 +46,7 @@ def run_batch(
     Args:
         folder: keeps the records, one file each.
         orders: the batch.
-        jobs: campaigns at a time.
+        workers: that play them; this process alone if None.
         rivals: whether rivals are tried where the batch foresees it.
         verbose: show progress although nobody watches.
         command: the diagnosis.
@@ -56,39 +55,24 @@ def run_batch(
     waiting = [o for o in orders if records[o.name] is None]
     with Progress("proving", len(orders), unit="campaign", verbose=verbose) as progress:
         progress.advance(len(orders) - len(waiting))
-        for record in _played(waiting, jobs, rivals, command):
+        tasks = (Play(o, rivals and with_rivals(o), tuple(command)) for o in waiting)
+        for _, record in (workers or Here()).run(played, tasks):
             folder.save(record["name"], record)
             records[record["name"]] = record
             progress.advance(note=f"{record['name']}: {record.get('said', 'not made')}")
     return [found for o in orders if (found := records[o.name]) is not None]
 
 
-def _played(orders: Sequence[Order], jobs: int, rivals: bool, command: Sequence[str]) -> Iterator[dict[str, Any]]:
+@dataclass(frozen=True)
+class Play:
+    """One task: an order, and how it is played."""
+
+    order: Order
+    rivals: bool
+    command: tuple[str, ...]
+
+
+def played(task: Play) -> dict[str, Any]:
+    """In a worker: the record of an order."""
     with TemporaryDirectory(prefix="proof-") as scratch:
-        if jobs == 1:
-            for order in orders:
-                yield play(order, Path(scratch), rivals=rivals and with_rivals(order), command=command)
-            return
-        context = multiprocessing.get_context("spawn")
-        pool = ProcessPoolExecutor(jobs, mp_context=context, initializer=_quiet)
-        try:
-            left = list(orders)
-            running: set[Future[dict[str, Any]]] = set()
-            while left or running:
-                while left and len(running) < jobs:
-                    order = left.pop(0)
-                    running.add(
-                        pool.submit(play, order, Path(scratch), rivals=rivals and with_rivals(order), command=command)
-                    )
-                done, running = wait(running, return_when=FIRST_COMPLETED)
-                for future in done:
-                    yield future.result()
-        finally:
-            pool.shutdown(wait=True, cancel_futures=True)
-
-
-def _quiet() -> None:
-    """In a worker: an interrupt is the parent's to answer; and one thread of linear algebra is enough."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-        os.environ[name] = "1"
+        return play(task.order, Path(scratch), rivals=task.rivals, command=task.command)

@@ -81,6 +81,15 @@ def scene_from_text(text: str, *, where: str = "scene", folder: Path | None = No
         data = tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise InputError(f"not TOML: {error}", where=where) from None
+    return scene_from_table(data, where=where, folder=folder)
+
+
+def scene_from_table(data: Mapping[str, Any], *, where: str = "scene", folder: Path | None = None) -> Scene:
+    """A scene from the tables of a TOML file; a robot's path is relative to `folder`.
+
+    Raises:
+        InputError: they describe no scene.
+    """
     try:
         return _scene(data, folder)
     except NotFoundError as error:

@@ -49,6 +49,21 @@ def parse_numbers(
     return values
 
 
+def parse_whole(text: str, what: str, *, least: int = 0, most: int = 2**62) -> int:
+    """A whole number from text.
+
+    Raises:
+        InputError: not a whole number, or below `least` or above `most`.
+    """
+    try:
+        value = int(text)
+    except ValueError:
+        value = least - 1
+    if not least <= value <= most:
+        raise InputError("not a number that serves here", given=text, valid=f"a whole number from {least}", where=what)
+    return value
+
+
 def parse_assignments(tokens: Iterable[str], what: str) -> dict[str, float]:
     """`NAME=VALUE` texts as a dictionary; several may be joined by commas.
 

@@ -10,7 +10,7 @@ import json
 import re
 import shutil
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from types import TracebackType
 from typing import IO, TYPE_CHECKING, Any, Self
@@ -105,16 +105,21 @@ class RunFolder:
 
     def path(self, name: str) -> Path:
         """Where the output called `name` goes, noted as this run's; a path inside the folder."""
-        path = (self.folder / name).resolve()
-        if not path.is_relative_to(self.folder) or path == self.folder:
-            raise InputError(
-                "an output must stay inside the run's folder", given=name, where=str(self.folder)
-            )
-        relative = str(path.relative_to(self.folder))
-        if relative not in self._outputs:  # marked first: whatever overwrites this run knows its files
-            self._outputs[relative] = -1
+        return self.paths([name])[0]
+
+    def paths(self, names: Iterable[str]) -> list[Path]:
+        """As `path` for many at once, noted together: a run of a thousand files writes its marker once."""
+        found = [(self.folder / name).resolve() for name in names]
+        for path in found:
+            if not path.is_relative_to(self.folder) or path == self.folder:
+                raise InputError(
+                    "an output must stay inside the run's folder", given=str(path), where=str(self.folder)
+                )
+        new = [n for n in (str(path.relative_to(self.folder)) for path in found) if n not in self._outputs]
+        if new:
+            self._outputs.update(dict.fromkeys(new, -1))
             self._mark("running")
-        return path
+        return found
 
     def write(self, name: str, content: str | bytes) -> Path:
         """Write an output, whole or not at all, and note it as this run's."""

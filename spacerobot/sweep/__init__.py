@@ -1,0 +1,1 @@
+"""Monte-Carlo capture campaigns: poses x speeds x masses x springs, with scatter, written as Parquet."""
