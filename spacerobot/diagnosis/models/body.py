@@ -151,8 +151,8 @@ def _model(study: Study, trials: Sequence[Trial], group: str, name: str) -> Simu
     if driven:
         sensors[COMMAND] = tuple(driven)
     known = study.recording(trials[0])
-    stated = {f"body.{n.split('.', 1)[1]}": v for n, v in study.sigma.items() if n.startswith(f"{group}.")}
-    sigma = {n: v for n, v in stated.items() if n in ("body.mass", "body.yaw_inertia") and n not in unknown}
+    doubted = {f"body.{n.split('.', 1)[1]}": v for n, v in study.sigma.items() if n.startswith(f"{group}.")}
+    sigma = {n: v for n, v in doubted.items() if n in ("body.mass", "body.yaw_inertia") and n not in unknown}
     fitted = {*sigma, *unknown}
     covers = {("payload", "target"): "body.mass", ("payload", "target.yaw"): "body.yaw_inertia"}
     made = Simulated(

@@ -5,9 +5,11 @@ from __future__ import annotations
 from spacerobot.diagnosis.models.axis import axis_model
 from spacerobot.diagnosis.models.body import axes_of, body_models
 from spacerobot.diagnosis.models.grid import even_grid
+from spacerobot.diagnosis.models.impacts import impact_models
 from spacerobot.diagnosis.models.inverse_dynamics import InverseDynamics
 from spacerobot.diagnosis.models.links import robot_of
 from spacerobot.diagnosis.models.model import Model
+from spacerobot.diagnosis.models.platform import platform_models
 from spacerobot.diagnosis.models.prescribed import carried
 from spacerobot.dynamics.inertia import joint_space_inertia
 from spacerobot.dynamics.joint_kinds import joint_axis
@@ -35,6 +37,8 @@ def models_for(study: Study) -> tuple[Model, ...]:
         if chosen:
             found += body_models(study, chosen, group)
     found += carried(study)
+    found += platform_models(study)
+    found += impact_models(study)
     return tuple(found)
 
 

@@ -42,11 +42,17 @@ def _payload(p: Mapping[str, float], sizes: Sizes) -> bool:
     return p["mass_kg"] > 0.0
 
 
+def _time_offset(p: Mapping[str, float], sizes: Sizes) -> bool:
+    """Nothing is read before it happens; where one of two streams is early, the other one is late."""
+    return p["delay_s"] > 0.0
+
+
 RULES: Mapping[str, Rule] = {
     "stribeck_friction": _stribeck,
     "end_stop": _end_stop,
     "low_pass": _low_pass,
     "payload": _payload,
+    "time_offset": _time_offset,
 }
 """By effect; those without a rule say all with the bounds of their parameters."""
 

@@ -23,7 +23,7 @@ class TableCurvature(Effect):
 
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:
         """Bodies that glide over a table for long; a short approach to a wrist tells nothing of it."""
-        return positions(mechanism, "target", "target.y") if mechanism.contact is None else ()
+        return positions(mechanism, "target", "target.y", "base", "base.y") if mechanism.contact is None else ()
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
         """The body's weight down the slope where it is."""

@@ -24,7 +24,8 @@ class TableTilt(Effect):
 
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:
         """Bodies that float on a table."""
-        return positions(mechanism, "target", "target.y")
+        floating = ("base", "base.y") if mechanism.contact is None else ()
+        return positions(mechanism, "target", "target.y", *floating)
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
         """A uniform acceleration of the body and of all it carries."""
