@@ -27,11 +27,11 @@ RESCUE_GAIN = 5.0
 BUDGET = 6
 """Simulations of each trial that a fit may spend per iteration it is allowed; beyond, it ends where it stands."""
 
-REUSE = 3
-"""How many steps may be taken on one set of derivatives, as long as each keeps most of its promise."""
+REUSE = 5
+"""How many steps may be taken on one set of derivatives, corrected by each step, while each keeps its promise."""
 
 SETTLED = 0.05
-WORTH = 2e-4
+WORTH = 1e-3
 """A fit has converged when a step lowers chi-squared by less than the first, or than this share of the misfit."""
 
 
@@ -138,6 +138,7 @@ class Fitter:
         self.trials = tuple(trials)
         self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
         self._left = 0
+        self._rows_of: tuple[object, dict[str, np.ndarray]] | None = None
         self._scales = {t.id: np.array([n.scale for n in model.nuisances(t)]) for t in trials}
 
     def _map(self, work: Callable[[TrialData], Any]) -> dict[str, Any]:
@@ -205,6 +206,8 @@ class Fitter:
         max_iterations: int = 40,
         hopeless: float = np.inf,
         robust: bool = True,
+        rows: Mapping[str, np.ndarray] | None = None,
+        loose: bool = False,
     ) -> Fit:
         """The best parameters near a start.
 
@@ -218,6 +221,8 @@ class Fitter:
             max_iterations: of Gauss-Newton, over all stages.
             hopeless: cost above which a fit that hardly falls any more is given up.
             robust: whether the robust cost may come first; not where the start is a finished fit.
+            rows: derivatives at the start, by trial, that are known already but for the effects' columns.
+            loose: whether it may end on old derivatives; it then does not count as converged.
 
         Raises:
             SimulationError: the start cannot be simulated.
@@ -232,8 +237,9 @@ class Fitter:
         for _ in range(RESCUES):
             state, _ = self.rescue(hypothesis, state)
             state, iterations, converged, system, _ = self._descend(
-                hypothesis, state, False, max_iterations - used, hopeless
+                hypothesis, state, False, max_iterations - used, hopeless, rows, loose
             )
+            rows = None
             used += iterations
             state, rescued = self.rescue(hypothesis, state)
             if not rescued or used >= max_iterations:
@@ -280,14 +286,22 @@ class Fitter:
         return State(state.z, own, raw, keep), True
 
     def _descend(
-        self, hypothesis: Hypothesis, state: State, robust: bool, max_iterations: int, hopeless: float = np.inf
+        self,
+        hypothesis: Hypothesis,
+        state: State,
+        robust: bool,
+        max_iterations: int,
+        hopeless: float = np.inf,
+        known: Mapping[str, np.ndarray] | None = None,
+        loose: bool = False,
     ) -> tuple[State, int, bool, Normal | None, dict[str, np.ndarray]]:
         low, high = hypothesis.bounds()
         prior = np.array([f.prior for f in hypothesis.free], dtype=float)
-        damping, converged, iterations, age = 1e-4, False, 0, 0
+        damping, converged, iterations, age = 1e-4, False, 0, 0 if known is None else 1
         system = None
-        rows: dict[str, np.ndarray] = {}
-        while iterations < max_iterations and not converged and self._left > 0:
+        rows: dict[str, np.ndarray] = dict(known or {})
+        ended = False
+        while iterations < max_iterations and not (converged or ended) and self._left > 0:
             iterations += 1
             if age >= REUSE:
                 rows, age = {}, 0
@@ -299,6 +313,7 @@ class Fitter:
                 dz, dn, promised = system.step(damping, state.z, low, high)
                 if promised < settled:
                     converged = age == 0
+                    ended = loose
                     break
                 own = {t.id: state.own[t.id] + s * self._scales[t.id] for t, s in zip(self.trials, dn, strict=True)}
                 new = self.state(hypothesis, np.clip(state.z + dz, low, high), own)
@@ -309,7 +324,10 @@ class Fitter:
                     if fall > 0.0:
                         damping = max(damping * (0.2 if fall > 0.7 * promised else 1.0), 1e-9)
                         converged = fall < settled and age == 0
+                        ended = fall < settled and loose
                         age = age + 1 if fall > 0.6 * promised else REUSE
+                        if age < REUSE:
+                            rows = self._corrected(rows, state, new)
                         state, accepted = new, True
                         hope = state.chi2() + float(prior @ state.z**2) - 10.0 * fall
                         if not robust and iterations >= 3 and hope > hopeless:
@@ -318,7 +336,7 @@ class Fitter:
                 if age > 0:
                     break
                 damping = max(10.0 * damping, 1e-3)
-            if not accepted and not converged:
+            if not (accepted or converged or ended):
                 if age == 0:
                     break
                 age = REUSE  # the step came from old derivatives: take new ones before giving up
@@ -326,6 +344,29 @@ class Fitter:
 
     def _jacobians(self, hypothesis: Hypothesis, state: State, old: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
         return self._map(lambda t: self.jacobian(hypothesis, state, t, old.get(t.id)))
+
+    def _corrected(self, rows: Mapping[str, np.ndarray], old: State, new: State) -> dict[str, np.ndarray]:
+        """Derivatives that would have foretold the step just taken (Broyden 1965), by the least change."""
+        out = {}
+        for trial in self.trials:
+            j = rows[trial.id]
+            moved = (new.own[trial.id] - old.own[trial.id]) / self._scales[trial.id]
+            step = np.concatenate([new.z - old.z, moved])
+            weighted = step * np.einsum("sp,sp->p", j, j)
+            bottom = float(step @ weighted)
+            surprise = new.raw[trial.id] - old.raw[trial.id] - j @ step
+            out[trial.id] = j + np.outer(surprise, weighted / bottom) if bottom > 1e-12 else j
+        return out
+
+    def rows_at(self, fit: Fit) -> dict[str, np.ndarray]:
+        """Derivatives at a finished fit, by trial; kept, because many fits begin at the same one."""
+        key = (fit.hypothesis.label, fit.z.tobytes())
+        if self._rows_of is None or self._rows_of[0] != key:
+            state = self.state(fit.hypothesis, fit.z, fit.initials())
+            if state is None:
+                raise SimulationError("a finished fit can no longer be simulated")
+            self._rows_of = key, self._jacobians(fit.hypothesis, state, {})
+        return self._rows_of[1]
 
     def _normal(self, state: State, rows: Mapping[str, np.ndarray], prior: np.ndarray, robust: bool) -> Normal:
         def weighted(trial: TrialData) -> tuple[np.ndarray, np.ndarray]:

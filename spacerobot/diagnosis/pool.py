@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import multiprocessing
+import signal
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -19,6 +21,7 @@ from spacerobot.diagnosis.starts import fit_from, fit_near
 from spacerobot.effects.registry import effect, load_file
 from spacerobot.recordings.study import Study
 from spacerobot.support.errors import InputError, SimulationError
+from spacerobot.support.orphans import end_with_parent
 
 WARM, COLD = "warm", "cold"
 
@@ -32,6 +35,7 @@ class Task:
         start: start values by key.
         initials: start of the trials' initial values.
         near: a finished fit to begin at instead.
+        loose: whether it may end on old derivatives.
         hopeless: cost above which it may be given up.
         max_iterations: of each fit.
         without: trials left out.
@@ -44,6 +48,7 @@ class Task:
     max_iterations: int = 40
     without: tuple[str, ...] = ()
     near: Fit | None = None
+    loose: bool = False
 
     @property
     def mode(self) -> str:
@@ -84,6 +89,7 @@ class Workshop:
                     task.start,
                     task.max_iterations,
                     task.hopeless,
+                    task.loose,
                 )
             return fit_from(
                 self.fitter(task.without),
@@ -105,6 +111,8 @@ def _open(study: Study, make_model: Callable[[Study, Any], Any], files: tuple[st
     global _workshop
     import os
 
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # an interrupt is the parent's to answer
+    end_with_parent()
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ[name] = "1"
     for file in files:
@@ -118,7 +126,10 @@ def _run(task: Task) -> Fit | None:
 
 
 class Pool:
-    """Runs tasks, in processes if more than one job is allowed; closes them on exit."""
+    """Runs tasks, in processes if more than one job is allowed; closes them on exit.
+
+    Where a process is lost (killed for want of memory, most often) the rest is done in the calling one.
+    """
 
     def __init__(self, workshop: Workshop, jobs: int, files: Sequence[str] = ()) -> None:
         self.workshop = workshop
@@ -135,15 +146,33 @@ class Pool:
         return self
 
     def __exit__(self, kind: object, *_: object) -> None:
-        if self._executor is not None:
-            self._executor.shutdown(wait=kind is None, cancel_futures=True)
+        self._close(now=kind is not None)
+
+    def _close(self, now: bool) -> None:
+        if self._executor is None:
+            return
+        processes = list((getattr(self._executor, "_processes", None) or {}).values())
+        self._executor.shutdown(wait=not now, cancel_futures=True)
+        if now:
+            for process in processes:  # nobody waits for what they are at
+                process.terminate()
+        self._executor = None
 
     def run(self, tasks: Sequence[Task]) -> Iterator[tuple[Task, Fit | None]]:
         """Results as they come; tasks begin in the order given."""
-        if self._executor is None:
-            for task in tasks:
-                yield task, self.workshop.run(task)
-            return
+        left = {id(task): task for task in tasks}
+        if self._executor is not None:
+            try:
+                for task, found in self._in_processes(tasks):
+                    del left[id(task)]
+                    yield task, found
+            except BrokenProcessPool:
+                self._close(now=True)
+        for task in left.values():
+            yield task, self.workshop.run(task)
+
+    def _in_processes(self, tasks: Sequence[Task]) -> Iterator[tuple[Task, Fit | None]]:
+        assert self._executor is not None
         waiting: dict[Future[Fit | None], Task] = {self._executor.submit(_run, t): t for t in tasks}
         while waiting:
             done, _ = wait(waiting, return_when=FIRST_COMPLETED)

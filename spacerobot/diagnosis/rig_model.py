@@ -67,7 +67,7 @@ class RigModel:
         tolerance: of the integrator in fits.
     """
 
-    def __init__(self, study: Study, trials: tuple[TrialData, ...], *, tolerance: float = 1e-7) -> None:
+    def __init__(self, study: Study, trials: tuple[TrialData, ...], *, tolerance: float = 1e-6) -> None:
         baseline = study.baseline
         known = {n: v for n, v in study.values().items() if n in DEFAULTS}
         unknown = {n: c for n, c in UNKNOWN_CENTRES.items() if n not in known}

@@ -124,11 +124,20 @@ class Screener:
 
 
 def faint(site: Site, start: Mapping[str, float], share: float = FAINT) -> dict[str, float]:
-    """The start with its strengths cut, so that the residual still moves in proportion."""
+    """The start with its strengths cut to a share, so that the residual still moves in proportion.
+
+    A stiffness or cut-off that is null at infinity acts by its inverse. An effect whose law takes the place of the
+    baseline's own is no small change at any strength, and starts whole.
+    """
     out = dict(start)
+    if site.effect.removes:
+        return out
     for p in site.effect.parameters:
-        if not (p.shape or p.log or math.isinf(p.null)):
-            out[site.key(p.name)] = p.null + share * (start[site.key(p.name)] - p.null)
+        key = site.key(p.name)
+        if math.isinf(p.null):
+            out[key] = min(max(start[key] / abs(share), p.lower), p.upper)
+        elif not (p.shape or p.log):
+            out[key] = p.null + share * (start[key] - p.null)
     return out
 
 

@@ -99,7 +99,13 @@ def search(pool: Pool, sites: Sequence[Site], report: Report, *, baseline: Fit |
     found.screened.update({(k,): v.gain for k, v in first.best().items()})
 
     tasks = [
-        Task((s.site.label,), faint(s.site, s.start, _share(s)), near=baseline, max_iterations=NEAR_ITERATIONS)
+        Task(
+            (s.site.label,),
+            faint(s.site, s.start, _share(s)),
+            near=baseline,
+            max_iterations=NEAR_ITERATIONS,
+            loose=True,
+        )
         for s in first.best().values()
     ]
     _run(pool, found, tasks, report, "single effects")

@@ -78,13 +78,39 @@ def fit_near(
     start: Mapping[str, float],
     max_iterations: int = 8,
     hopeless: float = np.inf,
+    loose: bool = False,
 ) -> Fit:
     """Fit that begins at another fit, with the new effects' strengths small: what the effect adds, and no more."""
     made = hypothesis(believed, sites, start)
     warm = {**start, **near.values()}
     return fitter.fit(
-        made, warm=warm, initials=near.initials(), max_iterations=max_iterations, hopeless=hopeless, robust=False
+        made,
+        warm=warm,
+        initials=near.initials(),
+        max_iterations=max_iterations,
+        hopeless=hopeless,
+        robust=False,
+        rows=_known(fitter, made, near),
+        loose=loose,
     )
+
+
+def _known(fitter: Fitter, made: Hypothesis, near: Fit) -> dict[str, np.ndarray] | None:
+    """Derivatives at a fit as columns of a further hypothesis; None where that moves what the fit stands on."""
+    keys = near.hypothesis.keys
+    old = [f.key for f in made.free if f.kind != "effect" or f.key in keys]
+    if made.removed != near.hypothesis.removed or not set(old) <= set(keys):
+        return None
+    source = [keys.index(k) for k in old]
+    target = [made.keys.index(k) for k in old]
+    out = {}
+    for name, rows in fitter.rows_at(near).items():
+        own = rows.shape[1] - len(keys)
+        wide = np.zeros((rows.shape[0], len(made.free) + own))
+        wide[:, target] = rows[:, source]
+        wide[:, len(made.free) :] = rows[:, len(keys) :]
+        out[name] = wide
+    return out
 
 
 def _contact(key: str) -> bool:

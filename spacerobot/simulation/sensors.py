@@ -97,10 +97,13 @@ def _raw(run: ReducedRun, readout: Readout, inertias: list[ChannelMap], taken: _
 def _filtered(
     run: ReducedRun, readout: Readout, inertias: list[ChannelMap], cutoffs: list[float], times: np.ndarray
 ) -> np.ndarray:
-    """First-order filters, exact for an input that is linear between the points of a fine grid."""
+    """First-order filters, exact for an input that is linear between the points of a grid.
+
+    So the grid need not resolve the filter, only the channel: a contact lasts milliseconds, a body moves smoothly.
+    """
     spacing = float(np.median(np.diff(times))) if times.size > 1 else 1e-3
     fastest = 1.0 / (2.0 * math.pi * max(cutoffs))
-    step = max(min(0.5 * spacing, 0.25 * fastest), 2e-5)
+    step = max(min(0.5 * spacing, 0.25 * fastest), 1e-3 if readout.kind == "position" and not inertias else 1e-4)
     # start early enough that the filter has forgotten its start
     begin = times[0] - 12.0 / (2.0 * math.pi * min(cutoffs))
     begin = max(begin, run.start - step)
