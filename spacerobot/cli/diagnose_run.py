@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import json
 import sys
 from collections.abc import Mapping
 from pathlib import Path
@@ -46,9 +47,8 @@ def run(args: argparse.Namespace) -> int:
         folder = None
         if args.out is not None:
             folder = stack.enter_context(RunFolder(args.out, "diagnose", key, overwrite=args.overwrite))
-            kept = folder.load("result")
-            if folder.finished and kept is not None:
-                return _show(args, kept["verdict"], folder)
+            if folder.finished:
+                return _show(args, json.loads((folder.folder / "verdict.json").read_text(encoding="utf-8")), folder)
         report = stack.enter_context(_Stages(args.verbose))
         result = diagnose(
             study,
@@ -69,8 +69,8 @@ def run(args: argparse.Namespace) -> int:
                 scene = scene_of(study, result.judgement.chosen)
                 folder.write("scene.toml", scene.to_toml())
             write_report(verdict, evidence, folder.path("report.html"))
-            write_plots(verdict, evidence, folder.path("plots"))
-            folder.save("result", {"verdict": verdict})
+            for name in write_plots(verdict, evidence, folder.folder / "plots"):
+                folder.path(f"plots/{name}")
             folder.finish()
         return _show(args, verdict, folder)
 

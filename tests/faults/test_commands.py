@@ -1,0 +1,211 @@
+"""The commands themselves, killed, interrupted, out of disk or refused the folder; then run again.
+
+The short ones are in every test run; `diagnose`, `prove` and `paper` take minutes and are marked slow.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.faults.harness import DISK_FULL, INTERRUPT, KILL, READ_ERROR, ROOT, command, outputs, state, steps_of, whole
+
+OVERLAY = ["overlay", "guide-friction", "--trials", "03"]
+DIAGNOSE = ["diagnose", "guide-friction", "--jobs", "1"]
+PAPER = ["paper"]
+PROVE = ["prove", "--quick", "--kinds", "nothing_missing", "--share", "0.1", "--seed", "1", "--no-rivals"]
+
+EXPECTED = {KILL: -signal.SIGKILL, INTERRUPT: 130, DISK_FULL: 1, READ_ERROR: 2}
+
+
+def survives(arguments: list[str], tmp_path: Path, parts: tuple[float, ...], faults: tuple[str, ...]) -> None:
+    """Each fault at some of the steps: whole or absent, nothing half-written looks finished, and again gets there."""
+    reference = tmp_path / "reference"
+    first = command([*arguments, "--out", str(reference)], reference)
+    assert first.returncode == 0, first.stderr[-2000:]
+    steps, wanted = steps_of(first), outputs(reference)
+    assert command([*arguments, "--out", str(reference)], reference).stdout, "a finished run answers at once"
+    for fault in faults:
+        folder = tmp_path / fault.replace(" ", "-")
+        for part in parts:  # the same folder again and again: each fault meets what the one before has left
+            at = max(1, round(part * steps))
+            done = command([*arguments, "--out", str(folder)], folder, fault, at)
+            said = state(folder)
+            whole(folder, wanted)
+            if "fault" in done.stderr and done.returncode != 0:
+                assert "Traceback" not in done.stderr, done.stderr[-3000:]
+                assert done.returncode in (EXPECTED[fault], 1, 2), (fault, part, done.stderr[-500:])
+                assert done.stdout == "", "no answer before the files are there"
+                assert said != "finished"
+        done = command([*arguments, "--out", str(folder)], folder)
+        assert done.returncode == 0, done.stderr[-2000:]
+        assert state(folder) == "finished"
+        found = outputs(folder)
+        assert found.keys() == wanted.keys()
+        assert not list(folder.rglob(".*.part"))
+        assert not (folder / "partial").exists()
+
+
+@pytest.mark.slow
+def test_overlay(tmp_path: Path) -> None:
+    survives(OVERLAY, tmp_path, (0.0, 0.25, 0.5, 0.75, 0.9, 1.0), (KILL, INTERRUPT, DISK_FULL, READ_ERROR))
+
+
+@pytest.mark.slow
+def test_paper(tmp_path: Path) -> None:
+    survives(PAPER, tmp_path, (0.3, 0.8), (KILL, INTERRUPT, DISK_FULL))
+
+
+@pytest.mark.slow
+def test_diagnose(tmp_path: Path) -> None:
+    survives(DIAGNOSE, tmp_path, (0.5,), (KILL, DISK_FULL))
+
+
+@pytest.mark.slow
+def test_prove(tmp_path: Path) -> None:
+    survives(PROVE, tmp_path, (0.3, 0.7), (KILL, INTERRUPT))
+
+
+def begun(arguments: list[str]) -> subprocess.Popen[str]:
+    """A command in a session of its own, as a terminal would start it."""
+    return subprocess.Popen(
+        [sys.executable, "-m", "spacerobot", *arguments],
+        cwd=ROOT,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+
+
+def family(process: int) -> set[int]:
+    """The processes that descend from one."""
+    found: set[int] = set()
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            parent = int(stat.read_text().rsplit(")", 1)[1].split()[1])
+        except (OSError, IndexError):
+            continue
+        if parent == process:
+            found |= {int(stat.parent.name)} | family(int(stat.parent.name))
+    return found
+
+
+def gone(processes: set[int], seconds: float = 20.0) -> bool:
+    """Whether all of them end in time."""
+    until = time.monotonic() + seconds
+    while any(alive(p) for p in processes):
+        if time.monotonic() > until:
+            return False
+        time.sleep(0.2)
+    return True
+
+
+def alive(process: int) -> bool:
+    """Whether it runs (a zombie does not)."""
+    try:
+        return Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+def with_workers(process: subprocess.Popen[str]) -> set[int]:
+    """Wait until the command has processes of its own at work, and name them."""
+    until = time.monotonic() + 120
+    while len(family(process.pid)) < 3:  # two workers, and what watches over their shared memory
+        assert time.monotonic() < until
+        assert process.poll() is None, process.communicate()[1][-1000:]
+        time.sleep(0.2)
+    time.sleep(3)
+    return family(process.pid)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not Path("/proc").is_dir(), reason="reads /proc")
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGKILL])
+def test_nobody_works_on_for_a_diagnosis_that_is_gone(tmp_path: Path, how: signal.Signals) -> None:
+    process = begun(["diagnose", "guide-friction", "--jobs", "2", "--out", str(tmp_path / "out")])
+    workers = with_workers(process)
+    if how == signal.SIGINT:
+        os.killpg(process.pid, how)  # a terminal sends it to all of them
+    else:
+        process.kill()
+    said = process.communicate(timeout=60)
+    assert process.returncode == (130 if how == signal.SIGINT else -signal.SIGKILL)
+    if how == signal.SIGINT:
+        assert "Traceback" not in said[1]
+        assert said[1].strip().endswith("spacerobot diagnose: interrupted")
+    assert gone(workers)
+    assert state(tmp_path / "out") in ("running", "nothing")
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not Path("/proc").is_dir(), reason="reads /proc")
+def test_a_lost_worker_does_not_lose_the_diagnosis(tmp_path: Path) -> None:
+    process = begun(["diagnose", "guide-friction", "--jobs", "2", "--json", "--out", str(tmp_path / "out")])
+    busiest = max(with_workers(process), key=lambda p: Path(f"/proc/{p}/statm").read_text().split()[1].zfill(12))
+    os.kill(busiest, signal.SIGKILL)
+    out, err = process.communicate(timeout=900)
+    assert process.returncode == 0, err[-2000:]
+    assert [e["effect"] for e in json.loads(out)["effects"]] == ["coulomb_friction"]
+
+
+@pytest.fixture
+def small_disk(tmp_path: Path) -> Iterator[Path]:
+    """A file system of 150 kB."""
+    yield from mounted(tmp_path / "disk", "size=150k")
+
+
+@pytest.fixture
+def read_only(tmp_path: Path) -> Iterator[Path]:
+    """A file system that cannot be written."""
+    yield from mounted(tmp_path / "disk", "ro")
+
+
+def mounted(folder: Path, options: str) -> Iterator[Path]:
+    """A mount for the time of a test; skipped where that is not allowed."""
+    folder.mkdir()
+    done = subprocess.run(["mount", "-t", "tmpfs", "-o", options, "tmpfs", str(folder)], capture_output=True, text=True)
+    if done.returncode != 0:
+        pytest.skip(f"cannot mount: {done.stderr.strip()}")
+    try:
+        yield folder
+    finally:
+        subprocess.run(["umount", str(folder)], check=True)
+
+
+def test_a_disk_that_is_full(small_disk: Path) -> None:
+    done = command([*OVERLAY, "--out", str(small_disk / "out")], small_disk / "out")
+    assert done.returncode == 1
+    assert "No space left on device" in done.stderr
+    assert "Traceback" not in done.stderr
+    assert state(small_disk / "out") != "finished"
+    assert not list(small_disk.rglob("*.html")), "what did not fit is not there in part"
+    assert not list(small_disk.rglob(".*.part"))
+
+
+def test_a_folder_that_cannot_be_written(read_only: Path) -> None:
+    done = command([*OVERLAY, "--out", str(read_only / "out")], read_only / "out")
+    assert done.returncode == 2
+    assert "Read-only file system" in done.stderr
+    assert done.stderr.count("\n") <= 3
+    assert not list(read_only.iterdir())
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
+def test_a_folder_of_somebody_else(tmp_path: Path) -> None:
+    tmp_path.chmod(0o555)
+    try:
+        done = command([*OVERLAY, "--out", str(tmp_path / "out")], tmp_path / "out")
+    finally:
+        tmp_path.chmod(0o755)
+    assert done.returncode == 2
+    assert "Permission denied" in done.stderr
