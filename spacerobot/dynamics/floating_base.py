@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
-from spacerobot.support.errors import InputError
+from spacerobot.support.errors import InputError, SimulationError
 
 JointMotion = Callable[[float], tuple[np.ndarray, np.ndarray]]
 """Time [s] -> positions and velocities of all joints behind the free-flyer, shape (nv - 6,) each [rad or m]."""
@@ -93,10 +93,16 @@ def base_motion(
     kept = np.zeros(6) if momentum is None else np.asarray(momentum, dtype=float)
     if start.shape != (7,) or kept.shape != (6,) or not (np.isfinite(start).all() and np.isfinite(kept).all()):
         raise InputError("the base needs 7 numbers and the momentum 6", given=(start.shape, kept.shape))
+    norm = float(np.linalg.norm(start[3:]))
+    if abs(norm - 1.0) > 1e-6:
+        raise InputError("the base attitude is not a unit quaternion", given=f"norm {norm:.9g}")
+    stops = np.unique(np.asarray(knots, dtype=float))  # in order, each once
+    if not np.isfinite(stops).all():
+        raise InputError("a knot is no time", given=stops[~np.isfinite(stops)][0])
     positions, rates = joint_motion(float(times[0]))
     if np.shape(positions) != (model.nv - 6,) or np.shape(rates) != (model.nv - 6,):
         raise InputError("joint motion has the wrong length", given=np.shape(positions), valid=f"({model.nv - 6},)")
-    return _integrated(model, joint_motion, times, start, kept, sorted(knots), tolerance)
+    return _integrated(model, joint_motion, times, start, kept, stops, tolerance)
 
 
 def _integrated(
@@ -105,7 +111,7 @@ def _integrated(
     times: np.ndarray,
     start: np.ndarray,
     momentum: np.ndarray,
-    knots: Sequence[float],
+    knots: np.ndarray,
     tolerance: float,
 ) -> BaseMotion:
     from scipy.integrate import solve_ivp
@@ -125,13 +131,19 @@ def _integrated(
         spin = turn * pin.Quaternion(0.0, *(0.5 * v[3:6]))
         return np.concatenate([turn.toRotationMatrix() @ v[:3], spin.coeffs()])
 
-    stops = [t for t in knots if times[0] < t < times[-1]]
+    close = 1e-9 * (times[-1] - times[0])  # a step between two knots that are one but for rounding cannot be taken
+    stops: list[float] = []
+    for knot in knots.tolist():
+        if (stops[-1] if stops else times[0]) + close < knot < times[-1] - close:
+            stops.append(knot)
     q_out, v_out = np.empty((times.size, model.nq)), np.empty((times.size, model.nv))
     y = start.copy()
     for a, b in zip([times[0], *stops], [*stops, times[-1]], strict=True):
         inside = (times >= a) & (times < b) if b < times[-1] else (times >= a)
         at = np.append(times[inside], b) if b < times[-1] else times[inside]
         result = solve_ivp(rate, (a, b), y, method="DOP853", t_eval=at, rtol=tolerance, atol=tolerance)
+        if not result.success:
+            raise SimulationError(f"the base's motion cannot be integrated from {a:g} s on: {result.message}")
         for row, t, base in zip(np.flatnonzero(inside), at, result.y.T, strict=False):
             q, rates = configuration(float(t), base)
             q_out[row] = q

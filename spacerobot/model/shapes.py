@@ -30,16 +30,16 @@ def origin(parent: etree._Element, xyz: Sequence[float] | np.ndarray, rpy: Seque
 def link(
     name: str, *, mass: float = 0.0, com: Sequence[float] = (0, 0, 0), inertia: np.ndarray | None = None
 ) -> etree._Element:
-    """A link; without mass it is a mere frame.
+    """A link; without inertia it is a mere frame.
 
     Args:
         name: of the link.
-        mass: [kg].
+        mass: [kg]; a zero is written where there is an inertia, for MuJoCo weighs the shapes of links that state none.
         com: shape (3,), centre of mass in the link frame [m].
         inertia: shape (3, 3), about the centre of mass [kg m^2].
     """
     element = etree.Element("link", name=name)
-    if mass > 0 and inertia is not None:
+    if inertia is not None:
         inertial = etree.SubElement(element, "inertial")
         origin(inertial, com, (0, 0, 0))
         etree.SubElement(inertial, "mass", value=text(mass))

@@ -117,8 +117,30 @@ def test_knots_change_nothing_where_the_motion_is_smooth() -> None:
 
 
 @pytest.mark.parametrize(
+    "knots",
+    [
+        [0.5, 0.5, 0.5],
+        [0.5, 0.5 + 1e-15, 0.5 + 1e-12],
+        [0.0, 2.0, -1.0, 3.0],
+        [1.7, 0.3, 0.3, 1.0],
+        [0.25, 0.5, 0.75],  # on the times themselves
+        [2.0 - 1e-16, 1e-16],
+    ],
+)
+def test_knots_twice_out_of_order_or_at_the_ends(knots: list[float]) -> None:
+    model = load("chaser_pa10_wrist").model
+    times = np.linspace(0.0, 2.0, 9)
+    plain = base_motion(model, swing, times)
+    stopped = base_motion(model, swing, times, knots=knots)
+    assert np.abs(plain.configuration - stopped.configuration).max() < 1e-8
+
+
+@pytest.mark.parametrize(
     ("options", "said"),
     [
+        ({"base": np.array([0.0, 0, 0, 0, 0, 0, 2])}, "unit quaternion"),
+        ({"base": np.zeros(7)}, "unit quaternion"),
+        ({"knots": [math.nan]}, "knot"),
         ({"times": np.array([0.0, 0.0])}, "ascend"),
         ({"base": np.zeros(6)}, "base needs 7"),
         ({"momentum": np.full(6, math.nan)}, "momentum 6"),

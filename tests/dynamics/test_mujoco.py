@@ -63,3 +63,12 @@ def test_the_check_notices_what_it_must() -> None:
     np.testing.assert_allclose(joint_space_inertia(model, level), ours, rtol=1e-9, atol=1e-9)
     moved = model.configuration(poses(model, 2)[1])
     assert abs(mass_matrix(model, moved) - ours).max() > 0.1
+
+
+@pytest.mark.parametrize("name", ["wrist", "pa10_wrist", "pa10c_wrist", "chaser_pa10_wrist"])
+def test_mujoco_weighs_the_bundled_robots_as_we_do_unasked(name: str) -> None:
+    """Its URDF reader weighs the shapes of links that state no mass; ours state a zero."""
+    arm = robot(name)
+    weighed = mujoco.MjModel.from_xml_string(arm.urdf)
+    fixed = 0.0 if arm.floating else arm.model.inertias[0].mass  # what is part of its world has no mass there
+    assert weighed.body_mass.sum() == pytest.approx(sum(b.mass for b in arm.model.inertias) - fixed, rel=1e-12)
