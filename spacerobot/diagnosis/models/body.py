@@ -26,6 +26,10 @@ RESTART = 1.5
 """Length of a window under recorded forces, in units of the motion's own time: simulations of a free body drift."""
 
 
+OF_TABLES = ("table_tilt", "table_curvature", "coulomb_friction")
+"""Effects of what a body slides on: none of them acts on one that falls."""
+
+
 class Axis:
     """One coordinate of a free body: what it is called, which channels show it, which force drives it."""
 
@@ -155,6 +159,7 @@ def _model(study: Study, trials: Sequence[Trial], group: str, name: str) -> Simu
     sigma = {n: v for n, v in doubted.items() if n in ("body.mass", "body.yaw_inertia") and n not in unknown}
     fitted = {*sigma, *unknown}
     covers = {("payload", "target"): "body.mass", ("payload", "target.yaw"): "body.yaw_inertia"}
+    no_table = {(effect, "target") for effect in OF_TABLES} if _falls(study) else set()
     made = Simulated(
         name,
         body(axes, float(gravity @ approach), sensors, driven),
@@ -163,10 +168,16 @@ def _model(study: Study, trials: Sequence[Trial], group: str, name: str) -> Simu
         believed=Believed(values, sigma, {}, conditions_of(whole), unknown),
         sizes=sizes,
         window=RESTART * sizes[""].time if driven else math.inf,
-        covered=frozenset(label for label, value in covers.items() if value in fitted),
+        covered=frozenset(label for label, value in covers.items() if value in fitted) | no_table,
     )
     made.stated = frozenset(c for c in whole[0].channels if known[c].sigma_stated)
     return made
+
+
+def _falls(study: Study) -> bool:
+    """Whether the body moves along gravity."""
+    gravity, approach = np.array(study.baseline.gravity), np.array(study.baseline.approach)
+    return bool(abs(gravity @ approach) > 0.5 * np.linalg.norm(gravity) > 0.0)
 
 
 def _sizes(

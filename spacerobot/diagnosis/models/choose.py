@@ -11,6 +11,7 @@ from spacerobot.diagnosis.models.links import robot_of
 from spacerobot.diagnosis.models.model import Model
 from spacerobot.diagnosis.models.platform import platform_models
 from spacerobot.diagnosis.models.prescribed import carried
+from spacerobot.diagnosis.models.tossed import tossed_models
 from spacerobot.dynamics.inertia import joint_space_inertia
 from spacerobot.dynamics.joint_kinds import joint_axis
 from spacerobot.recordings.study import Study
@@ -29,7 +30,9 @@ def models_for(study: Study) -> tuple[Model, ...]:
             found.append(axis_of(study, trials, joints[0]))
         else:
             found += balances(study, trials, joints)
-    for group in ("body", "target"):
+    tossed = tossed_models(study)
+    found += tossed
+    for group in ("body", "target") if not tossed else ():
         tracked = [t for t in study.trials if _tracked(study, t, group)]
         driven = [t for t in tracked if _drives(study, t, group)]
         # a body that is driven is not free where its drive was not logged

@@ -152,8 +152,9 @@ class Growth:
         if not effects or fit.covariance is None or not after < (1.0 - WORTH_OF_REST) * before:
             return False
         null = np.array([fit.hypothesis.free[i].z(_null(fit, i)) for i in effects])
-        sigma = np.sqrt(np.diag(fit.covariance)[effects])
-        return bool((np.abs(fit.z[effects] - null) > CLEAR * sigma).any())
+        sigma = np.sqrt(np.maximum(np.diag(fit.covariance)[effects], 0.0))
+        apart = np.abs(fit.z[effects] - null)
+        return bool((apart > CLEAR * sigma)[apart > 0.0].any())
 
 
 def grow(
@@ -304,8 +305,8 @@ class _Search:
         good = [c for c in tested if self.pays(c, baseline)]
         if not good:
             return baseline
-        best = min(c.error for c in good)
-        near = [c for c in good if c.error <= slack(best, baseline.error)]
+        best = min(good, key=lambda c: c.error)
+        near = [c for c in good if c.error <= slack(best.error, baseline.error) or not self.pays(best, c)]
         simplest = min(c.size for c in near)
         first = min(c.error for c in near if c.size == simplest)
         same = [c for c in near if c.size == simplest and c.error <= (1.0 + SAME) * first]

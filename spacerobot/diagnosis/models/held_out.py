@@ -17,6 +17,9 @@ from spacerobot.support.errors import SimulationError
 FOLDS = 4
 """Into how many parts a study of one condition is divided."""
 
+MOST = 12
+"""Conditions, or trials, that are left out one by one; of more, so many groups are left out in turn."""
+
 HEAD = 1.0
 """Share of a held-out trial that tells how it starts; how it starts is not what is tested."""
 
@@ -37,6 +40,9 @@ def folds(trials: Sequence[TrialData]) -> list[tuple[str, tuple[str, ...]]]:
     """
     for label in (lambda t: t.condition, parent):
         names = list(dict.fromkeys(label(t) for t in trials))
+        if len(names) > MOST:
+            groups = [set(names[k::MOST]) for k in range(MOST)]
+            return [(f"every {MOST}th", tuple(t.id for t in trials if label(t) in g)) for g in groups]
         if len(names) > 1:
             return [(n, tuple(t.id for t in trials if label(t) == n)) for n in names]
     parts = np.array_split(np.array([t.id for t in trials]), min(FOLDS, len(trials)))
@@ -45,9 +51,12 @@ def folds(trials: Sequence[TrialData]) -> list[tuple[str, tuple[str, ...]]]:
 
 def scheme_of(trials: Sequence[TrialData]) -> str:
     """What `folds` leaves out in turn, in words."""
-    if len({t.condition for t in trials}) > 1:
-        return "leave one condition out"
-    return "leave one trial out" if len({parent(t) for t in trials}) > 1 else f"leave one part of {FOLDS} out"
+    for what, count in (("condition", len({t.condition for t in trials})), ("trial", len({parent(t) for t in trials}))):
+        if count > MOST:
+            return f"leave every {MOST}th {what} out"
+        if count > 1:
+            return f"leave one {what} out"
+    return f"leave one part of {FOLDS} out"
 
 
 @dataclass(frozen=True, eq=False)
