@@ -13,7 +13,7 @@ else
   INSTALL   = $(BIN)/python -m pip install -q --disable-pip-version-check
 endif
 
-.PHONY: help setup demo test test-long test-all fuzz lint types check wheel picture constraints clean
+.PHONY: help setup demo test test-long test-all fuzz lint types check notebooks docs wheel picture real-table constraints clean
 
 help:  ## this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "make %-12s %s\n", $$1, $$2}'
@@ -59,15 +59,28 @@ types: $(VENV)/.test
 
 check: test  ## what a contributor runs before a commit
 
+$(VENV)/.docs: $(VENV)/.core
+	$(INSTALL) -c constraints.txt -e '.[docs,notebooks]'
+	@touch $@
+
+notebooks: $(VENV)/.docs $(VENV)/.test  ## run every notebook from its first cell to its last
+	$(BIN)/python -m pytest tests/notebooks
+
+docs: $(VENV)/.docs  ## build the documentation into site/, warnings as errors (runs the notebooks)
+	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict
+
 wheel: $(VENV)/.test  ## build the wheel, install it in a fresh environment, run it from another folder
 	PYTHON=$(PYTHON) bash .ci/check_wheel
 
 picture: demo  ## draw the README's picture again
 	cp demo-out/demo.png docs/images/demo.png
 
+real-table: $(VENV)/.test  ## diagnose the public recordings that are present, and write docs/real-recordings.md again
+	$(BIN)/spacerobot study table --out docs/real-recordings.md --overwrite
+
 constraints:  ## pin the newest versions that fit together (needs uv)
-	$(UV) pip compile -q --universal --upgrade --fork-strategy requires-python --extra test --extra browser --no-header --no-annotate \
+	$(UV) pip compile -q --universal --upgrade --fork-strategy requires-python --extra test --extra browser --extra notebooks --extra docs --no-header --no-annotate \
 	  pyproject.toml -o constraints.txt
 
 clean:
-	rm -rf $(VENV) demo-out dist build
+	rm -rf $(VENV) demo-out dist build site

@@ -7,6 +7,8 @@ from typing import Any
 
 import pytest
 
+from spacerobot.view.notebook.execute import executed
+
 FOLDER = Path(__file__).resolve().parents[2] / "notebooks"
 NOTEBOOKS = sorted(FOLDER.glob("*.ipynb"))
 SAYS = {
@@ -45,13 +47,10 @@ def test_notebook_is_committed_bare_and_thin(path: Path) -> None:
 
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda p: p.stem)
-def test_notebook_runs(path: Path, tmp_path: Path) -> None:
-    nbclient = pytest.importorskip("nbclient", reason="extra 'notebooks' is not installed")
+def test_notebook_runs(path: Path) -> None:
+    pytest.importorskip("nbclient", reason="extra 'notebooks' is not installed")
     pytest.importorskip("ipykernel", reason="extra 'notebooks' is not installed")
-    notebook = read(path)
-    nbclient.NotebookClient(
-        notebook, timeout=600, kernel_name="python3", resources={"metadata": {"path": str(tmp_path)}}
-    ).execute()
+    notebook = executed(path)
     said = "".join(o.text for o in outputs(notebook) if o.output_type == "stream" and o.name == "stdout")
     if "SKIPPED" in said:
         pytest.skip(said.strip())

@@ -45,7 +45,7 @@ class Explorer:
 
     def __init__(self, draw: Callable[..., tuple[Figure, str]], slides: dict[str, Slide]) -> None:
         try:
-            import ipywidgets  # type: ignore
+            import ipywidgets
         except ImportError:
             raise InputError("sliders need ipywidgets", valid="pip install 'spacerobot[notebooks]'") from None
         self._draw = draw

@@ -1,0 +1,83 @@
+"""The catalogue of effects, from the registry."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+
+from spacerobot.effects.effect import Effect, Parameter
+from spacerobot.effects.mechanism import Mechanism
+from spacerobot.effects.registry import all_effects
+from spacerobot.simulation.parts import Target
+from spacerobot.simulation.scene import Scene
+from spacerobot.view.report.words import effect_title
+
+_KINDS = {
+    "force": "Forces",
+    "body": "Bodies",
+    "gravity": "Gravity",
+    "contact": "Contact",
+    "sensor": "Sensors",
+}
+
+
+def effects() -> str:
+    """Every effect: formula, ports, parameters with units and bounds, source."""
+    lines = []
+    found = all_effects().values()
+    known = [*_KINDS, *sorted({e.kind for e in found} - set(_KINDS))]
+    for kind in known:
+        of_kind = [e for e in found if e.kind == kind]
+        if of_kind:
+            lines += [f"## {_KINDS.get(kind, kind.capitalize())}", ""]
+        for one in sorted(of_kind, key=lambda e: e.name):
+            lines += _entry(one)
+    return "\n".join(lines)
+
+
+def _entry(one: Effect) -> list[str]:
+    where = ", ".join(f"`{place}`" for place in ports(one)) or "where a study has the port"
+    lines = [
+        f"### `{one.name}`",
+        "",
+        f"{effect_title(one.name).capitalize()}, at {where}.",
+        "",
+        f"$${one.formula}$$",
+        "",
+        "| parameter | unit | nothing at | from | to |",
+        "|---|---|---|---|---|",
+        *(_row(p) for p in one.parameters),
+        "",
+    ]
+    if one.replaces:
+        taken = ", ".join(f"`{name}`" for name in one.replaced("PORT"))
+        lines += [f"Takes over from {taken}, which is refitted freely.", ""]
+    return [*lines, f"Source: {one.source}.", ""]
+
+
+def _row(p: Parameter) -> str:
+    return f"| `{p.name}` | {p.unit} | {_number(p.null)} | {_number(p.lower)} | {_number(p.upper)} |"
+
+
+def _number(value: float) -> str:
+    if math.isinf(value):
+        return "∞" if value > 0 else "−∞"
+    return f"{value:g}".replace("-", "−")
+
+
+def ports(one: Effect) -> tuple[str, ...]:
+    """Where it can sit in a capture on the ground or in orbit; joints count as one."""
+    found: dict[str, None] = {}
+    for mechanism in _mechanisms():
+        for place in one.places(mechanism):
+            found["joint.NAME" if place.startswith("joint.") else place] = None
+    return tuple(found)
+
+
+@cache
+def _mechanisms() -> tuple[Mechanism, ...]:
+    turned = Target(contact_point=(0.15, 0.01))
+    return (
+        Scene(target=turned, backend="reduced").mechanism(),
+        Scene("chaser_pa10_wrist", base="free", joints="free", approach=(-1.0, 0.0, 0.0), target=turned).mechanism(),
+    )

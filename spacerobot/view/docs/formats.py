@@ -1,0 +1,43 @@
+"""File formats, from what writes and checks them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from spacerobot.diagnosis.schema import schema
+from spacerobot.simulation.scene import Scene
+
+
+def scene_file() -> str:
+    """The scene file of the default scene."""
+    return f"```toml\n{Scene().to_toml().strip()}\n```"
+
+
+def verdict_file() -> str:
+    """The keys of verdict.json, from its JSON Schema."""
+    found = schema()
+    rows = []
+    for name, rule in found["properties"].items():
+        must = "yes" if name in found.get("required", ()) else ""
+        rows.append(f"| `{name}` | {_kind(found, rule)} | {must} | {_words(rule)} |")
+    return "\n".join(["| key | type | always | |", "|---|---|---|---|", *rows])
+
+
+def _words(rule: Any) -> str:
+    return str(rule.get("description", "")).replace("|", "\\|") if isinstance(rule, dict) else ""
+
+
+def _kind(whole: dict[str, Any], rule: Any) -> str:
+    if not isinstance(rule, dict):
+        return ""
+    if "$ref" in rule:
+        return _kind(whole, whole["$defs"][rule["$ref"].rsplit("/", 1)[-1]])
+    if "enum" in rule:
+        return ", ".join(f"`{v}`" for v in rule["enum"])
+    if "const" in rule:
+        return f"`{rule['const']}`"
+    for key in ("oneOf", "anyOf"):
+        if key in rule:
+            return " or ".join(dict.fromkeys(filter(None, (_kind(whole, r) for r in rule[key]))))
+    kind = rule.get("type", "")
+    return " or ".join(kind) if isinstance(kind, list) else str(kind)
