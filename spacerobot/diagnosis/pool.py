@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import multiprocessing
 import signal
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -15,7 +16,8 @@ import numpy as np
 
 from spacerobot.diagnosis.data import trial_data
 from spacerobot.diagnosis.fit import Fit, Fitter
-from spacerobot.diagnosis.hypothesis import Label, Site
+from spacerobot.diagnosis.hypothesis import Label, Site, hypothesis
+from spacerobot.diagnosis.memory import Store, as_json, from_json, task_name
 from spacerobot.diagnosis.rig_model import RigModel
 from spacerobot.diagnosis.starts import fit_from, fit_near
 from spacerobot.effects.registry import effect, load_file
@@ -104,6 +106,16 @@ class Workshop:
             return None
 
 
+@contextlib.contextmanager
+def _without_interrupts() -> Iterator[None]:
+    """Hold back Ctrl-C: it is this process's to answer, and a worker that has just begun would answer it too."""
+    held = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, held)
+
+
 _workshop: Workshop | None = None
 
 
@@ -131,8 +143,9 @@ class Pool:
     Where a process is lost (killed for want of memory, most often) the rest is done in the calling one.
     """
 
-    def __init__(self, workshop: Workshop, jobs: int, files: Sequence[str] = ()) -> None:
+    def __init__(self, workshop: Workshop, jobs: int, files: Sequence[str] = (), store: Store | None = None) -> None:
         self.workshop = workshop
+        self._store = store
         self._executor: ProcessPoolExecutor | None = None
         if jobs > 1:
             self._executor = ProcessPoolExecutor(
@@ -159,7 +172,40 @@ class Pool:
         self._executor = None
 
     def run(self, tasks: Sequence[Task]) -> Iterator[tuple[Task, Fit | None]]:
-        """Results as they come; tasks begin in the order given."""
+        """Results as they come; tasks begin in the order given, those that the store holds are not done again."""
+        left = []
+        for task in tasks:
+            known, fit = self._recalled(task)
+            if known:
+                yield task, fit
+            else:
+                left.append(task)
+        for task, fit in self._done(left):
+            self._keep(task, fit)
+            yield task, fit
+
+    def here(self, task: Task) -> Fit | None:
+        """A task done in this process, with all its threads, unless the store holds it."""
+        known, fit = self._recalled(task)
+        if not known:
+            fit = self.workshop.run(task)
+            self._keep(task, fit)
+        return fit
+
+    def _keep(self, task: Task, fit: Fit | None) -> None:
+        if self._store is not None:
+            self._store.save(task_name(task), as_json(fit))
+
+    def _recalled(self, task: Task) -> tuple[bool, Fit | None]:
+        kept = None if self._store is None else self._store.load(task_name(task))
+        if kept is None:
+            return False, None
+        sites = [Site(effect(name), where) for name, where in task.label]
+        made = hypothesis(self.workshop.model.believed, sites, task.start)
+        fit = from_json(kept, self.workshop.fitter(task.without), made)
+        return fit is not None or kept["fit"] is None, fit
+
+    def _done(self, tasks: Sequence[Task]) -> Iterator[tuple[Task, Fit | None]]:
         left = {id(task): task for task in tasks}
         if self._executor is not None:
             try:
@@ -173,7 +219,8 @@ class Pool:
 
     def _in_processes(self, tasks: Sequence[Task]) -> Iterator[tuple[Task, Fit | None]]:
         assert self._executor is not None
-        waiting: dict[Future[Fit | None], Task] = {self._executor.submit(_run, t): t for t in tasks}
+        with _without_interrupts():  # submitting begins processes, and they take over what is blocked
+            waiting: dict[Future[Fit | None], Task] = {self._executor.submit(_run, t): t for t in tasks}
         while waiting:
             done, _ = wait(waiting, return_when=FIRST_COMPLETED)
             for future in done:
