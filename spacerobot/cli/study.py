@@ -16,6 +16,7 @@ _EPILOG = """examples:
   spacerobot study check my_recordings      trials, channels, rates, gaps and what is odd
   spacerobot study check guide-friction     the bundled study
   spacerobot study check emps/study.toml --data ~/emps --json
+  spacerobot study table --runs runs --out table.md       verdicts of all bundled real studies
 """
 
 
@@ -32,10 +33,20 @@ def configure(parser: argparse.ArgumentParser) -> None:
     check.add_argument("study", metavar="STUDY", help="a folder, its study.toml, or the name of a bundled study")
     check.add_argument("--data", type=Path, metavar="DIR", help="folder that the study's files are relative to")
     check.add_argument("--json", action="store_true", help="one JSON object on stdout")
+    table = actions.add_parser("table", help="diagnose several studies and write their verdicts as one page")
+    table.add_argument("studies", nargs="*", metavar="STUDY", help="studies (default: the bundled real ones)")
+    table.add_argument("--out", type=Path, metavar="FILE", help="Markdown file to write (default: standard output)")
+    table.add_argument("--runs", type=Path, metavar="DIR", help="folder that keeps verdicts; finished ones are reused")
+    table.add_argument("--overwrite", action="store_true", help="replace FILE")
+    table.add_argument("-v", "--verbose", action="store_true", help="show progress although nobody watches")
 
 
 def run(args: argparse.Namespace) -> int:
     """Write or check a study; 2 where a file of it cannot be read."""
+    if args.action == "table":
+        from spacerobot.cli.study_table import run as table
+
+        return table(args)
     return _new(args) if args.action == "new" else _check(args)
 
 

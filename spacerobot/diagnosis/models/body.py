@@ -9,6 +9,7 @@ import numpy as np
 
 from spacerobot.diagnosis.data import Block, TrialData
 from spacerobot.diagnosis.hypothesis import Believed
+from spacerobot.diagnosis.models.held_out import FOLDS
 from spacerobot.diagnosis.models.model import FIRST_NOISE, conditions_of
 from spacerobot.diagnosis.models.simulated import Build, Simulated
 from spacerobot.diagnosis.models.sizes import Sizes, sizes_of
@@ -167,11 +168,18 @@ def _model(study: Study, trials: Sequence[Trial], group: str, name: str) -> Simu
         drives,
         believed=Believed(values, sigma, {}, conditions_of(whole), unknown),
         sizes=sizes,
-        window=RESTART * sizes[""].time if driven else math.inf,
+        window=_window(whole, sizes[""].time, bool(driven)),
         covered=frozenset(label for label, value in covers.items() if value in fitted) | no_table,
     )
     made.stated = frozenset(c for c in whole[0].channels if known[c].sigma_stated)
     return made
+
+
+def _window(whole: Sequence[TrialData], pace: float, driven: bool) -> float:
+    """Length of a window [s]: a free body's whole trial, or a part of it where there is nothing else to hold out."""
+    if driven:
+        return RESTART * pace
+    return math.inf if len(whole) > 1 else (whole[0].end - whole[0].start) / FOLDS
 
 
 def _falls(study: Study) -> bool:

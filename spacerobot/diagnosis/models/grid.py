@@ -13,6 +13,9 @@ from spacerobot.support.errors import InputError
 GAP = 3.5
 """A hole of this many steps between readings is not bridged."""
 
+BRIEF = 0.02
+"""Nor is a hole [s] counted that is brief against the motion of any machine: clocks of fast logs jitter."""
+
 
 @dataclass(frozen=True, eq=False)
 class Grid:
@@ -21,7 +24,7 @@ class Grid:
     time: np.ndarray  # (T,) s
     step: float  # s
     value: dict[str, np.ndarray]  # channel -> (T,)
-    good: np.ndarray  # (T,) bool: every channel has a reading within GAP steps on both sides
+    good: np.ndarray  # (T,) bool: no channel has a hole here
 
 
 def even_grid(recording: Recording, channels: Sequence[str]) -> Grid:
@@ -42,7 +45,7 @@ def even_grid(recording: Recording, channels: Sequence[str]) -> Grid:
     value = {}
     for channel, (t, x) in pairs.items():
         value[channel] = np.interp(time, t, x)
-        wide = np.diff(t) > GAP * max(step, float(np.median(np.diff(t))))
+        wide = np.diff(t) > max(GAP * step, GAP * float(np.median(np.diff(t))), BRIEF)
         for left, right in zip(t[:-1][wide], t[1:][wide], strict=True):
             good &= ~((time > left) & (time < right))
     return Grid(time, step, value, good)

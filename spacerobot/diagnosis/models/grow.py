@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import stdtrit
 
 from spacerobot.diagnosis.candidates import CONTAINS
 from spacerobot.diagnosis.fit import Fit
@@ -28,8 +29,11 @@ WORTH_OF_BASELINE = 0.02
 """A further parameter must lower the held-out rms by these shares of itself and of the baseline's: an effect size,
 for in long recordings any harmless defect is significant."""
 
-SURE = 2.0
-"""Standard errors by which the mean gain over unseen trials must exceed zero."""
+SURE = 0.95
+"""Probability, by Student's t, with which the mean gain over unseen trials must exceed zero."""
+
+TELLING = 0.1
+"""Change of the logarithm of the mean square below which a piece tells nothing: there both models are at the noise."""
 
 CLEAR = 3.0
 """Standard errors by which a body's own value differs from nothing, where several grow together."""
@@ -325,9 +329,10 @@ class _Search:
             gain = np.log(max(before[trial.id], 1e-300) / max(after[trial.id], 1e-300))
             groups.setdefault(parent(trial) if by_parent else trial.id, []).append(float(gain))
         gains = np.array([np.mean(g) for g in groups.values()])
+        gains = gains[np.abs(gains) > TELLING]
         if gains.size < 3:
-            return bool((gains > 0.0).all())
-        return bool(gains.mean() > SURE * gains.std(ddof=1) / np.sqrt(gains.size))
+            return bool(gains.size and (gains > 0.0).all())
+        return bool(gains.mean() > stdtrit(gains.size - 1, SURE) * gains.std(ddof=1) / np.sqrt(gains.size))
 
 
 def slack(best: float, baseline: float) -> float:

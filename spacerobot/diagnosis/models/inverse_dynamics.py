@@ -105,12 +105,11 @@ class InverseDynamics(Model):
         pace = WIDTH * min(own[j].time for j in self.compared)
         trials: list[TrialData] = []
         for key, (grid, condition, overrides) in grids.items():
-            thin = max(1, int(pace / grid.step / POINTS))
+            own_pace = min(pace, (grid.time[-1] - grid.time[0]) / PIECES / FEWEST / 2.0)
+            thin = max(1, int(own_pace / grid.step / POINTS))
             log = raw[key] if 3 * thin <= SHARP else _kinematics(grid, self.joints, 3 * thin)  # or noise folds over
             log = log.thinned(thin, arm)
-            longest = log.time.size // PIECES // FEWEST
-            half = max(SHARP, min(round(pace / log.step), longest))
-            trials += self._cut(key, log, condition, overrides, half)
+            trials += self._cut(key, log, condition, overrides, max(SHARP, round(own_pace / log.step)))
         self.trials = tuple(trials)
         inertia = arm.inertia(np.concatenate([m.position[:: m.stride] for m in self._motion.values()]))
         self._mass = {f"joint.{j}": float(x) for j, x in zip(self.joints, inertia, strict=True)}

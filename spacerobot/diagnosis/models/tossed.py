@@ -1,4 +1,4 @@
-"""A box that is tossed onto a table: its motion from window to window, against that of corners that bounce and slide."""
+"""A box that is tossed onto a table: its motion window by window, against corners that bounce and slide."""
 
 from __future__ import annotations
 

@@ -27,7 +27,8 @@ class CoulombFriction(Effect):
 
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:
         """Guides, joints, and a body that slides on a table."""
-        return positions(mechanism, "wrist", "target", "target.y", "base", "joint")
+        bearing = ("target.yaw",) if mechanism.contact is None else ()
+        return positions(mechanism, "wrist", "target", "target.y", *bearing, "base", "joint")
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
         """Friction of constant level at the port."""

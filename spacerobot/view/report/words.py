@@ -15,6 +15,9 @@ _PLACES = {
     "arm": "in the arm",
     "target": "on the target",
     "base": "on the base",
+    "body": "on the body",
+    "command": "in the commanded force",
+    "arm_motion": "in the arm's known motion",
     "force_sensor": "in the force sensor",
     "mocap": "in the position measurement",
 }
@@ -48,9 +51,33 @@ def place(where: str) -> str:
     if where.startswith("joint."):
         return f"in joint {where.removeprefix('joint.')}"
     head, dot, axis = where.partition(".")
-    if dot and head in ("target", "base"):
+    if dot and head in ("target", "base", "body"):
         return f"{_PLACES[head]} ({axis})"
     return f"in {where}"
+
+
+def of_body(verdict: Mapping[str, Any], name: str = "body") -> dict[str, Any]:
+    """The verdict of a study that is diagnosed part by part, with what floats called by its own name.
+
+    Catalogues know whatever floats as the target; a ball that falls has hit nobody.
+    """
+    out = dict(verdict)
+    if "parts" not in verdict or name == "target":
+        return out
+
+    def renamed(entry: Mapping[str, Any], key: str) -> dict[str, Any]:
+        where = str(entry.get(key, ""))
+        head, dot, rest = where.rpartition("target")
+        fits = head in ("",) or head.endswith(": ")
+        return {**entry, key: f"{head}{name}{rest}"} if dot and fits else dict(entry)
+
+    out["effects"] = [renamed(e, "where") for e in verdict["effects"]]
+    out["detectable"] = [renamed(e, "where") for e in verdict["detectable"]]
+    out["located"] = [renamed(e, "balance") for e in verdict["located"]]
+    out["alternatives"] = [
+        {**a, "effects": [renamed(e, "where") for e in a["effects"]]} for a in verdict["alternatives"]
+    ]
+    return out
 
 
 _COUNTED = {

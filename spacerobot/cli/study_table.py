@@ -1,0 +1,67 @@
+"""The work of `spacerobot study table`: many studies diagnosed, one page."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from spacerobot import __version__
+from spacerobot.diagnosis.diagnose import diagnose
+from spacerobot.recordings.study import Study, bundled_studies, load_study, resolve_study
+from spacerobot.support.errors import InputError
+from spacerobot.support.files import write_text
+from spacerobot.support.jsonio import dumps, plain
+from spacerobot.support.progress import Progress
+from spacerobot.view.table.page import page
+
+REAL = "real/"
+
+
+def run(args: argparse.Namespace) -> int:
+    """Diagnose and write; studies whose recordings are absent are named, and an error only where all are."""
+    if args.out is not None and args.out.exists() and not args.overwrite:
+        raise InputError("a file is there already", given=str(args.out), valid="another --out, or --overwrite")
+    names = args.studies or sorted(n for n in bundled_studies() if n.startswith(REAL))
+    verdicts: dict[str, Mapping[str, Any]] = {}
+    absent = []
+    with Progress("diagnosing", len(names), unit="study", verbose=args.verbose) as bar:
+        for name in names:
+            short = name.removeprefix(REAL)
+            try:
+                study = load_study(resolve_study(name))
+                verdicts[short] = _verdict(study, short, args.runs)
+            except InputError as error:
+                if args.studies:
+                    raise
+                absent.append(short)
+                print(f"{name}: {error}", file=sys.stderr)
+            bar.advance(note=short)
+    if not verdicts:
+        raise InputError("no study could be read", given=", ".join(names), valid="SPACEROBOT_DATA with the recordings")
+    text = page(verdicts, absent)
+    if args.out is None:
+        print(text)
+    else:
+        write_text(args.out, text)
+        print(f"{args.out}: {len(verdicts)} studies")
+    return 0
+
+
+def _verdict(study: Study, name: str, runs: Path | None) -> Mapping[str, Any]:
+    """The study's verdict, with the CPU time that it took; from an earlier run where nothing changed."""
+    path = None if runs is None else runs / f"{name.replace('/', '_')}.json"
+    if path is not None and path.exists():
+        kept: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+        if kept.get("input_hash") == study.input_hash and kept.get("spacerobot") == __version__:
+            return kept
+    began = time.process_time()
+    verdict = {**plain(diagnose(study, jobs=1).verdict), "cpu_seconds": round(time.process_time() - began, 1)}
+    if path is not None:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_text(path, dumps(verdict))
+    return verdict

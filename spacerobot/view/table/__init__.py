@@ -1,0 +1,1 @@
+"""Verdicts of many studies in one table."""

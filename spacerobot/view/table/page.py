@@ -1,0 +1,82 @@
+"""A page with one row a study: the verdict, what is named with its values, and how much better unseen data are met."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from spacerobot.view.report.words import effect_title, number, of_body, place, quantity
+
+INTRO = """\
+# Real recordings
+
+What `spacerobot diagnose` says of public recordings of real hardware, with the same settings for all of them. The
+studies are described in `examples/studies/real/`; the recordings are not part of this project and are read from the
+folder that `SPACEROBOT_DATA` names. This page is written by
+
+```sh
+make real-table
+```
+
+Held-out errors are root mean squares over data that the fit had not seen. In this table they are in units of the stated
+sensor noise (σ) where every channel's is stated, else shares of each channel's own spread; below, by channel, in SI
+units.
+"""
+
+
+def page(verdicts: Mapping[str, Mapping[str, Any]], absent: Sequence[str] = ()) -> str:
+    """The page as Markdown.
+
+    Args:
+        verdicts: verdict.json by name of the study.
+        absent: studies whose recordings are not here.
+    """
+    rows = [
+        "| study | verdict | what the baseline lacks | held out, before | after | CPU |",
+        "|---|---|---|---|---|---|",
+    ]
+    rows += [_row(name, verdict) for name, verdict in verdicts.items()]
+    parts = [INTRO, "\n".join(rows), ""]
+    for name, verdict in verdicts.items():
+        parts += [f"## {name}", "", f"{verdict['study']}.", "", *_details(verdict)]
+    if absent:
+        parts += [f"Not here when this was written: {', '.join(absent)}.", ""]
+    return "\n".join(parts)
+
+
+def _row(name: str, verdict: Mapping[str, Any]) -> str:
+    overall = verdict["held_out"]["overall"]
+    unit = " σ" if verdict["held_out"].get("unit", "sigma") == "sigma" else ""
+    said = verdict["verdict"].replace("_", " ")
+    named = list(dict.fromkeys(_title(e) for e in verdict["effects"]))
+    if not named and verdict["verdict"] == "ambiguous":
+        named = [" or ".join(" + ".join(_title(e) for e in a["effects"]) for a in verdict["alternatives"][:3])]
+    before, after = (f"{number(overall[k])}{unit}" for k in ("rms_before", "rms_after"))
+    seconds = verdict.get("cpu_seconds")
+    return f"| [{name}](#{name}) | {said} | {', '.join(named)} | {before} | {after} | {number(seconds, 2)} s |"
+
+
+def _title(entry: Mapping[str, Any]) -> str:
+    return effect_title(str(entry["effect"]))
+
+
+def _details(verdict: Mapping[str, Any]) -> list[str]:
+    lines = []
+    shown = of_body(verdict)
+    for entry in shown["effects"]:
+        values = ", ".join(
+            f"{key} {quantity(p['value'], p['unit'], p['ci95'])}" for key, p in entry["parameters"].items()
+        )
+        part = f" of {entry['part']}" if "part" in entry and not str(entry["where"]).endswith(entry["part"]) else ""
+        lines.append(f"- {effect_title(str(entry['effect']))} {place(str(entry['where']))}{part}: {values}")
+    for name, p in shown["parameters"].items():
+        lines.append(
+            f"- {name} {quantity(p['value'], p['unit'], p['ci95'])}, believed {quantity(p['believed'], p['unit'])}"
+        )
+    quiet = [p["part"] for p in verdict.get("parts", []) if p["verdict"] == "nothing_missing"]
+    if quiet and len(verdict["parts"]) > 1:
+        lines.append(f"- nothing missing: {', '.join(quiet)}")
+    lines += ["", "| channel | before | after |", "|---|---|---|"]
+    for channel, c in verdict["held_out"]["channels"].items():
+        lines.append(f"| {channel} | {number(c['rms_before'])} | {number(c['rms_after'])} |")
+    return [*lines, "", f"Held out: {verdict['held_out']['scheme']}.", ""]
