@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import Any
 
 from spacerobot.simulation.exact.propagator import mode_matrix
-from spacerobot.support.jit import jit
+from spacerobot.support.jit import lean
 
 APART, PRESSED, RELEASED = 0, 1, 2
 DEPTH, PUSH, RUB, DEFLECTION, FUNCTIONALS = 0, 1, 2, 3, 4
@@ -20,13 +20,13 @@ SLOTS = 6
 GUARDS = 4
 
 
-@jit
+@lean
 def slot_of(contact: int, slide: int) -> int:
     """Which linear system acts."""
     return 3 * (1 if contact == PRESSED else 0) + slide + 1
 
 
-@jit
+@lean
 def fill_functionals(header: Any, rows: Any, x: Any, slide: int, free: Any, a: Any, g: Any, rate: Any) -> None:
     """Rows g of the functionals and `rate` of their time derivatives, shape (FUNCTIONALS, m) each.
 
@@ -66,7 +66,7 @@ def fill_functionals(header: Any, rows: Any, x: Any, slide: int, free: Any, a: A
             rate[f, j] = total
 
 
-@jit
+@lean
 def open_mode(
     header: Any, rows: Any, x: Any, contact: int, slide: int, a: Any, g: Any, rate: Any, free: Any, c: Any, s: Any
 ) -> float:
@@ -79,7 +79,7 @@ def open_mode(
     return h
 
 
-@jit
+@lean
 def fill_guards(header: Any, x: Any, contact: int, slide: int, which: Any, sign: Any, offset: Any) -> int:
     """What must stay positive in a mode: sign * functional + offset; returns how many."""
     k = header[0] + header[1]
@@ -104,7 +104,7 @@ def fill_guards(header: Any, x: Any, contact: int, slide: int, which: Any, sign:
     return count
 
 
-@jit
+@lean
 def dot(g: Any, z: Any) -> float:
     """Value of a functional."""
     total = 0.0

@@ -24,7 +24,7 @@ from spacerobot.simulation.exact.modes import (
 )
 from spacerobot.simulation.exact.propagator import DEGREE, at, exponential, projected, series, step, value
 from spacerobot.simulation.exact.roots import extremum, first_fall
-from spacerobot.support.jit import jit
+from spacerobot.support.jit import jit, lean
 
 (
     FIRST_TOUCH, LAST_SEPARATION, SUMMED, TOUCHES, HAND_BEFORE, TARGET_BEFORE, CLOSING_BEFORE, HAND_AFTER, TARGET_AFTER,
@@ -213,7 +213,7 @@ def collide(header: Any, rows: Any, numbers: Any, ends: Any, out: Any) -> None:
             o[FINAL_TARGET] += rows[forces + 3, i] * z[n + i]
 
 
-@jit
+@lean
 def _note(rows: Any, forces: int, n: int, z: Any, o: Any, first: int) -> None:
     """Speeds of hand and target, and of closing, into three columns."""
     for column, row in ((0, forces + 2), (1, forces + 3), (2, forces)):

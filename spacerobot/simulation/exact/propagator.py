@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from spacerobot.support.jit import jit
+from spacerobot.support.jit import lean
 
 THETA = 1.0
 """Step times the bound of the mode's fastest rate."""
@@ -19,7 +19,7 @@ DEGREE = 20
 """1/21! is 2e-20."""
 
 
-@jit
+@lean
 def mode_matrix(
     header: Any, rows: Any, x: Any, touching: bool, slide: int, stuck: bool, a: Any, damping: Any, stiff: Any
 ) -> float:
@@ -77,7 +77,7 @@ def mode_matrix(
     return THETA / bound if bound > 0.0 else np.inf
 
 
-@jit
+@lean
 def exponential(a: Any, h: float, e: Any, term: Any, temp: Any) -> None:
     """e = exp(a h) by its series; all shape (m, m), the last two scratch."""
     m = a.shape[0]
@@ -104,7 +104,7 @@ def exponential(a: Any, h: float, e: Any, term: Any, temp: Any) -> None:
             term[m - 1, m - 1] = 0.0
 
 
-@jit
+@lean
 def step(e: Any, z: Any, out: Any) -> None:
     """out = e z, shape (m,)."""
     m = z.size
@@ -116,7 +116,7 @@ def step(e: Any, z: Any, out: Any) -> None:
     out[m - 1] = 1.0
 
 
-@jit
+@lean
 def series(a: Any, h: float, z: Any, c: Any) -> None:
     """Coefficients in theta of z(t + theta h), c shape (DEGREE + 1, m)."""
     m = z.size
@@ -132,7 +132,7 @@ def series(a: Any, h: float, z: Any, c: Any) -> None:
         c[degree, m - 1] = 0.0
 
 
-@jit
+@lean
 def at(c: Any, theta: float, out: Any) -> None:
     """State at theta from the coefficients, shape (m,)."""
     for i in range(out.size):
@@ -142,7 +142,7 @@ def at(c: Any, theta: float, out: Any) -> None:
         out[i] = total
 
 
-@jit
+@lean
 def projected(c: Any, g: Any, p: Any) -> None:
     """Polynomial p, shape (DEGREE + 1,), of the functional g, shape (m,)."""
     for k in range(DEGREE + 1):
@@ -152,7 +152,7 @@ def projected(c: Any, g: Any, p: Any) -> None:
         p[k] = total
 
 
-@jit
+@lean
 def value(p: Any, theta: float) -> float:
     """p(theta)."""
     total = p[DEGREE]
@@ -161,7 +161,7 @@ def value(p: Any, theta: float) -> float:
     return total
 
 
-@jit
+@lean
 def slope(p: Any, theta: float) -> float:
     """p'(theta)."""
     total = DEGREE * p[DEGREE]

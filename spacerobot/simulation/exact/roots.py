@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 from spacerobot.simulation.exact.propagator import slope, value
-from spacerobot.support.jit import jit
+from spacerobot.support.jit import lean
 
 PIECES = 6
 """A step is searched in so many pieces; each holds one extremum at most, being a small part of the fastest period."""
 
 
-@jit
+@lean
 def extremum(p: Any, lo: float, hi: float) -> float:
     """Where the slope changes sign between lo and hi, to 1e-10: a value there is exact to rounding. Illinois method."""
     low, high = slope(p, lo), slope(p, hi)
@@ -33,7 +33,7 @@ def extremum(p: Any, lo: float, hi: float) -> float:
     return x
 
 
-@jit
+@lean
 def _between(p: Any, lo: float, hi: float) -> float:
     """Root between lo (not negative) and hi (negative); Newton kept inside the bracket."""
     x = hi
@@ -53,7 +53,7 @@ def _between(p: Any, lo: float, hi: float) -> float:
     return x
 
 
-@jit
+@lean
 def first_fall(p: Any, end: float) -> float:
     """First theta in [0, end] at which p, having been positive, falls below zero; 2 where it does not.
 
