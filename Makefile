@@ -72,11 +72,29 @@ docs: $(VENV)/.docs  ## build the documentation into site/, warnings as errors (
 wheel: $(VENV)/.test  ## build the wheel, install it in a fresh environment, run it from another folder
 	PYTHON=$(PYTHON) bash .ci/check_wheel
 
+bench: $(VENV)/.core  ## measure everything beside other engines; writes docs/benchmarks.md (half an hour)
+	$(INSTALL) -c constraints.txt -e '.[bench,scale,proof]'
+	$(BIN)/python -m benchmarks.run
+
 picture: demo  ## draw the README's picture again
 	cp demo-out/demo.png docs/images/demo.png
 
 real-table: $(VENV)/.test  ## diagnose the public recordings that are present, and write docs/real-recordings.md again
 	$(BIN)/spacerobot study table --out docs/real-recordings.md --overwrite
+
+test-oldest:  ## the tests on the oldest direct dependencies that pyproject.toml admits (needs uv)
+	$(UV) venv -q --allow-existing --python 3.11 .venv-oldest
+	$(UV) pip install -q --python .venv-oldest/bin/python --resolution lowest-direct -e '.[$(EXTRAS)]'
+	.venv-oldest/bin/python -m pytest -m "not slow"
+
+test-newest:  ## the tests on the newest dependencies, whatever constraints.txt says
+	$(PYTHON) -m venv .venv-newest
+	.venv-newest/bin/python -m pip install -q --upgrade --upgrade-strategy eager -e '.[$(EXTRAS)]'
+	.venv-newest/bin/python -m pytest -m "not slow"
+
+release-check: $(VENV)/.test  ## everything that is checked before a release: licences, vulnerabilities, builds, wheel, tests
+	$(INSTALL) -c constraints.txt -e '.[release]'
+	PYTHON=$(PYTHON) $(BIN)/python -m release
 
 constraints:  ## pin the newest versions that fit together (needs uv)
 	$(UV) pip compile -q --universal --upgrade --fork-strategy requires-python --extra test --extra browser --extra notebooks --extra docs --no-header --no-annotate \
