@@ -57,17 +57,16 @@ def run(args: argparse.Namespace) -> int:
             without=args.without,
             effects_files=args.effects,
             report=report,
+            store=folder,
         )
         verdict, evidence = plain(result.verdict), plain(result.evidence)
         validate(verdict)
         if folder is not None:
-            from spacerobot.diagnosis.scene_out import scene_of
             from spacerobot.view.report import write_plots, write_report
 
             folder.write("verdict.json", dumps(verdict))
-            if result.judgement is not None:  # other machines than a wrist rig have no scene
-                scene = scene_of(study, result.judgement.chosen)
-                folder.write("scene.toml", scene.to_toml())
+            if result.scene is not None:  # other machines than a wrist rig have none
+                folder.write("scene.toml", result.scene.to_toml())
             write_report(verdict, evidence, folder.path("report.html"))
             for name in write_plots(verdict, evidence, folder.folder / "plots"):
                 folder.path(f"plots/{name}")

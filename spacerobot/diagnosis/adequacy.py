@@ -24,6 +24,10 @@ GROUP_LIMIT = 6.0
 """Excess of one channel of one trial, in standard errors of its chi-squared, that is too much."""
 
 
+STATED = 200
+"""Samples before contact that the stated noise level counts for: few trials show too little of it themselves."""
+
+
 @dataclass(frozen=True)
 class ChannelLeft:
     """What is left of one channel over all trials."""
@@ -37,12 +41,13 @@ class ChannelLeft:
     colour: float  # excess autocorrelation in standard errors
     worst: float  # largest excess of one trial in standard errors
     worst_trial: str
+    early: int = 1_000_000  # samples that the noise before contact rests on
 
     @property
     def white(self) -> bool:
         """Whether it passes all three tests."""
         excess = self.level / self.noise - 1.0
-        significant = excess > max(LEVEL_LIMIT, 5.0 * np.sqrt(2.0 / max(self.samples, 1)))
+        significant = excess > max(LEVEL_LIMIT, 5.0 * np.sqrt(2.0 / max(self.samples, 1) + 2.0 / self.early))
         return not (significant or self.colour > COLOUR_LIMIT or self.worst > GROUP_LIMIT)
 
 
@@ -96,12 +101,11 @@ def _lag1(parts: Sequence[np.ndarray]) -> tuple[float, int]:
 
 def _channel(name: str, before: Sequence[np.ndarray], after: Sequence[tuple[str, np.ndarray]]) -> ChannelLeft:
     early_count = sum(p.size for p in before)
+    noise = (sum(float(p @ p) for p in before) + STATED) / (early_count + STATED)
     if early_count >= 30:
-        noise = sum(float(p @ p) for p in before) / early_count
         lag_before, n_before = _lag1(before)
     else:
-        noise, lag_before, n_before = 1.0, 0.0, 1_000_000
-    noise = max(noise, 1e-12)
+        lag_before, n_before = 0.0, 1_000_000
     late = [p for _, p in after if p.size]
     count = sum(p.size for p in late)
     level = sum(float(p @ p) for p in late) / max(count, 1)
@@ -110,9 +114,18 @@ def _channel(name: str, before: Sequence[np.ndarray], after: Sequence[tuple[str,
     worst, worst_trial = -np.inf, ""
     for trial, p in after:
         if p.size >= 20:
-            score = (float(p @ p) / p.size / noise - 1.0) / np.sqrt(2.0 / p.size + 2.0 / max(early_count, 1))
+            score = (float(p @ p) / p.size / noise - 1.0) / np.sqrt(2.0 / p.size + 2.0 / (early_count + STATED))
             if score > worst:
                 worst, worst_trial = score, trial
     return ChannelLeft(
-        name, noise, level, count, lag_before, lag, (lag - lag_before) / error, float(worst), worst_trial
+        name,
+        noise,
+        level,
+        count,
+        lag_before,
+        lag,
+        (lag - lag_before) / error,
+        float(worst),
+        worst_trial,
+        early_count + STATED,
     )

@@ -58,6 +58,17 @@ def contains(general: Sequence[tuple[str, str]], special: Sequence[tuple[str, st
     return True
 
 
+def simpler(label: Sequence[tuple[str, str]]) -> list[tuple[tuple[str, str], ...]]:
+    """The same set with one general effect replaced by its special case, or one effect left out."""
+    out = []
+    for i, (name, where) in enumerate(label):
+        rest = [*label[:i], *label[i + 1 :]]
+        out += [tuple(sorted([*rest, (special, where)])) for general, special in sorted(CONTAINS) if general == name]
+        if rest:
+            out.append(tuple(sorted(rest)))
+    return out
+
+
 def plausible(sites: Sequence[tuple[str, str]], values: Mapping[str, float]) -> bool:
     """Whether signs make physical sense where two readings of one thing exist.
 

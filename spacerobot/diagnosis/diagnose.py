@@ -12,15 +12,19 @@ from spacerobot.diagnosis import evidence as ev
 from spacerobot.diagnosis.adequacy import Left, left_over
 from spacerobot.diagnosis.candidates import candidate_sites
 from spacerobot.diagnosis.checks import nested, synthetic
+from spacerobot.diagnosis.confirm import confirm
 from spacerobot.diagnosis.fit import Fit
 from spacerobot.diagnosis.held_out import hold_out
-from spacerobot.diagnosis.judge import AMBIGUOUS, NAMED, judge, moved
+from spacerobot.diagnosis.judge import AMBIGUOUS, NAMED, Judgement, judge, moved
 from spacerobot.diagnosis.locate.locate import locate
 from spacerobot.diagnosis.locate.located import LEVEL
+from spacerobot.diagnosis.memory import Store
 from spacerobot.diagnosis.models.diagnose_parts import diagnose_parts
 from spacerobot.diagnosis.next_experiment import next_experiment
 from spacerobot.diagnosis.pool import Pool, Workshop
+from spacerobot.diagnosis.profile import profile_interval
 from spacerobot.diagnosis.result import Diagnosis
+from spacerobot.diagnosis.scene_out import scene_of
 from spacerobot.diagnosis.search import Found, Report, search
 from spacerobot.diagnosis.verdict import detectable, held_out_entry, labels_of, verdict_dict
 from spacerobot.recordings.study import Study
@@ -46,6 +50,7 @@ def diagnose(
     without: Sequence[str] = (),
     effects_files: Sequence[str] = (),
     report: Report = _silent,
+    store: Store | None = None,
 ) -> Diagnosis:
     """Say where simulation and recording part, and which physics was left out.
 
@@ -57,6 +62,7 @@ def diagnose(
         without: effects to leave out of the catalogue.
         effects_files: Python files with further effects (they are run).
         report: told of progress.
+        store: keeps every finished fit of a wrist rig, so that a diagnosis that was stopped goes on where it was.
 
     Raises:
         InputError: the study cannot be diagnosed: nothing that was recorded can be compared with the baseline.
@@ -73,7 +79,7 @@ def diagnose(
         raise InputError("the study lacks a channel", given=sorted(missing), where=str(study.path))
     mechanism = workshop.model.mechanism({**workshop.model.base, **workshop.trials[0].overrides})
     sites = candidate_sites(mechanism, workshop.model.believed, without)
-    with Pool(workshop, jobs, effects_files) as pool:
+    with Pool(workshop, jobs, effects_files, store) as pool:
         found = search(pool, sites, report)
         report("judging", 0, 1)
         freed = _freed(workshop, found.baseline)
@@ -83,14 +89,18 @@ def diagnose(
         if first.verdict == NAMED:
             report("checking on a synthetic copy", 0, 1)
             checks.append(synthetic(workshop, first.chosen, seed))
+            report("simulating with the whole robot", 0, 1)
+            checks.append(confirm(workshop, first.chosen))
         judgement = judge(found, left_of, freed, [c["name"] for c in checks if not c["passed"]])
         report("predicting held-out conditions", 0, 1)
         held = hold_out(pool, {"before": found.baseline, "after": judgement.chosen})
+    inflation = min(left.inflation for left in left_of.values())
+    report("intervals", 0, 1)
+    profiled = _profiled(workshop, judgement, inflation)
     report("locating", 0, 1)
     base = found.baseline
     # with the believed values: a refit that lacks the physics bends them until every balance is a little wrong
     located = locate(workshop.model, workshop.trials, seed=seed)
-    inflation = min(left.inflation for left in left_of.values())
     screen = next(
         (s for s in reversed(found.screens) if s.fit.hypothesis.label == judgement.chosen.hypothesis.label),
         found.screens[0],
@@ -114,6 +124,7 @@ def diagnose(
         held_out=held_out_entry(workshop.trials, before, after),
         detectable_sizes=detectable(screen, inflation),
         next_experiment=further,
+        profiled=profiled,
     )
     shown_before = before.residuals if before else {k: t.residual for k, t in base.trials.items()}
     shown_after = after.residuals if after else {k: t.residual for k, t in judgement.chosen.trials.items()}
@@ -130,7 +141,17 @@ def diagnose(
         "timing": {"seconds": verdict["seconds"]},
         "removed_by_fit": ev.removed_by_fit(judgement.chosen),
     }
-    return Diagnosis(verdict, evidence, found, judgement, left)
+    scene = scene_of(study, workshop.model, judgement.chosen)
+    return Diagnosis(verdict, evidence, found, judgement, left, scene=scene)
+
+
+def _profiled(workshop: Workshop, judgement: Judgement, inflation: float) -> dict[str, tuple[float, float]]:
+    """Intervals of what the verdict states: the named effects' parameters and the values that moved."""
+    chosen = judgement.chosen
+    keys = [k for k in judgement.moved if k in chosen.hypothesis.keys]
+    if judgement.verdict == NAMED:
+        keys += [f.key for f in chosen.hypothesis.free if f.kind == "effect"]
+    return {k: profile_interval(workshop.fitter(), chosen, k, inflation) for k in keys}
 
 
 def _freed(workshop: Workshop, base: Fit) -> Fit | None:

@@ -10,6 +10,7 @@ from spacerobot.diagnosis.adequacy import Left
 from spacerobot.diagnosis.judge import Judgement
 from spacerobot.diagnosis.models.part import Part
 from spacerobot.diagnosis.search import Found
+from spacerobot.simulation.scene import Scene
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,6 +23,7 @@ class Diagnosis:
         found: every fit and screen of a wrist rig; None for other machines.
         judgement: of a wrist rig, what was decided, on which fit; None for other machines.
         left: of a wrist rig, what the finalists leave over, by set of effects.
+        scene: of a wrist rig, its first trial as the chosen model has it.
         parts: of other machines, what was found at each joint, body or sensor.
     """
 
@@ -31,3 +33,4 @@ class Diagnosis:
     judgement: Judgement | None = None
     left: Mapping[tuple[tuple[str, str], ...], Left] = field(default_factory=dict)
     parts: tuple[Part, ...] = ()
+    scene: Scene | None = None

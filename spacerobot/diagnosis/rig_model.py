@@ -88,6 +88,7 @@ class RigModel:
         self.believed = Believed(known, sigma, scatter, tuple(study.conditions()), unknown, ABSORBING)
         self.tolerance = tolerance
         self.sensors = _sensors(study)
+        self._trials = {t.id: t for t in trials}
         self._touch = {t.id: _touch_time(t) for t in trials}
         self._motion = {t.id: _nuisances(t, self.turning, self.sideways) for t in trials}
 
@@ -95,6 +96,10 @@ class RigModel:
         """The baseline mechanism of these rig values."""
         inside = {n: v for n, v in values.items() if n in DEFAULTS}
         return replace(rig(inside, lateral=self.sideways), sensors=self.sensors)
+
+    def trial(self, name: str) -> TrialData:
+        """A trial by its id."""
+        return self._trials[name]
 
     def nuisances(self, trial: TrialData) -> tuple[Nuisance, ...]:
         """What is free in this trial alone."""

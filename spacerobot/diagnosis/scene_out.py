@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
+
 from spacerobot.diagnosis.fit import Fit
+from spacerobot.diagnosis.rig_model import RigModel
 from spacerobot.recordings.study import Study
 from spacerobot.simulation.parts.contact import ContactLaw
 from spacerobot.simulation.parts.effect_at import EffectAt
@@ -12,8 +16,15 @@ from spacerobot.simulation.rig import DEFAULTS
 from spacerobot.simulation.scene import Scene
 
 
-def scene_of(study: Study, fit: Fit, trial: str | None = None) -> Scene:
-    """The scene of one trial (the first if none is named), at the values and with the effects of a fit."""
+def scene_of(study: Study, model: RigModel, fit: Fit, trial: str | None = None) -> Scene:
+    """The scene of one trial at the values, from the start and with the effects of a fit.
+
+    Args:
+        study: what the lab believes.
+        model: that the fit was made with.
+        fit: what was found.
+        trial: which; the first if none is named.
+    """
     chosen = study.trial(trial) if trial is not None else study.trials[0]
     base = {n: v for n, v in study.values().items() if n in DEFAULTS}
     overrides = {n: v for n, v in chosen.overrides.items() if n in DEFAULTS}
@@ -22,11 +33,17 @@ def scene_of(study: Study, fit: Fit, trial: str | None = None) -> Scene:
     effects = tuple(
         EffectAt(s.effect.name, s.where, {p.name: free[s.key(p.name)] for p in s.effect.parameters})
         for s in fit.hypothesis.sites
-        if "mocap" not in s.where and s.effect.kind != "sensor"
     )
-    yaw = values["target.yaw_inertia"]
-    initial = fit.trials[chosen.id].initial
-    return Scene(
+    data = model.trial(chosen.id)
+    start = {
+        (n.coordinate, n.rate): float(v)
+        for n, v in zip(model.nuisances(data), fit.trials[chosen.id].initial, strict=True)
+    }
+    ahead, lateral = values["target.contact_point.ahead"], values["target.contact_point.lateral"]
+    yaw = start.get(("target.yaw", False), 0.0)
+    turned = ahead * (math.cos(yaw) - 1.0) - lateral * math.sin(yaw)
+    inertia = values["target.yaw_inertia"]
+    scene = Scene(
         robot=study.robot_source or "pa10_wrist",
         base=study.baseline.base,
         joints=study.baseline.joints,
@@ -42,12 +59,16 @@ def scene_of(study: Study, fit: Fit, trial: str | None = None) -> Scene:
         contact=ContactLaw(stiffness=values["contact.stiffness"], damping=values["contact.damping"]),
         target=Target(
             mass=values["target.mass"],
-            yaw_inertia=yaw if yaw == yaw else None,
-            contact_point=(values["target.contact_point.ahead"], values["target.contact_point.lateral"], 0.0),
-            speed=float(abs(initial[1])),
-            gap=float(max(-initial[0], 0.0)),
+            yaw_inertia=inertia if inertia == inertia else None,
+            contact_point=(ahead, lateral, 0.0),
+            attitude=(0.0, 0.0, yaw),
+            speed=start["target", True],
+            gap=max(-start["target", False] - turned, 0.0),
         ),
-        duration=float(max(series.time[-1] for series in study.recording(chosen).outputs())),
+        duration=data.end - data.start,
         effects=effects,
         title=f"{study.title}, trial {chosen.id}, as diagnosed",
     )
+    spin = start.get(("target.yaw", True), 0.0)
+    up = scene.axes[:, 2]
+    return replace(scene, target=replace(scene.target, spin=tuple(float(spin * a) for a in up))) if spin else scene

@@ -7,12 +7,13 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from spacerobot.diagnosis.candidates import contains
+from spacerobot.diagnosis.candidates import contains, simpler
 from spacerobot.diagnosis.fit import Fit
 from spacerobot.diagnosis.hypothesis import Label, Site
 from spacerobot.diagnosis.pool import Pool, Task
 from spacerobot.diagnosis.screen import Screen, Screened, Screener, faint
 from spacerobot.diagnosis.starts import effect_starts
+from spacerobot.effects.registry import effect
 
 TOP_SCREENED = 4
 TOP_FITTED = 4
@@ -89,7 +90,7 @@ def search(pool: Pool, sites: Sequence[Site], report: Report, *, baseline: Fit |
     workshop = pool.workshop
     report("baseline", 0, 1)
     if baseline is None:
-        baseline = workshop.run(Task((), {}))
+        baseline = pool.here(Task((), {}))
         assert baseline is not None  # the believed rig itself can be simulated, or RigModel had refused it
     found = Found(baseline, singles=tuple(sites))
     screener = Screener(workshop.fitter(), workshop.model.believed)
@@ -115,6 +116,7 @@ def search(pool: Pool, sites: Sequence[Site], report: Report, *, baseline: Fit |
     _run(pool, found, _starts(found, promising, baseline), report, "single effects, from several starts", stop=True)
     if found.singles_by_cost():
         _pairs(pool, found, screener, first, report)
+        _simplify(pool, found, report)
     return found
 
 
@@ -154,6 +156,19 @@ def _pairs(pool: Pool, found: Found, screener: Screener, first: Screen, report: 
             continue
         tasks.append(Task(both, {**a.start, **b.start}, found.baseline.initials(), max_iterations=30))
     _run(pool, found, tasks, report, "pairs of effects", stop=True)
+
+
+def _simplify(pool: Pool, found: Found, report: Report) -> None:
+    """What the best set could do without: its special cases and subsets that nobody has fitted yet."""
+    best = found.best
+    tasks = []
+    for label in simpler(best.hypothesis.label):
+        if label in found.fits:
+            continue
+        values = {k: v for k, v in best.values().items() if "@" in k}
+        sites = [Site(effect(name), where) for name, where in label]
+        tasks += [Task(label, start, near=best, max_iterations=20) for start in effect_starts(sites, values)[:2]]
+    _run(pool, found, tasks, report, "simpler sets of effects")
 
 
 def _explained(fit: Fit) -> bool:

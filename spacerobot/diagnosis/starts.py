@@ -90,12 +90,12 @@ def fit_near(
         max_iterations=max_iterations,
         hopeless=hopeless,
         robust=False,
-        rows=_known(fitter, made, near),
+        rows=known_rows(fitter, made, near),
         loose=loose,
     )
 
 
-def _known(fitter: Fitter, made: Hypothesis, near: Fit) -> dict[str, np.ndarray] | None:
+def known_rows(fitter: Fitter, made: Hypothesis, near: Fit) -> dict[str, np.ndarray] | None:
     """Derivatives at a fit as columns of a further hypothesis; None where that moves what the fit stands on."""
     keys = near.hypothesis.keys
     old = [f.key for f in made.free if f.kind != "effect" or f.key in keys]

@@ -32,13 +32,19 @@ def interval(fit: Fit, key: str, inflation: float) -> tuple[float, tuple[float, 
     return free.value(z), (free.value(z - spread), free.value(z + spread))
 
 
-def effect_entries(fit: Fit, inflation: float) -> list[dict[str, Any]]:
+Intervals = Mapping[str, tuple[float, float]]
+"""95 % intervals found by profile likelihood, by key; those of the curvature at the best fit where one is absent."""
+
+
+def effect_entries(fit: Fit, inflation: float, profiled: Intervals | None = None) -> list[dict[str, Any]]:
     """The fit's effects with their values, intervals and units."""
     entries = []
     for site in sorted(fit.hypothesis.sites, key=lambda s: s.label):
         values = {}
         for parameter in site.effect.parameters:
-            value, ci = interval(fit, site.key(parameter.name), inflation)
+            key = site.key(parameter.name)
+            value, ci = interval(fit, key, inflation)
+            ci = (profiled or {}).get(key, ci)
             values[parameter.name] = {"value": value, "ci95": list(ci), "unit": parameter.unit}
         entries.append({"effect": site.effect.name, "where": site.where, "parameters": values})
     return entries
@@ -53,11 +59,14 @@ def alternative(fit: Fit, best: Fit) -> dict[str, Any]:
     }
 
 
-def moved_values(fit: Fit, names: Sequence[str], sigma: Mapping[str, float], inflation: float) -> dict[str, Any]:
+def moved_values(
+    fit: Fit, names: Sequence[str], sigma: Mapping[str, float], inflation: float, profiled: Intervals | None = None
+) -> dict[str, Any]:
     """Believed values beyond three of their sigmas. A value that trials state themselves shows as a factor."""
     out = {}
     for name in names:
         value, ci = interval(fit, name, inflation)
+        ci = (profiled or {}).get(name, ci)
         free = fit.hypothesis.free[fit.hypothesis.keys.index(name)]
         out[name] = {
             "value": value,
@@ -128,10 +137,11 @@ def detectable(screen: Screen, inflation: float) -> list[dict[str, Any]]:
     for label, (share, item) in sorted(best.items()):
         parameter = _strength(item.site.effect.parameters)
         start = item.start[item.site.key(parameter.name)]
+        share *= 1.0 if item.site.effect.removes else FAINT  # of the start, at which the column was taken
         if math.isinf(parameter.null) or parameter.log:
             smallest = start / max(share, 1e-12)  # its strength goes as the inverse: a cutoff, a stiffness
         else:
-            smallest = abs(share * FAINT * (start - parameter.null))
+            smallest = abs(share * (start - parameter.null))
         out.append(
             {
                 "effect": label[0],
@@ -162,6 +172,7 @@ def verdict_dict(
     held_out: Mapping[str, Any],
     detectable_sizes: Sequence[Mapping[str, Any]],
     next_experiment: Mapping[str, Any] | None,
+    profiled: Intervals | None = None,
 ) -> dict[str, Any]:
     """The whole of verdict.json."""
     chosen = judgement.chosen
@@ -181,10 +192,10 @@ def verdict_dict(
         "seconds": round(seconds, 3),
         "verdict": judgement.verdict,
         "confidence": round(judgement.confidence, 4),
-        "effects": effect_entries(chosen, inflation) if named else [],
+        "effects": effect_entries(chosen, inflation, profiled) if named else [],
         "alternatives": alternatives,
         "parameters": moved_values(
-            chosen, [n for n in judgement.moved if n in chosen.hypothesis.keys], sigma, inflation
+            chosen, [n for n in judgement.moved if n in chosen.hypothesis.keys], sigma, inflation, profiled
         ),
         "located": [dict(row) for row in located],
         "held_out": dict(held_out),

@@ -70,7 +70,7 @@ def of_multibody(scene: Scene, run: MultibodyRun, times: np.ndarray) -> Trajecto
         time=times,
         channels=channels,
         units={c: unit_of(c, c in turning) for c in channels},
-        measured=read_channels(run, mechanism, mechanism.readouts, times),  # type: ignore[arg-type]
+        measured=read_channels(run, mechanism, mechanism.readouts, times),
         ledger=multibody_ledger(run),
         events=events,
         restitution=_restitution(events, run.end, speeds),

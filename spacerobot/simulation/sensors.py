@@ -6,17 +6,37 @@ import functools
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any, Protocol
 
 import numpy as np
 
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import ChannelMap, Readout
-from spacerobot.simulation.reduced.run import ReducedRun
 from spacerobot.support.errors import NotFoundError
 
 
+class Run(Protocol):
+    """A finished run of either backend, as sensors need it."""
+
+    @property
+    def start(self) -> float:
+        """First time [s]."""
+
+    def states(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Coordinates' positions and velocities, shape (T, n) each."""
+
+    def sample(self, times: np.ndarray) -> Any:
+        """States and accelerations."""
+
+    def contact_at(self, times: np.ndarray) -> np.ndarray:
+        """Contact force, shape (T,) [N]."""
+
+    def port(self, name: str, states: np.ndarray) -> np.ndarray:
+        """A port's value from the coordinates', shape (T,)."""
+
+
 def read_channels(
-    run: ReducedRun, mechanism: Mechanism, channels: Iterable[str], times: np.ndarray
+    run: Run, mechanism: Mechanism, channels: Iterable[str], times: np.ndarray
 ) -> dict[str, np.ndarray]:
     """The channels as the sensors would record them at `times`.
 
@@ -47,7 +67,7 @@ def read_channels(
 class _Taken:
     """What a run holds at some times, found when first asked for: most channels need no force evaluated."""
 
-    run: ReducedRun
+    run: Run
     times: np.ndarray
 
     @functools.cached_property
@@ -64,7 +84,7 @@ class _Taken:
 
 
 def _read(
-    run: ReducedRun, readout: Readout, maps: list[ChannelMap], times: np.ndarray, taken: dict[float, _Taken]
+    run: Run, readout: Readout, maps: list[ChannelMap], times: np.ndarray, taken: dict[float, _Taken]
 ) -> np.ndarray:
     late = sum(m.value for m in maps if m.kind == "delay")
     cutoffs = [m.value for m in maps if m.kind == "low_pass" and math.isfinite(m.value)]
@@ -83,7 +103,7 @@ def _read(
     return value
 
 
-def _raw(run: ReducedRun, readout: Readout, inertias: list[ChannelMap], taken: _Taken) -> np.ndarray:
+def _raw(run: Run, readout: Readout, inertias: list[ChannelMap], taken: _Taken) -> np.ndarray:
     if readout.kind == "force":
         value = readout.sign * run.contact_at(taken.times)
     else:
@@ -95,7 +115,7 @@ def _raw(run: ReducedRun, readout: Readout, inertias: list[ChannelMap], taken: _
 
 
 def _filtered(
-    run: ReducedRun, readout: Readout, inertias: list[ChannelMap], cutoffs: list[float], times: np.ndarray
+    run: Run, readout: Readout, inertias: list[ChannelMap], cutoffs: list[float], times: np.ndarray
 ) -> np.ndarray:
     """First-order filters, exact for an input that is linear between the points of a grid.
 

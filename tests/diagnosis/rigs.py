@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -53,14 +54,18 @@ def write_study(
     *,
     planted: Sequence[tuple[str, str, Mapping[str, float]]] = (),
     truth: Mapping[str, float] | None = None,
+    believed: Mapping[str, float] | None = None,
     masses: Sequence[float] = (9.0, 23.2),
     speeds: Sequence[float] = (0.06, 0.11),
     seed: int = 1,
 ) -> Study:
-    """A study of len(masses) x len(speeds) trials with sensor noise; `truth` overrides what the lab believes."""
+    """A study of len(masses) x len(speeds) trials with sensor noise; `truth` and `believed` set them apart."""
     random = np.random.default_rng(seed)
     values = {**BELIEVED, "wrist.equivalent_damping": 5.0, "contact.damping": 60.0, **(truth or {})}
     text = HEADER
+    for name, value in (believed or {}).items():
+        last = name.rsplit(".", 1)[-1]
+        text = re.sub(rf"^{last} = .*$", f"{last} = {value!r}", text, count=1, flags=re.MULTILINE)
     for m, mass in enumerate(masses):
         for s, speed in enumerate(speeds):
             name = f"{m}{s}"

@@ -1,0 +1,93 @@
+"""Intervals by profile likelihood: a parameter is held further and further from its best value, all else refitted.
+
+Contact makes the cost curved, so that the curvature at the best fit alone understates or overstates an interval.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+from spacerobot.diagnosis.fit import Fit, Fitter
+from spacerobot.diagnosis.hypothesis import Hypothesis
+from spacerobot.diagnosis.starts import known_rows
+from spacerobot.support.errors import SimulationError
+
+LEVEL_95 = 3.841458820694124
+"""Rise of the cost at the ends of a 95 % interval: chi-squared of one degree of freedom."""
+
+TRIES = 4
+CLOSE = 0.1
+"""Share of the level within which an end counts as met."""
+
+
+def profile_interval(fitter: Fitter, fit: Fit, key: str, inflation: float) -> tuple[float, float]:
+    """A parameter's 95 % interval.
+
+    Args:
+        fitter: of the trials the fit was made to.
+        fit: the best fit.
+        key: of the free parameter.
+        inflation: rise of the cost that counts as one, for noise that is larger or more coloured than stated.
+
+    Returns:
+        lower and upper end, physical; a bound of the parameter where the cost does not rise before it.
+    """
+    index = fit.hypothesis.keys.index(key)
+    free = fit.hypothesis.free[index]
+    spread = 1.0
+    if fit.covariance is not None:
+        variance = float(fit.covariance[index, index]) * inflation * LEVEL_95
+        spread = math.sqrt(variance) if 0.0 < variance < 1e6 else 1.0
+    ends = [free.value(_end(fitter, fit, index, side * spread, inflation)) for side in (-1.0, 1.0)]
+    return min(ends), max(ends)
+
+
+def _end(fitter: Fitter, fit: Fit, index: int, step: float, inflation: float) -> float:
+    """The z at which the profile reaches its level, looked for from one linear step away."""
+    low, high = fit.hypothesis.free[index].bounds
+    best = float(fit.z[index])
+    inner, outer = 0.0, math.inf  # steps known to lie inside and outside
+    for _ in range(TRIES):
+        at = min(max(best + step, low), high)
+        rise = _rise(fitter, fit, index, at) / inflation
+        if at != best + step and rise < LEVEL_95:
+            return at  # the bound itself is inside
+        if abs(rise - LEVEL_95) < CLOSE * LEVEL_95:
+            break
+        size = abs(at - best)
+        if rise < LEVEL_95:
+            inner = max(inner, size)
+        else:
+            outer = min(outer, size)
+        wanted = size * min(max(math.sqrt(LEVEL_95 / max(rise, 1e-3)), 0.3), 2.5)
+        if not inner < wanted < outer:
+            wanted = 0.5 * (inner + outer) if math.isfinite(outer) else 2.0 * inner
+        step = math.copysign(wanted, step)
+    return min(max(best + step, low), high)
+
+
+def _rise(fitter: Fitter, fit: Fit, index: int, at: float) -> float:
+    """Rise of the cost with one parameter held at z = `at`; infinite where that cannot be simulated."""
+    held = _held(fit.hypothesis, index, at)
+    values = {**fit.values(), held.free[index].key: held.free[index].lower}
+    try:
+        found = fitter.fit(
+            held,
+            warm=values,
+            initials=fit.initials(),
+            max_iterations=6,
+            robust=False,
+            rows=known_rows(fitter, held, fit),
+            loose=True,
+        )
+    except SimulationError:
+        return math.inf
+    return max(found.cost - fit.cost, 0.0)
+
+
+def _held(made: Hypothesis, index: int, at: float) -> Hypothesis:
+    value = made.free[index].value(at)
+    free = [*made.free]
+    free[index] = replace(free[index], lower=value, upper=value)
+    return replace(made, free=tuple(free))
