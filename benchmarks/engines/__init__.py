@@ -1,0 +1,1 @@
+"""The same collision in several engines: elastic contact spring, wrist spring and damper, a free target."""
