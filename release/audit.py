@@ -32,7 +32,7 @@ def main() -> int:
         print(line)
     if not known:
         print(f"not audited: the index in use has no vulnerability records ({skipped} packages asked for)")
-        print("run it again where pypi.org can be reached, before the release is given away")
+        print("run it again where the vulnerability database can be reached, before the release is given away")
     else:
         print(f"{known} packages audited, {len(found)} findings; {skipped} are unknown to the database")
     return 1 if found else 0
