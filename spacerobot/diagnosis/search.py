@@ -107,7 +107,7 @@ def search(pool: Pool, sites: Sequence[Site], report: Report, *, baseline: Fit |
             max_iterations=NEAR_ITERATIONS,
             loose=True,
         )
-        for s in first.best().values()
+        for s in first.scored
     ]
     _run(pool, found, tasks, report, "single effects")
     promising = [f.hypothesis.label for f in found.singles_by_cost()[:TOP_FITTED]]
