@@ -109,7 +109,7 @@ def page(found: dict[str, Any]) -> str:
         lines += _reached(scene["rows"])
         lines += [
             "",
-            "<details><summary>every setting</summary>",
+            '<details markdown="1"><summary>every setting</summary>',
             "",
             "| engine | setting | error | ms |",
             "|---|---|---|---|",

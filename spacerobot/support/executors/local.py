@@ -11,6 +11,7 @@ from concurrent.futures.process import BrokenProcessPool
 from typing import Any
 
 from spacerobot.support.executors.base import THREAD_VARIABLES, Executor, R, T, WorkersLostError
+from spacerobot.support.orphans import end_with_parent
 
 MOST_DEATHS = 3
 """Deaths in a row, without a task done between them, after which it is given up."""
@@ -95,6 +96,7 @@ class LocalPool(Executor):
 
 def _begin(*_: Any) -> None:
     """In a worker: an interrupt is the parent's to answer, and one thread of linear algebra is enough."""
+    end_with_parent()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     for name in THREAD_VARIABLES:
         os.environ[name] = "1"
