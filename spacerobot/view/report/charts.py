@@ -78,7 +78,7 @@ def surface_chart(surface: Surface, width: float = 370.0, height: float = 230.0)
     return svg.markup(root)
 
 
-def improvement_chart(overall: Mapping[str, Any]) -> Markup | None:
+def improvement_chart(overall: Mapping[str, Any], unit: str = " σ") -> Markup | None:
     """Held-out error before, after and the noise floor, as bars on one scale; None without numbers."""
     rows = [
         ("baseline, refitted", finite(overall.get("rms_before")), "before"),
@@ -89,14 +89,14 @@ def improvement_chart(overall: Mapping[str, Any]) -> Markup | None:
     if not shown:
         return None
     largest = max(value for _, value, _ in shown) or 1.0
-    said = ", ".join(f"{name} {number(value, 3)} σ" for name, value, _ in shown)
+    said = ", ".join(f"{name} {number(value, 3)}{unit}" for name, value, _ in shown)
     root = svg.drawing(WIDTH, 34.0 * len(shown) + 8, f"Error on held-out trials: {said}.")
     for i, (name, value, klass) in enumerate(shown):
         y = 6.0 + 34.0 * i
         svg.add(root, "text", name, klass="label", x=150, y=y + 17, text_anchor="end")
         width = max(520.0 * value / largest, 1.5)
         svg.add(root, "rect", klass=f"bar {klass}", x=160, y=y, width=width, height=24, rx=4)
-        svg.add(root, "text", f"{number(value, 3)} σ", klass="value", x=168 + width, y=y + 17)
+        svg.add(root, "text", f"{number(value, 3)}{unit}", klass="value", x=168 + width, y=y + 17)
     return svg.markup(root)
 
 

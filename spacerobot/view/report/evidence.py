@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spacerobot.support.errors import InputError
-from spacerobot.view.report.words import finite
+from spacerobot.view.report.words import finite, floating
 
 Array = NDArray[np.float64]
 
@@ -109,6 +109,25 @@ class Evidence:
     checks: tuple[Mapping[str, Any], ...] = ()
     timing: Mapping[str, Any] = field(default_factory=dict)
     removed_by_fit: tuple[Mapping[str, Any], ...] = ()
+    body: str = "target"  # what the study calls what floats
+
+    def with_body(self) -> Evidence:
+        """The same with what floats called as the study calls it."""
+        if self.body == "target":
+            return self
+
+        def renamed(item: Mapping[str, Any], key: str) -> dict[str, Any]:
+            return {**item, key: floating(str(item.get(key) or ""), self.body)}
+
+        return replace(
+            self,
+            hypotheses=tuple(
+                {**h, "effects": [renamed(e, "where") for e in h.get("effects") or ()]} for h in self.hypotheses
+            ),
+            located=tuple(renamed(r, "balance") for r in self.located),
+            surfaces=tuple(replace(s, balance=floating(s.balance, self.body)) for s in self.surfaces),
+            formulas=tuple(renamed(f, "where") for f in self.formulas),
+        )
 
     @property
     def shown(self) -> tuple[Trace, ...]:
@@ -137,6 +156,7 @@ def read_evidence(data: Mapping[str, Any]) -> Evidence:
         checks=_dicts(data.get("checks")),
         timing=dict(data.get("timing") or {}),
         removed_by_fit=_dicts(data.get("removed_by_fit")),
+        body=str(study.get("body") or "target"),
     )
 
 

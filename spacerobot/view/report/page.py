@@ -18,7 +18,7 @@ from spacerobot.view.report.evidence import Evidence, Trace
 from spacerobot.view.report.formula import mathml
 from spacerobot.view.report.story import change_text, confidence_text, improvement, tell
 from spacerobot.view.report.traces_json import embedded
-from spacerobot.view.report.words import finite
+from spacerobot.view.report.words import finite, of_body
 
 RIVALS = 200
 """Screened hypotheses listed one by one; the others are counted."""
@@ -34,10 +34,12 @@ def page(verdict: Mapping[str, Any], evidence: Evidence) -> str:
         verdict: as in verdict.json, plain JSON values.
         evidence: the rest, read.
     """
+    verdict, evidence = of_body(verdict, evidence.body), evidence.with_body()
     data, kept = embedded(evidence.traces)
     scripts, styles = _assets()
     hero = _hero(verdict, evidence)
     fitted, screened, more = _rivals(evidence.hypotheses)
+    unit = " σ" if (verdict.get("held_out") or {}).get("unit", "sigma") == "sigma" else ""
     surfaces = [(s, charts.surface_chart(s)) for s in evidence.surfaces[:24]]
     template = _environment().get_template("page.html")
     return template.render(
@@ -55,7 +57,8 @@ def page(verdict: Mapping[str, Any], evidence: Evidence) -> str:
         located=evidence.located or verdict["located"],
         surfaces=surfaces,
         formulas=_formulas(verdict, evidence),
-        improvement_chart=charts.improvement_chart((verdict.get("held_out") or {}).get("overall") or {}),
+        improvement_chart=charts.improvement_chart((verdict.get("held_out") or {}).get("overall") or {}, unit),
+        unit=unit,
         rivals_chart=charts.rivals_chart(evidence.hypotheses),
         fitted=fitted,
         screened=screened,

@@ -26,7 +26,7 @@ def figures(verdict: Mapping[str, Any], evidence: Evidence) -> dict[str, Figure]
         rivals = _rivals(evidence)
         if rivals is not None:
             found["rivals"] = rivals
-        error = _error((verdict.get("held_out") or {}).get("overall") or {})
+        error = _error(verdict.get("held_out") or {})
         if error is not None:
             found["held_out_error"] = error
     return found
@@ -94,7 +94,9 @@ def _rivals(evidence: Evidence, limit: int = 15) -> Figure | None:
     return figure
 
 
-def _error(overall: Mapping[str, Any]) -> Figure | None:
+def _error(held_out: Mapping[str, Any]) -> Figure | None:
+    overall = held_out.get("overall") or {}
+    sigma = held_out.get("unit", "sigma") == "sigma"
     rows = [
         ("baseline, refitted", finite(overall.get("rms_before")), plotting.VERMILION),
         ("chosen model", finite(overall.get("rms_after")), plotting.BLUE),
@@ -106,7 +108,7 @@ def _error(overall: Mapping[str, Any]) -> Figure | None:
     figure = plotting.canvas(6.5, 2.2)
     axes = figure.subplots()
     bars = axes.barh([n for n, _, _ in known], [v for _, v, _ in known], color=[c for _, _, c in known])
-    axes.bar_label(bars, fmt="%.3g σ", padding=3)
+    axes.bar_label(bars, fmt="%.3g σ" if sigma else "%.3g", padding=3)
     axes.invert_yaxis()
-    axes.set_xlabel("rms error on held-out data, in sensor σ")
+    axes.set_xlabel(f"rms error on held-out data, {'in sensor σ' if sigma else 'share of spread'}")
     return figure

@@ -10,6 +10,7 @@ from typing import Any
 from spacerobot.view.report.evidence import Evidence
 from spacerobot.view.report.words import (
     effect_phrase,
+    effect_title,
     effects_phrase,
     finite,
     is_sensor,
@@ -22,6 +23,9 @@ from spacerobot.view.report.words import (
     unit_of_name,
     with_article,
 )
+
+FEW = 3
+"""Effects that a sentence can hold with their numbers."""
 
 
 @dataclass(frozen=True)
@@ -61,14 +65,42 @@ def improvement(verdict: Mapping[str, Any]) -> str | None:
     floor = finite(overall.get("noise_floor"))
     if before is None or after is None:
         return None
+    if held_out.get("unit", "sigma") == "spread":
+        return (
+            f"data held back from the fit are predicted to {percent(after, 2)} instead of {percent(before, 2)} of "
+            "each channel's own spread"
+        )
     size = f"{number(after)} instead of {number(before)} times the sensor noise"
     return f"data held back from the fit are predicted to {size}" + (
         f" (the noise itself: {number(floor)})" if floor is not None else ""
     )
 
 
+def _many(verdict: Mapping[str, Any], evidence: Evidence) -> Story:
+    """What is named at many joints or bodies: effect by effect, with where; the numbers are below."""
+    spots: dict[str, list[str]] = {}
+    for item in verdict["effects"]:
+        part = str(item.get("part", ""))
+        where = str(item["where"])
+        name = part if part and not where.startswith(("joint.", "base")) else where.removeprefix("joint.")
+        spots.setdefault(effect_title(str(item["effect"])), []).append(name)
+    said = [f"{title} ({joined(list(dict.fromkeys(where)))})" for title, where in spots.items()]
+    gained = improvement(verdict)
+    sentence = f"The model lacks {joined(said, 'and also')}" + (f"; with this, {gained}." if gained else ".")
+    quiet = [str(p["part"]) for p in verdict.get("parts", ()) if p["verdict"] == "nothing_missing"]
+    open_ = [str(p["part"]) for p in verdict.get("parts", ()) if p["verdict"] in ("unknown", "ambiguous")]
+    more = ((f"Nothing is missing that these data could show of {joined(quiet)}.",) if quiet else ()) + (
+        (f"What {joined(open_)} lack{'s' if len(open_) == 1 else ''} is not told apart, or has no name.",)
+        if open_
+        else ()
+    )
+    return Story("Named", "found", capital(joined(list(spots))), sentence, (*more, *_moved(verdict)))
+
+
 def _named(verdict: Mapping[str, Any], evidence: Evidence) -> Story:
     effects: Sequence[Mapping[str, Any]] = verdict["effects"]
+    if len(effects) > FEW:
+        return _many(verdict, evidence)
     sensors = [is_sensor(str(e["effect"])) for e in effects]
     phrases = [
         with_article(effect_phrase(e)) + (f", {parameters_text(e['parameters'])}" if e.get("parameters") else "")
@@ -103,7 +135,10 @@ def _ambiguous(verdict: Mapping[str, Any], evidence: Evidence) -> Story:
 
 def _unknown(verdict: Mapping[str, Any], evidence: Evidence) -> Story:
     after = finite((verdict.get("held_out") or {}).get("overall", {}).get("rms_after"))
-    size = f": what remains is {number(after)} times the sensor noise on held-out data" if after is not None else ""
+    counted = "times the sensor noise"
+    if (verdict.get("held_out") or {}).get("unit", "sigma") == "spread":
+        counted = "of each channel's own spread"
+    size = f": what remains is {number(after)} {counted} on held-out data" if after is not None else ""
     places = [f"{p['balance']} during {p['phase']}" for p in verdict["located"][:1]]
     where = f" It shows first in {places[0]}." if places else ""
     sentence = f"Something real is missing that no effect of the catalogue explains{size}; nothing is named."
@@ -120,7 +155,7 @@ def _nothing_missing(verdict: Mapping[str, Any], evidence: Evidence) -> Story:
     if after is None:
         after = finite(overall.get("rms_before"))
     sentence = "Nothing is missing that these data could show"
-    if after is not None:
+    if after is not None and (verdict.get("held_out") or {}).get("unit", "sigma") == "sigma":
         sentence += f": data held back from the fit are predicted to {number(after)} times the sensor noise"
     limits = [
         f"{effect_phrase(d)} of {quantity(d.get('smallest'), d.get('unit'))}"

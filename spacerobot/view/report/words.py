@@ -56,6 +56,12 @@ def place(where: str) -> str:
     return f"in {where}"
 
 
+def floating(where: str, name: str) -> str:
+    """A place or balance with what floats called `name`: "target.y" is "body.y"; others as they are."""
+    head, dot, rest = where.rpartition("target")
+    return f"{head}{name}{rest}" if dot and (not head or head.endswith(": ")) else where
+
+
 def of_body(verdict: Mapping[str, Any], name: str = "body") -> dict[str, Any]:
     """The verdict of a study that is diagnosed part by part, with what floats called by its own name.
 
@@ -64,18 +70,11 @@ def of_body(verdict: Mapping[str, Any], name: str = "body") -> dict[str, Any]:
     out = dict(verdict)
     if "parts" not in verdict or name == "target":
         return out
-
-    def renamed(entry: Mapping[str, Any], key: str) -> dict[str, Any]:
-        where = str(entry.get(key, ""))
-        head, dot, rest = where.rpartition("target")
-        fits = head in ("",) or head.endswith(": ")
-        return {**entry, key: f"{head}{name}{rest}"} if dot and fits else dict(entry)
-
-    out["effects"] = [renamed(e, "where") for e in verdict["effects"]]
-    out["detectable"] = [renamed(e, "where") for e in verdict["detectable"]]
-    out["located"] = [renamed(e, "balance") for e in verdict["located"]]
+    for key, field in (("effects", "where"), ("detectable", "where"), ("located", "balance")):
+        out[key] = [{**e, field: floating(str(e[field]), name)} for e in verdict[key]]
     out["alternatives"] = [
-        {**a, "effects": [renamed(e, "where") for e in a["effects"]]} for a in verdict["alternatives"]
+        {**a, "effects": [{**e, "where": floating(str(e["where"]), name)} for e in a["effects"]]}
+        for a in verdict["alternatives"]
     ]
     return out
 
@@ -189,10 +188,12 @@ def probability(p: Any) -> str:
     return number(x, 2)
 
 
-def percent(share: Any) -> str:
-    """A share of one as per cent."""
+def percent(share: Any, digits: int = 0) -> str:
+    """A share of one as per cent; to so many significant digits, or whole ones for none."""
     x = finite(share)
-    return MISSING if x is None else f"{100.0 * x:.0f} %"
+    if x is None:
+        return MISSING
+    return f"{number(100.0 * x, digits)} %" if digits else f"{100.0 * x:.0f} %"
 
 
 def _scaled(size: float, unit: str | None) -> tuple[str, float]:
