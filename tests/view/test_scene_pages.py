@@ -23,6 +23,7 @@ from spacerobot.cli.main import main
 from spacerobot.model.library import load
 from spacerobot.recordings.study import load_study
 from spacerobot.simulation.scene import Scene
+from spacerobot.support.errors import InputError
 from spacerobot.view.scene3d.choose import film_of
 from spacerobot.view.scene3d.extent import rotation
 from spacerobot.view.scene3d.film import Film
@@ -204,6 +205,34 @@ def test_live_page_is_for_this_machine_and_this_address_alone(server: PageServer
         if not address.startswith("127."):
             with pytest.raises(OSError), socket.create_connection((address, int(parts.port or 0)), timeout=1):
                 pass
+
+
+def test_a_page_that_can_no_longer_be_made_is_told_in_words(capfd: pytest.CaptureFixture[str]) -> None:
+    def broken() -> str:
+        raise InputError("no such <scene>", where="scene.toml")
+
+    server = PageServer(broken)
+    server.start()
+    parts = urlsplit(server.url)
+    connection = http.client.HTTPConnection(str(parts.hostname), parts.port, timeout=5)
+    connection.request("GET", parts.path)
+    answer = connection.getresponse()
+    assert answer.status == 500
+    assert answer.headers["Content-Type"].startswith("text/plain"), "so that nothing in it is taken for markup"
+    assert b"no such <scene>" in answer.read()
+    connection.close()
+    server.close()
+    assert "Traceback" not in capfd.readouterr().err
+
+
+def test_ports_are_not_known_beforehand() -> None:
+    servers = [PageServer(lambda: "") for _ in range(5)]
+    try:
+        assert len({urlsplit(s.url).port for s in servers}) == 5
+        assert len({urlsplit(s.url).path for s in servers}) == 5
+    finally:
+        for server in servers:
+            server._server.server_close()
 
 
 def test_command_writes_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -7,6 +7,8 @@ import threading
 from collections.abc import Callable
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 
+from spacerobot.support.errors import SpacerobotError
+
 HOST = "127.0.0.1"
 
 
@@ -34,9 +36,12 @@ class PageServer:
                 if self.headers.get("Host") != host or self.path != f"/{secret}":
                     self.send_error(404)
                     return
-                body = make().encode()
-                self.send_response(200)
-                self.send_header("Content-Type", "text/html; charset=utf-8")
+                try:
+                    status, kind, body = 200, "text/html", make().encode()
+                except SpacerobotError as error:  # what is shown was changed since, and is wrong now
+                    status, kind, body = 500, "text/plain", f"{error}\n".encode()
+                self.send_response(status)
+                self.send_header("Content-Type", f"{kind}; charset=utf-8")
                 self.send_header("Content-Length", str(len(body)))
                 self.send_header("Cache-Control", "no-store")
                 self.send_header("X-Content-Type-Options", "nosniff")
