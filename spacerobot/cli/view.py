@@ -17,6 +17,7 @@ examples:
   spacerobot view scene.toml --html capture.html
   spacerobot view capture-out/trajectory.npz --html capture.html
   spacerobot view guide-friction --trial 05 --html trial.html
+  spacerobot view report/verdict.json --html found.html
   spacerobot view scene.toml --live
 
 A robot moves its joints in turn; a scene is simulated; a study's trial is simulated beside its recording. The file
@@ -28,7 +29,7 @@ arrow keys step, 1 to 5 choose a view; FILE#t=0.5&view=contact opens it still at
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the command's arguments."""
     parser.epilog = _EPILOG
-    parser.add_argument("what", metavar="WHAT", help="a robot's name or URDF, a scene, a trajectory, or a study")
+    parser.add_argument("what", metavar="WHAT", help="a robot or URDF, scene, trajectory, study or verdict")
     parser.add_argument("--html", metavar="FILE", help="write the page there; default: NAME.html in this folder")
     parser.add_argument("--live", action="store_true", help="serve the page on loopback until Ctrl-C instead")
     parser.add_argument("--trial", metavar="ID", help="of a study; default: the first")
@@ -106,6 +107,6 @@ def _stem(what: str) -> str:
     path = Path(what.rstrip("/"))
     return (
         path.parent.name
-        if path.name in ("study.toml", "trajectory.npz", "scene.toml") and path.parent.name
+        if path.name in ("study.toml", "trajectory.npz", "scene.toml", "verdict.json") and path.parent.name
         else path.stem
     )

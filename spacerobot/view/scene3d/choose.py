@@ -17,12 +17,14 @@ from spacerobot.view.scene3d.film import Film
 from spacerobot.view.scene3d.robot_film import robot_film
 from spacerobot.view.scene3d.study_film import study_film
 from spacerobot.view.scene3d.trajectory_film import trajectory_film
+from spacerobot.view.scene3d.verdict_film import verdict_film
 
 
 def film_of(what: str, *, trial: str | None = None, data: str | None = None, pose: list[float] | None = None) -> Film:
-    """The film of a robot, a scene file, a trajectory or a study.
+    """The film of a robot, a scene file, a trajectory, a study or a verdict.
 
-    Settled in this order: a .npz file (or a folder with trajectory.npz) is a trajectory; a .toml file with a
+    Settled in this order: a .npz file (or a folder with trajectory.npz) is a trajectory; verdict.json (or a folder
+    with it) is what a diagnosis found; a .toml file with a
     [baseline] is a study, another one a scene; a folder with study.toml is a study; else it is a robot's name or
     URDF, or the name of a bundled study.
 
@@ -41,6 +43,8 @@ def film_of(what: str, *, trial: str | None = None, data: str | None = None, pos
             raise InputError(f"goes with a {wanted}", given=f"{what} is a {kind}", where=option)
     if kind == "trajectory":
         return trajectory_film(Trajectory.load(path))
+    if kind == "verdict":
+        return verdict_film(path)
     if kind == "study":
         return study_film(load_study(path, data), trial)
     if kind == "scene":
@@ -58,7 +62,11 @@ def _kind(what: str) -> tuple[str, Path]:
     if path.is_dir():
         if (path / "trajectory.npz").is_file():
             return "trajectory", path / "trajectory.npz"
+        if (path / "verdict.json").is_file():
+            return "verdict", path / "verdict.json"
         return "study", path
+    if path.suffix.lower() == ".json":
+        return "verdict", path
     if path.suffix.lower() == ".npz":
         return "trajectory", path
     if path.suffix.lower() == ".toml":

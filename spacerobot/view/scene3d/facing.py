@@ -16,7 +16,7 @@ from spacerobot.view.scene3d.extent import rotation
 from spacerobot.view.scene3d.film import Array, Body
 from spacerobot.view.scene3d.poses import pose
 
-NOTE = "The held arm is drawn turned by half about the vertical, to stand behind its wrist."
+NOTE = "The arm is held: only its wrist is simulated, and the arm is drawn standing behind it."
 
 
 def comes_through(robot: Robot, positions: Array, approach: Array) -> bool:

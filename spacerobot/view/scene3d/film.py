@@ -165,6 +165,7 @@ class Film:
         views: of the camera; the film opens with the first.
         focus: middle of everything, (3,) [m].
         reach: radius about it that holds everything [m].
+        ghost: what ghosts are called on their switch, and what the legend says of them before the scale of colours.
         gains: factors by which ghosts may be drawn further from the simulation than they are; the first is used.
         notes: sentences printed beside the picture.
         floor: height of the ground [m].
@@ -188,6 +189,7 @@ class Film:
     chart: str = ""
     place: str = "ground"
     gains: tuple[float, ...] = (1.0,)
+    ghost: tuple[str, str] = ("recording", "the recording; simulated and recorded agree")
     notes: tuple[str, ...] = field(default=())
     floor: float = 0.0
 

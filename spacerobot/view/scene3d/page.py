@@ -129,6 +129,7 @@ def _data(film: Film) -> dict[str, Any]:
         "readouts": [_readout(r, blob) for r in film.readouts],
         "marks": [{"time": m.time - float(film.time[0]), "label": m.label, "quiet": m.quiet} for m in film.marks],
         "gains": film.gains,
+        "ghost": film.ghost,
         "chart": film.chart,
         "place": film.place,
         "focus": film.focus,

@@ -110,15 +110,18 @@ def arrow_scale(force: Array) -> float:
 
 
 def capture_views(touch: Array, approach: Array, focus: Array, reach: float, *, space: bool) -> tuple[View, ...]:
-    """The meeting first, then everything, then the contact from close by."""
-    side = np.cross(approach, (0.0, 0.0, 1.0))
+    """The meeting first, then everything, then the contact from close by; the target comes from the right."""
+    side = np.cross((0.0, 0.0, 1.0), approach)
     side = side / np.linalg.norm(side) if np.linalg.norm(side) > 1e-6 else np.array([0.0, -1.0, 0.0])
-    side = side if side[1] <= 0.0 else -side
     oblique = 1.6 * side - 0.9 * approach + np.array([0.0, 0.0, 0.8])
     near = side - 0.35 * approach + np.array([0.0, 0.0, 0.4])
     meeting = View("Meeting", touch + 0.15 * approach, min(reach, 1.15), tuple(oblique.tolist()))
     close = View("Contact", touch, 0.32, tuple(near.tolist()))
-    every = views_of(focus, reach)
+    every = list(views_of(focus, reach))
+    if side[1] > 0.0 and not space:  # the usual views see the target come from the left
+        beside = 1.7 * side + 0.9 * approach + np.array([0.0, 0.0, 0.75])
+        flat = side + np.array([0.0, 0.0, 0.12])
+        every[:2] = [View("Whole", focus, reach, tuple(beside)), View("Side", focus, reach, tuple(flat))]
     return (meeting, close, *every) if space else (every[0], close, *every[1:])
 
 
@@ -211,7 +214,7 @@ def _subtitle(scene: Scene, trajectory: Trajectory) -> str:
     base = "free base" if scene.base == "free" else "fixed base"
     named = [f"{e.effect.replace('_', ' ')} at {e.where}" for e in scene.effects]
     effects = f"; with {', '.join(named)}" if named else ""
-    return f"{base}, {scene.joints} joints, {scene.target.mass:g} kg at {1e3 * scene.target.speed:g} mm/s{effects}"
+    return f"{base}, {scene.joints} joints, {scene.target.mass:.4g} kg at {1e3 * scene.target.speed:.4g} mm/s{effects}"
 
 
 def _description(scene: Scene, trajectory: Trajectory, peak: float) -> str:

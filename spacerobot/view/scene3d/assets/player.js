@@ -233,7 +233,7 @@
     $("switches").append(line);
   }
   const ghosts = bodies.filter(function (b) { return b.kind === "ghost"; });
-  if (ghosts.length) toggle("recording", ghosts.map(function (b) { return b.object; }));
+  if (ghosts.length) toggle(film.ghost[0], ghosts.map(function (b) { return b.object; }));
   if (ghosts.length && film.gains.length > 1) {
     const line = document.createElement("label"), pick = document.createElement("select");
     film.gains.forEach(function (g) {
@@ -259,7 +259,7 @@
   if (ghosts.length) {
     const swatch = document.createElement("span"), line = document.createElement("span");
     swatch.className = "swatch";
-    line.append(" Translucent: the recording; simulated and recorded agree ", swatch, " or are 10 σ apart.");
+    line.append(" Translucent: " + film.ghost[1] + " ", swatch, " or are 10 σ apart.");
     $("legend").append(line);
   }
   film.views.forEach(function (view, i) {
@@ -274,6 +274,8 @@
     const view = film.views.find(function (v) { return v.name.toLowerCase() === name.toLowerCase(); }) || film.views[0];
     SpacerobotStage.look(viewer, view.focus, view.reach, view.direction);
   }
+
+  window.addEventListener("resize", function () { SpacerobotStage.clear(viewer); viewer.set_dirty(); });
 
   // The time line.
   const chart = film.readouts.find(function (r) { return r.name === film.chart; });

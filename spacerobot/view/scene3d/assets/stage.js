@@ -82,13 +82,21 @@ window.SpacerobotStage = (function () {
     rim.target.position.set(f[0], f[1], f[2]);
     scene.add(key, key.target, fill, rim, rim.target);
   }
+  function clearing(viewer) {
+    // What the card on the left and the bar below leave of the window: the camera's middle is moved into the middle of that.
+    const w = window.innerWidth, h = window.innerHeight, card = document.querySelector("header.card"), bar = document.getElementById("bar");
+    const wide = card && card.offsetWidth < 0.5 * w, left = wide ? card.offsetLeft + card.offsetWidth : 0;
+    const low = bar ? h - bar.offsetTop : 0, top = card && !wide ? card.offsetTop + card.offsetHeight : 0;
+    viewer.camera.setViewOffset(w, h, -left / 2, (low - top) / 2, w, h);
+    return Math.max(0.2, Math.min((w - left) / h, (h - low - top) / h));
+  }
   function look(viewer, focus, reach, direction) {
     viewer.set_3d_pane_size();
     // The viewer's camera sits in a frame turned by a quarter about x: its (x, y, z) is the world's (x, -z, y).
     const camera = viewer.camera, local = function (p) { return [p[0], p[2], -p[1]]; };
     const n = Math.hypot(direction[0], direction[1], direction[2]);
-    const half = Math.tan(camera.fov * Math.PI / 360) * Math.min(1, camera.aspect || 1);
-    const distance = 0.92 * reach / Math.sin(Math.atan(half));
+    const half = Math.tan(camera.fov * Math.PI / 360) * clearing(viewer);
+    const distance = 0.8 * reach / Math.sin(Math.atan(half));
     const eye = focus.map(function (v, i) { return v + distance * direction[i] / n; });
     camera.position.set.apply(camera.position, local(eye));
     viewer.controls.target.set.apply(viewer.controls.target, local(focus));
@@ -125,5 +133,5 @@ window.SpacerobotStage = (function () {
     if (viewer.scene.environment) return;
     viewer.scene.traverse(function (o) { if (o.material && o.material.metalness > 0.2) o.material.metalness = 0.2; });
   }
-  return { build: build, dull: dull, look: look };
+  return { build: build, dull: dull, look: look, clear: clearing };
 })();
