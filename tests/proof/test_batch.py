@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import pickle
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
@@ -15,6 +16,7 @@ from spacerobot.effects.registry import all_effects
 from spacerobot.proof import batch
 from spacerobot.proof.engine.outsiders import OUTSIDERS
 from spacerobot.proof.orders import CURVES, FULL, KINDS, MOVING, QUICK, Order, schedule
+from spacerobot.support.executors.base import Here
 from spacerobot.support.runs import RunFolder
 
 PLAYED: list[str] = []
@@ -146,6 +148,25 @@ def test_seeds_are_drawn_and_kept(tmp_path: Path, capsys: pytest.CaptureFixture[
     assert len(seeds) == 2
 
 
+def test_records_do_not_depend_on_where_a_batch_is_played(tmp_path: Path) -> None:
+    orders = schedule(QUICK, 5)[:3]
+    found = []
+    for name, workers in (("here", None), ("backwards", Backwards())):
+        with RunFolder(tmp_path / name, "prove", "key") as folder:
+            found.append(batch.run_batch(folder, orders, workers=workers))
+    assert found[0] == found[1]
+    assert [r["name"] for r in found[0]] == [o.name for o in orders]
+
+
+class Backwards(Here):
+    """Workers that finish in another order than they began."""
+
+    def run(self, function: Any, tasks: Any) -> Any:
+        for task in reversed(list(tasks)):
+            assert pickle.loads(pickle.dumps(task)) == task
+            yield task, function(task)
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
@@ -154,6 +175,7 @@ def test_seeds_are_drawn_and_kept(tmp_path: Path, capsys: pytest.CaptureFixture[
         (["--share", "0"], "--share"),
         (["--seed", "-3"], "--seed"),
         (["--jobs", "none"], "--jobs"),
+        (["--jobs", "2", "--dask", "tcp://127.0.0.1:1"], "--dask or --jobs"),
     ],
 )
 def test_mistakes_are_told_in_one_line(
