@@ -15,6 +15,7 @@ pytest.importorskip("pyarrow")
 distributed = pytest.importorskip("distributed")
 
 from spacerobot.support.errors import InputError  # noqa: E402
+from spacerobot.support.executors.base import WorkersLostError  # noqa: E402
 from spacerobot.support.executors.cluster import DaskWorkers  # noqa: E402
 from tests.sweep.helpers_sweep import SWEEP, TOTAL, files, sweep, table, write  # noqa: E402
 
@@ -116,3 +117,23 @@ def test_a_scheduler_without_workers(monkeypatch: pytest.MonkeyPatch) -> None:
         pytest.raises(InputError, match="no workers"),
     ):
         DaskWorkers(empty.scheduler_address)
+
+
+def test_a_scheduler_that_goes_away_is_told() -> None:
+    with distributed.LocalCluster(
+        n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None, silence_logs=50
+    ) as lost:
+        workers = DaskWorkers(lost.scheduler_address)
+        results = workers.run(slow_inverse, [float(i) for i in range(1, 100)])
+        next(results)
+        lost.close()
+        with pytest.raises(WorkersLostError, match="went away"):
+            list(results)
+        begun = time.monotonic()
+        workers.close()
+        assert time.monotonic() - begun < 30.0
+
+
+def slow_inverse(x: float) -> float:
+    time.sleep(0.2)
+    return 1.0 / x

@@ -53,7 +53,7 @@ class DaskWorkers(Executor):
 
     def run(self, function: Callable[[T], R], tasks: Iterable[T]) -> Iterator[tuple[T, R]]:
         """See `Executor.run`."""
-        from distributed import as_completed
+        from distributed import CancelledError, as_completed
         from distributed.scheduler import KilledWorker
 
         waiting, coming = iter(tasks), as_completed(loop=self._client.loop)
@@ -75,6 +75,8 @@ class DaskWorkers(Executor):
                 result = future.result()
             except KilledWorker as error:
                 raise WorkersLostError(f"workers died again and again: {error}") from None
+            except CancelledError:
+                raise WorkersLostError("the Dask scheduler went away; what is done stays") from None
             future.release()
             give()
             yield task, result
