@@ -91,8 +91,8 @@ def page(found: dict[str, Any]) -> str:
     lines = [
         f"A target of 9 kg at 7 cm/s, wrist {WRIST.stiffness:g} N/m and {WRIST.equivalent_damping:g} N s/m, contact spring",
         f"68 000 N/m without dissipation, {DURATION:g} s simulated. The error is the larger of the relative errors of",
-        "restitution and contact time (first touch to last separation), against our multibody backend at 1e-12. MuJoCo and",
-        "the scipy loop, which share no equations with ours, converge to the same values, so the reference is theirs too.",
+        "restitution and contact time (first touch to last separation), against our multibody backend at 1e-12. MuJoCo,",
+        "which shares no code with ours, converges to the same values, so the reference is its as well.",
         "",
         "* MuJoCo runs its steps inside `rollout`. *Spring*: the contact as a tendon with a dead band, an exact one-sided",
         "  spring. *Own contact*: `solref` and `solimp` set from its own `efc_R` and `efc_diagA` so that it pushes as the",
