@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from spacerobot.effects.laws import REFERENCE_PENETRATION
+from spacerobot.simulation.parts.contact import EXPONENTS
 from spacerobot.simulation.scene import Scene
-from spacerobot.theory import contact_time, exact, restitution
+from spacerobot.theory import contact_time, exact, power_law, restitution
 from spacerobot.theory.equations_of_motion import ThreeMasses
 from spacerobot.theory.reduction import Reduced, reduced_mass, total_damping
 
@@ -128,4 +130,14 @@ def expected_contact_time(scene: Scene) -> float:
         stiffness,
         scene.wrist.damping + scene.wrist.equivalent_damping,
     )
-    return max(contact_time.force_zero(model), math.pi / model.frequency)
+    return max(contact_time.force_zero(model), math.pi / model.frequency, _surface_time(scene))
+
+
+def _surface_time(scene: Scene) -> float:
+    """How long the surfaces alone would press, which is what counts behind a wrist that hardly gives [s]."""
+    contact, speed = scene.contact, scene.closing_speed
+    if speed <= 0.0:
+        return 0.0
+    exponent = EXPONENTS[contact.law] if contact.exponent is None else contact.exponent
+    stiffness = contact.stiffness * REFERENCE_PENETRATION ** (1.0 - exponent)
+    return power_law.contact_time(scene.target.mass, stiffness, speed, exponent)

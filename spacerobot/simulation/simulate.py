@@ -14,6 +14,9 @@ from spacerobot.simulation.scene import BACKENDS, Scene
 from spacerobot.simulation.trajectory import Trajectory
 from spacerobot.support.errors import InputError, NotFoundError
 
+USUAL_SPEED = 0.01
+"""Closing speed [m/s] below which the reduced model's absolute errors shrink with the motion."""
+
 MAX_SAMPLES = 2_000_000
 
 
@@ -65,6 +68,7 @@ def simulate(
             end=end,
             tolerance=tolerance,
             max_step=min(0.05, max_step),
+            scale=min(1.0, abs(scene.closing_speed) / USUAL_SPEED) or 1.0,
         )
         trajectory = of_reduced(scene, reduced, times)
     if must_touch and trajectory.restitution.touches == 0:

@@ -114,6 +114,7 @@ def simulate(
     inputs: tuple[np.ndarray, Mapping[str, np.ndarray]] | None = None,
     max_step: float = 0.05,
     step_limit: int = MAX_STEPS,
+    scale: float = 1.0,
 ) -> ReducedRun:
     """Integrate a mechanism from `start` to `end` [s].
 
@@ -124,6 +125,7 @@ def simulate(
         inputs: times shape (T,) and recorded drives by channel, shape (T,) each, for the mechanism's inputs.
         max_step: longest step [s].
         step_limit: number of steps after which it is given up.
+        scale: factor on the absolute errors, for motion much slower than centimetres a second.
 
     Raises:
         InputError: a time or tolerance that cannot be.
@@ -142,7 +144,7 @@ def simulate(
             raise InputError("the mechanism is driven by recorded inputs, which were not given", given=layout.inputs)
     else:
         drives = np.array([inputs[0], *(inputs[1][i.channel] for i in mechanism.inputs)], dtype=float)
-    atol = np.concatenate([np.full(n, 1e-3 * tolerance), np.full(n, 1e-1 * tolerance)])
+    atol = scale * np.concatenate([np.full(n, 1e-3 * tolerance), np.full(n, 1e-1 * tolerance)])
     packed = pack(system)
     first = min(1e-4, max_step, end - start)
     time, length, state, dense, modes, etime, eindex, emode, _, status = integrate(
