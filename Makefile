@@ -76,8 +76,10 @@ bench: $(VENV)/.core  ## measure everything beside other engines; writes docs/be
 	$(INSTALL) -c constraints.txt -e '.[bench,scale,proof]'
 	$(BIN)/python -m benchmarks.run
 
-picture: demo  ## draw the README's picture again
+picture: demo  ## draw the README's pictures again (needs chromium)
 	cp demo-out/demo.png docs/images/demo.png
+	$(INSTALL) -c constraints.txt -e '.[browser]'
+	$(BIN)/python docs/pictures.py
 
 real-table: $(VENV)/.test  ## diagnose the public recordings that are present, and write docs/real-recordings.md again
 	$(BIN)/spacerobot study table --out docs/real-recordings.md --overwrite
