@@ -27,8 +27,8 @@ RESTART = 1.5
 """Length of a window under recorded forces, in units of the motion's own time: simulations of a free body drift."""
 
 
-OF_TABLES = ("table_tilt", "table_curvature", "coulomb_friction")
-"""Effects of what a body slides on: none of them acts on one that falls."""
+OF_TABLES = ("table_tilt", "table_curvature", "coulomb_friction", "tether")
+"""Effects of what a body slides on, or is moored beside: none of them acts on one that falls."""
 
 
 class Axis:

@@ -309,8 +309,8 @@ class _Search:
         good = [c for c in tested if self.pays(c, baseline)]
         if not good:
             return baseline
-        best = min(good, key=lambda c: c.error)
-        near = [c for c in good if c.error <= slack(best.error, baseline.error) or not self.pays(best, c)]
+        best = min(c.error for c in good)
+        near = [c for c in good if c.error <= slack(best, baseline.error)]
         simplest = min(c.size for c in near)
         first = min(c.error for c in near if c.size == simplest)
         same = [c for c in near if c.size == simplest and c.error <= (1.0 + SAME) * first]

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from spacerobot.diagnosis.evidence import POINTS, formulas
+from spacerobot.diagnosis.locate.located import Located
 from spacerobot.diagnosis.models.grow import Candidate
 from spacerobot.diagnosis.models.held_out import parent
 from spacerobot.diagnosis.models.noise import split
@@ -19,6 +20,11 @@ from spacerobot.recordings.study import Study
 SHOWN = 40
 """Located patterns that a report lists."""
 
+DRAWN = 4
+"""Parts whose residuals a report draws; the others are in its table."""
+
+_NOWHERE = Located((), (), ())
+
 SCREENED = 60
 """Explanations that a report lists of those that were only screened."""
 
@@ -28,7 +34,9 @@ def evidence_of(study: Study, parts: Sequence[Part], verdict: Mapping[str, Any])
     units = _units(study)
     rows = [(p, r) for p in parts if p.located is not None for r in p.located.rows]
     rows.sort(key=lambda pair: (pair[1].p, -abs(pair[1].score)))
-    surfaces = [(p, s) for p in parts if p.located is not None for s in p.located.surfaces]
+    clear = dict.fromkeys(id(p) for p, _ in rows)  # the parts, the clearest mismatch first
+    by_part = {id(p): p for p in parts}
+    surfaces = [(by_part[k], s) for k in list(clear)[:DRAWN] for s in (by_part[k].located or _NOWHERE).surfaces]
     return {
         "study": {
             "title": study.title,

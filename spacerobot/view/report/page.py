@@ -16,7 +16,7 @@ from markupsafe import Markup
 from spacerobot.view.report import charts, words
 from spacerobot.view.report.evidence import Evidence, Trace
 from spacerobot.view.report.formula import mathml
-from spacerobot.view.report.story import change_text, confidence_text, improvement, tell
+from spacerobot.view.report.story import capital, change_text, confidence_text, improvement, tell
 from spacerobot.view.report.traces_json import embedded
 from spacerobot.view.report.words import finite, of_body
 
@@ -85,7 +85,7 @@ def _environment() -> Environment:
     for function in (
         words.number, words.quantity, words.percent, words.probability, words.effects_phrase, words.effect_phrase,
         words.parameter_label, words.parameters_text, words.unit_text, words.effect_title, words.place, words.finite,
-        change_text,
+        change_text, capital,
     ):  # fmt: skip
         environment.filters[function.__name__] = function
     environment.filters["clip"] = _clip

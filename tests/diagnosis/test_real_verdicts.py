@@ -1,0 +1,131 @@
+"""The diagnosis on public recordings of real hardware: what it names must be the physics that others measured there.
+
+One setting serves all of them. The recordings are not part of this repository; without them the tests skip.
+"""
+
+from __future__ import annotations
+
+import functools
+from typing import Any
+
+import pytest
+
+from spacerobot.diagnosis.diagnose import diagnose
+from spacerobot.diagnosis.schema import validate
+from spacerobot.recordings.study import load_study
+from spacerobot.support.errors import InputError
+
+pytestmark = [pytest.mark.real, pytest.mark.slow]
+
+
+@functools.cache
+def verdict_of(name: str) -> dict[str, Any]:
+    try:
+        study = load_study(f"real/{name}")
+        study.recording(study.trials[0])
+    except InputError as error:
+        pytest.skip(f"the recordings of {name} are not here: {error}")
+    verdict = dict(diagnose(study, jobs=1).verdict)
+    validate(verdict)
+    return verdict
+
+
+def parts(verdict: dict[str, Any]) -> dict[str, dict[str, Any]]:
+    return {p["part"]: p for p in verdict["parts"]}
+
+
+def values(verdict: dict[str, Any]) -> dict[str, float]:
+    """effect@where.parameter -> value, of all that is named."""
+    return {
+        f"{e['effect']}@{e['where']}.{n}": p["value"] for e in verdict["effects"] for n, p in e["parameters"].items()
+    }
+
+
+def channel(verdict: dict[str, Any], name: str) -> tuple[float, float]:
+    entry = verdict["held_out"]["channels"][name]
+    return entry["rms_before"], entry["rms_after"]
+
+
+def test_emps_has_dry_friction_of_two_levels_and_viscous_friction() -> None:
+    """Janot, Gautier, Brunot (2019), Table 2: F_v = 203.5, F_c = 20.39, offset = -3.16, M = 95.11."""
+    verdict = verdict_of("emps")
+    found = values(verdict)
+    assert verdict["verdict"] == "named"
+    plus, minus = (found[f"asymmetric_friction@joint.axis.force_{w}_N"] for w in ("plus", "minus"))
+    assert 0.5 * (plus + minus) == pytest.approx(20.39, rel=0.05)
+    assert 0.5 * (plus - minus) == pytest.approx(-3.16, rel=0.15)
+    assert found["viscous_friction@joint.axis.coefficient_Ns_m"] == pytest.approx(203.5, rel=0.03)
+    assert parts(verdict)["axis"]["values"]["joint.axis.mass"] == pytest.approx(95.11, rel=0.02)
+    assert verdict["held_out"]["overall"]["rms_after"] < 0.054
+
+
+def test_every_joint_of_the_panda_has_friction() -> None:
+    verdict = verdict_of("franka_exciting")
+    for name, part in parts(verdict).items():
+        assert any("friction" in e["effect"] for e in part["effects"]), name
+        assert part["error_ratio"] < 0.75, name
+    assert channel(verdict, "joint.panda_joint7.torque")[1] < 0.07
+
+
+def test_the_granite_table_tilts_and_the_arm_is_late() -> None:
+    verdict = verdict_of("spot_free_floating_arm")
+    found = values(verdict)
+    assert found["table_tilt@base.y.angle_rad"] * 9.80665 == pytest.approx(0.57e-3, rel=0.1)
+    assert 0.2 < found["time_offset@arm_motion.delay_s"] < 0.35
+    assert channel(verdict, "base.position.y")[1] < 0.007
+    assert channel(verdict, "base.yaw")[1] < 0.028
+
+
+def test_the_spinning_satellite_has_a_dry_bearing() -> None:
+    verdict = verdict_of("franka_captures_satellite")
+    bearing = parts(verdict)["target"]
+    assert "coulomb_friction" in {e["effect"] for e in bearing["effects"]}
+    before, after = channel(verdict, "target.velocity.yaw")
+    assert after < 0.25 * before
+    assert after < 0.057  # 3.26 deg/s
+
+
+def test_the_glass_plate_slopes_and_the_camera_is_late() -> None:
+    """The makers measured 0.0521 s."""
+    verdict = verdict_of("ita_air_bearing")
+    (late,) = parts(verdict)["body.yaw"]["effects"]
+    assert late["parameters"]["delay_s"]["value"] == pytest.approx(0.0521, rel=0.05)
+    before, after = channel(verdict, "body.yaw")
+    assert after < 0.1 * before
+    assert any(e["effect"].startswith("table_") for e in parts(verdict)["body"]["effects"])
+    before, after = channel(verdict, "body.position.y")
+    assert after < 0.5 * before
+
+
+def test_the_cube_slides_with_friction() -> None:
+    verdict = verdict_of("contactnets_cube")
+    assert values(verdict)["contact_friction@contact.mu"] == pytest.approx(0.2, abs=0.05)
+    for axis in "xy":
+        before, after = channel(verdict, f"body.position.{axis}")
+        assert after < 0.35 * before
+
+
+def test_the_steel_ellipse_rubs_where_it_hits() -> None:
+    verdict = verdict_of("planar_impact")
+    assert values(verdict)["contact_friction@contact.mu"] == pytest.approx(0.2, abs=0.05)
+    assert parts(verdict)["impacts"]["values"]["body.restitution"] == pytest.approx(0.57, abs=0.04)
+    before, after = channel(verdict, "body.velocity.x.after")
+    assert after < 0.35 * before
+
+
+def test_light_balls_feel_the_air_and_the_baseball_does_not() -> None:
+    verdict = verdict_of("balldrop")
+    dragged = {e["part"] for e in verdict["effects"] if e["effect"].endswith("_drag")}
+    assert {"volleyball", "whiffle_ball_1", "whiffle_ball_2", "yellow_whiffle_ball", "orange_whiffle_ball"} <= dragged
+    assert parts(verdict)["baseball"]["verdict"] == "nothing_missing"
+    before, after = channel(verdict, "body.position.z")
+    assert after < 0.2 * before
+
+
+def test_the_silverbox_has_a_cubic_spring() -> None:
+    verdict = verdict_of("silverbox")
+    found = values(verdict)
+    assert found["cubic_stiffness@joint.axis.k3_N_m3"] > 0.0
+    before, after = channel(verdict, "joint.axis.position")
+    assert after < 0.001
+    assert after < 0.1 * before
