@@ -99,7 +99,8 @@ def page(found: dict[str, Any]) -> str:
         lines += [
             "",
             f"One fit of mujoco.sysid on the same files (four values, {rival['iterations']} iterations, step "
-            f"{rival['step']:g} s): {rival['seconds']:.1f} s, {rival['seconds'] / each:.0f} times a hypothesis "
-            f"(target: 10), {rival['seconds'] / (full['seconds'] / full['fitted']):.1f} times a fitted one.",
+            f"{rival['step']:g} s) takes {rival['seconds']:.1f} s: as long as {rival['seconds'] / each:.0f} hypotheses of "
+            f"the full search, most of which are screened only, or {rival['seconds'] / (full['seconds'] / full['fitted']):.0f} "
+            "of its fitted ones (target: 10).",
         ]
     return "\n".join(lines)
