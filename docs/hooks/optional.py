@@ -10,6 +10,7 @@ PAGES = {
     "Real recordings": "real-recordings.md",
     "Benchmarks": "benchmarks.md",
     "Sweeps": "sweep.md",
+    "Licences": "licences.md",
 }
 
 
