@@ -142,7 +142,7 @@ def _model(study: Study, trials: Sequence[Trial], group: str, name: str) -> Simu
             corners = grids[driven[0]][0]
             drives[trial.id] = Drive(corners, {c: g[1] for c, g in grids.items()}, corners)
     values = {f"body.{n.split('.', 1)[1]}": v for n, v in study.values().items() if n.startswith(f"{group}.")}
-    unknown = {}
+    unknown, relative = {}, []
     for key, angular in (("body.mass", False), ("body.yaw_inertia", True)):
         stated = key in values or all(key in t.overrides for t in whole)
         if any(a.angular == angular for a in axes) and not stated:
@@ -150,6 +150,7 @@ def _model(study: Study, trials: Sequence[Trial], group: str, name: str) -> Simu
                 unknown[key] = next(sizes[a.name].mass for a in axes if a.angular == angular)
             else:  # without a known force only ratios to the mass can be told
                 values[key] = 1.0
+                relative.append(key)
     sensors: dict[str, tuple[str, ...]] = {}
     for block in whole[0].blocks:
         sensors[block.stream] = (*sensors.get(block.stream, ()), *block.channels)
@@ -172,6 +173,7 @@ def _model(study: Study, trials: Sequence[Trial], group: str, name: str) -> Simu
         covered=frozenset(label for label, value in covers.items() if value in fitted) | no_table,
     )
     made.stated = frozenset(c for c in whole[0].channels if known[c].sigma_stated)
+    made.relative_to = tuple(key.replace("body", group, 1) for key in relative)
     return made
 
 

@@ -41,6 +41,7 @@ class Model(ABC):
         base: values by dotted name, the trials' overrides apart.
         sizes: what is typical, by place; "" for all others.
         stated: channels whose noise the study states; the weights of others come from what the best model leaves.
+        relative_to: values that are not known and take part as 1: forces are told per unit of them.
         family: models of one family are things of one kind, which lack the same physics; "" for one of its own.
         metric: what the residual is, for tables, e.g. "torque balance" or "simulated motion".
     """
@@ -53,6 +54,7 @@ class Model(ABC):
     metric: str
     stated: frozenset[str] = frozenset()
     family: str = ""
+    relative_to: tuple[str, ...] = ()
 
     @abstractmethod
     def mechanism(self, values: Mapping[str, float], trial: TrialData) -> Mechanism:

@@ -206,6 +206,7 @@ def _entry(part: Part, verdict: str) -> dict[str, Any]:
         "compared": part.model.metric,
         "error_ratio": after / before if before else None,
         "values": _fitted(part),
+        "relative_to": list(part.model.relative_to),
     }
 
 

@@ -62,7 +62,8 @@ def _title(entry: Mapping[str, Any]) -> str:
 
 def _details(verdict: Mapping[str, Any]) -> list[str]:
     lines = []
-    shown = of_body(verdict)
+    mock_up = any(c.startswith("target.") for c in verdict["held_out"]["channels"])
+    shown = of_body(verdict, "target" if mock_up else "body")
     for entry in shown["effects"]:
         values = ", ".join(
             f"{key} {quantity(p['value'], p['unit'], p['ci95'])}" for key, p in entry["parameters"].items()
@@ -76,6 +77,10 @@ def _details(verdict: Mapping[str, Any]) -> list[str]:
     quiet = [p["part"] for p in verdict.get("parts", []) if p["verdict"] == "nothing_missing"]
     if quiet and len(verdict["parts"]) > 1:
         lines.append(f"- nothing missing: {', '.join(quiet)}")
+    for entry in verdict.get("parts", []):
+        if entry.get("relative_to") and entry["effects"]:
+            names = " and ".join(entry["relative_to"])
+            lines.append(f"- forces on {entry['part']} are per unit of its {names}, which is not known")
     lines += ["", "| channel | before | after |", "|---|---|---|"]
     for channel, c in verdict["held_out"]["channels"].items():
         lines.append(f"| {channel} | {number(c['rms_before'])} | {number(c['rms_after'])} |")
