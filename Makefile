@@ -13,7 +13,7 @@ else
   INSTALL   = $(BIN)/python -m pip install -q --disable-pip-version-check
 endif
 
-.PHONY: help setup demo test test-long test-all fuzz lint types check notebooks docs wheel picture real-table constraints clean
+.PHONY: help setup demo test suite test-long test-all fuzz lint types check notebooks docs wheel picture real-table constraints clean
 
 help:  ## this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "make %-12s %s\n", $$1, $$2}'
@@ -34,9 +34,9 @@ setup: $(VENV)/.core  ## install the package and its libraries into .venv
 demo: $(VENV)/.core  ## simulate a capture, then diagnose the bundled study
 	$(BIN)/spacerobot demo --out demo-out --overwrite
 
-test: $(VENV)/.test  ## lint, types and the test suite
-	$(BIN)/ruff check .
-	$(BIN)/mypy
+test: lint types suite  ## lint, types and the test suite
+
+suite: $(VENV)/.test  ## the test suite alone
 	$(BIN)/python -m pytest -n 2 -m "not slow"
 
 test-long: $(VENV)/.test  ## the tests that take minutes
@@ -44,7 +44,7 @@ test-long: $(VENV)/.test  ## the tests that take minutes
 
 test-all:  ## the test suite on every supported Python that is installed
 	@for v in 3.11 3.12 3.13; do \
-	  if command -v python$$v >/dev/null || [ -n "$(UV)" ]; then $(MAKE) test PYTHON=$$( [ -n "$(UV)" ] && echo $$v || echo python$$v ) VENV=.venv-$$v || exit 1; \
+	  if command -v python$$v >/dev/null || [ -n "$(UV)" ]; then $(MAKE) suite PYTHON=$$( [ -n "$(UV)" ] && echo $$v || echo python$$v ) VENV=.venv-$$v || exit 1; \
 	  else echo "python$$v is not installed: skipped"; fi; done
 
 fuzz: $(VENV)/.test  ## fuzz every reader with more than a million cases (an hour; goes on where it stopped)
