@@ -100,8 +100,8 @@ class Watch:
             self._fail(f"{event} outside: {_placed(args)[:80]}")
 
     def _opened(self, path: str, mode: str | None, flags: int) -> None:
-        if self._inside(path):
-            return
+        if self._inside(path) or os.path.basename(path).startswith("<"):
+            return  # "<string>": a traceback that looks for the source of code without a file
         writes = bool(flags & _WRITING) or any(c in (mode or "") for c in "wax+")
         real = os.path.realpath(path)
         if (writes and real != os.devnull) or not real.startswith(self.readable):

@@ -13,6 +13,9 @@ from spacerobot.sweep.engine import EXACT, INTEGRATED, ONE_BY_ONE, Engine
 from spacerobot.sweep.keys import KEYS, value_of, with_values
 from spacerobot.sweep.scatter import Scatter, uniforms
 from spacerobot.sweep.sweep_file import plan_from_text
+
+pytest.importorskip("pyarrow", reason="extra 'scale' is not installed")
+
 from tests.sweep.helpers_sweep import SWEEP, TOTAL
 
 HERE = Path(".")
