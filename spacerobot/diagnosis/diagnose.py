@@ -15,7 +15,7 @@ from spacerobot.diagnosis.checks import nested, synthetic
 from spacerobot.diagnosis.confirm import confirm
 from spacerobot.diagnosis.fit import Fit
 from spacerobot.diagnosis.held_out import hold_out
-from spacerobot.diagnosis.judge import AMBIGUOUS, NAMED, Judgement, judge, moved
+from spacerobot.diagnosis.judge import AMBIGUOUS, NAMED, SMALL, Judgement, judge, moved
 from spacerobot.diagnosis.locate.locate import locate
 from spacerobot.diagnosis.locate.located import LEVEL
 from spacerobot.diagnosis.memory import Store
@@ -31,6 +31,11 @@ from spacerobot.recordings.study import Study
 from spacerobot.support.errors import InputError
 
 FINALISTS = 4
+CLOSE = 100.0
+"""Fits whose leftovers are looked at: so many of least cost at least, and all within so much of the least, or within
+twice the share that a further effect must earn: a simpler set may win although many cost less than it.
+"""
+
 SHOWN = 40
 """Located patterns that a report lists."""
 
@@ -166,7 +171,10 @@ def _freed(workshop: Workshop, base: Fit) -> Fit | None:
 
 
 def _finalists(workshop: Workshop, found: Found, freed: Fit | None) -> dict[int, Left]:
-    ranked = sorted(found.fits.values(), key=lambda f: f.cost)[:FINALISTS]
+    ranked = sorted(found.fits.values(), key=lambda f: f.cost)
+    least = found.best.cost
+    reach = max(CLOSE, 2.0 * SMALL * (found.baseline.cost - least))
+    ranked = [f for k, f in enumerate(ranked) if k < FINALISTS or f.cost < least + reach]
     fits = [found.baseline, *ranked, *([freed] if freed is not None else [])]
     out = {}
     for fit in fits:

@@ -18,7 +18,9 @@ from spacerobot.effects.registry import effect
 TOP_SCREENED = 4
 TOP_FITTED = 4
 TOP_PAIRS = 4
-NEAR_ITERATIONS = 8
+NEAR_ITERATIONS, OTHER_ITERATIONS = 8, 3
+"""Steps of a fit from the best-scored start of an effect, and from its others; the best of all go on from there."""
+
 EXPLAINED = 1.02
 """chi-squared per sample below which a single effect explains the data well enough not to start others afresh."""
 
@@ -99,12 +101,13 @@ def search(pool: Pool, sites: Sequence[Site], report: Report, *, baseline: Fit |
     found.screens.append(first)
     found.screened.update({(k,): v.gain for k, v in first.best().items()})
 
+    best = first.best()
     tasks = [
         Task(
             (s.site.label,),
             faint(s.site, s.start, _share(s)),
             near=baseline,
-            max_iterations=NEAR_ITERATIONS,
+            max_iterations=NEAR_ITERATIONS if s is best[s.site.label] else OTHER_ITERATIONS,
             loose=True,
         )
         for s in first.scored
