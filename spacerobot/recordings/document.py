@@ -21,6 +21,9 @@ MAXIMUM_BYTES = 4_000_000
 DEEPEST = 12
 """Most levels of tables and lists in a study."""
 
+MOST_DOTS = 200
+"""Dots in a table's name above which it is not even parsed; quoted names may hold some."""
+
 _HEADER = re.compile(r"^\s*(\[\[?)([^\]]+)\]")
 _KEY = re.compile(
     r"""^\s*((?:"[^"\n]*"|'[^'\n]*'|[A-Za-z0-9_-]+)(?:\s*\.\s*(?:"[^"\n]*"|'[^'\n]*'|[A-Za-z0-9_-]+))*)\s*="""
@@ -124,6 +127,10 @@ def read_document(path: Path) -> Document:
             "a study must be UTF-8 text", given=f"byte {raw[error.start]:#04x}", where=f"{path}:{line}"
         ) from None
     text = text.replace("\r\n", "\n")
+    for number, row in enumerate(text.split("\n"), 1):  # the parser's time grows with the square of the dots
+        key = row.lstrip() if row.lstrip().startswith("[") and "," not in row else row.partition("=")[0]
+        if ("=" in row or key.startswith("[")) and key.count(".") > MOST_DOTS:
+            raise InputError("a key is nested too deep", valid=f"at most {DEEPEST} levels", where=f"{path}:{number}")
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
