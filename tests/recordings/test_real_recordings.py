@@ -59,7 +59,7 @@ EXPECTED = {
     "balldrop": (18, {"body.position.z"}),
     "contactnets_cube": (300, {"body.position.z", "body.orientation.w", "body.velocity.x"}),
     "emps": (2, {"joint.axis.position", "joint.axis.torque", "joint.axis.reference"}),
-    "franka_captures_satellite": (5, {"joint.panda_joint1.position", "target.velocity.yaw", "hand.force.x"}),
+    "franka_captures_satellite": (6, {"joint.panda_joint1.position", "target.velocity.yaw", "hand.force.x"}),
     "franka_exciting": (1, {f"joint.panda_joint{i}.torque" for i in range(1, 8)}),
     "ita_air_bearing": (6, {"body.position.x", "body.force.x", "body.yaw"}),
     "planar_impact": (1, {"body.velocity.y.before", "body.velocity.y.after"}),
