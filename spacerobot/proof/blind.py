@@ -14,6 +14,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+from spacerobot.support.orphans import leashed
+
 LIMIT = 900.0
 """Seconds after which a diagnosis counts as failed."""
 
@@ -40,7 +42,8 @@ def diagnose(
 ) -> Answer:
     """Run the diagnosis on a study's folder alone.
 
-    Its working folder is a fresh one, its output folder too; neither holds the seal or says where it is.
+    Its working folder is a fresh one, its output folder too; neither holds the seal or says where it is. Where this
+    process is killed, so is the diagnosis.
 
     Args:
         study: folder of the study.
@@ -56,7 +59,7 @@ def diagnose(
         environment.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1"))
         began = time.monotonic()
         process = subprocess.Popen(  # noqa: S603 - our own command on our own files
-            arguments,
+            leashed(arguments),
             cwd=folder,
             env=environment,
             stdout=subprocess.PIPE,

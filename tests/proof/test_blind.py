@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import subprocess
 import sys
 import time
 from collections.abc import Sequence
@@ -101,3 +102,25 @@ def test_answers_are_read_whole(tmp_path: Path) -> None:
     assert answer.verdict is not None
     assert json.dumps(answer.verdict)
     assert answer.seconds > 0.0
+
+
+@pytest.mark.skipif(not Path("/proc").is_dir(), reason="reads /proc")
+def test_a_diagnosis_ends_with_the_proof_that_was_killed(tmp_path: Path) -> None:
+    command = script(
+        tmp_path, f"import os, time\nopen({str(tmp_path / 'pid')!r}, 'w').write(str(os.getpid()))\ntime.sleep(60)\n"
+    )
+    words = (
+        "from pathlib import Path; from spacerobot.proof.blind import diagnose; "
+        f"diagnose(Path({str(tmp_path)!r}), command={list(command)!r})"
+    )
+    proof = subprocess.Popen([sys.executable, "-c", words])
+    until = time.monotonic() + 30
+    while not (tmp_path / "pid").exists() or not (tmp_path / "pid").read_text():
+        assert time.monotonic() < until
+        time.sleep(0.05)
+    proof.kill()
+    proof.wait()
+    left = Path("/proc", (tmp_path / "pid").read_text(), "stat")
+    while left.exists() and left.read_text().rsplit(")", 1)[1].split()[0] != "Z":
+        assert time.monotonic() < until, "it works on for nobody"
+        time.sleep(0.05)
