@@ -10,6 +10,7 @@ import argparse
 import json
 import os
 import platform
+import shutil
 import subprocess
 import sys
 import time
@@ -18,6 +19,7 @@ from pathlib import Path
 from fuzz.binary.kinds import KINDS
 from fuzz.tally import Tally
 from fuzz.targets import TARGETS
+from fuzz.watch import SCRATCH, scratch
 
 HERE = Path(__file__).resolve().parent
 
@@ -47,9 +49,12 @@ def run(name: str, folder: Path, cases: int) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     while (before := Tally(folder).tried) < cases:
         began = time.monotonic()
+        work = scratch(name)
         with (folder / "log").open("ab") as log:
             command = [sys.executable, "-B", "-m", module, name, str(folder), str(cases)]
-            done = subprocess.run(command, stdout=log, stderr=log, cwd=HERE.parent, env=environment(), check=False)
+            own = {**environment(), SCRATCH: str(work)}
+            done = subprocess.run(command, stdout=log, stderr=log, cwd=HERE.parent, env=own, check=False)
+        shutil.rmtree(work, ignore_errors=True)
         tally = Tally(folder)
         for killed in folder.glob("killed-*"):
             words = f"the fuzzer's process ended: {killed.name.split('-')[1]}"

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import atexit
 import contextlib
 import os
+import shutil
 import signal
 import sys
 import tempfile
@@ -20,6 +22,9 @@ from spacerobot.support.errors import InputError, SpacerobotError
 
 SECONDS = 10.0
 """A case that takes longer is a finding."""
+
+SCRATCH = "FUZZ_SCRATCH"
+"""Environment variable: where the scratch folders go. The parent removes them, for libFuzzer leaves without a word."""
 
 _FORBIDDEN = ("socket.connect", "socket.bind", "socket.getaddrinfo", "subprocess.Popen", "os.system", "os.exec",
               "os.posix_spawn", "os.fork", "pickle.find_class")  # fmt: skip
@@ -123,9 +128,11 @@ def _placed(args: tuple[Any, ...]) -> str:
 
 
 def scratch(name: str) -> Path:
-    """A new folder, in memory where that can be had: a million files are no good to a disk."""
-    memory = Path("/dev/shm")
-    return Path(tempfile.mkdtemp(prefix=f"fuzz-{name}-", dir=memory if memory.is_dir() else None))
+    """A new folder, in memory where that can be had (a million files are no good to a disk); gone when we are."""
+    memory = "/dev/shm" if os.path.isdir("/dev/shm") else None
+    folder = Path(tempfile.mkdtemp(prefix=f"fuzz-{name}-", dir=os.environ.get(SCRATCH, memory)))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    return folder
 
 
 def signature(error: BaseException) -> str:

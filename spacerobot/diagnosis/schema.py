@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import json
+import sys
 from collections.abc import Mapping
 from importlib.resources import files
 from typing import Any
@@ -13,6 +14,8 @@ from spacerobot.support.jsonio import plain
 
 VERDICTS = ("named", "ambiguous", "unknown", "nothing_missing", "wrong_parameter", "not_trusted")
 """Every kind of verdict."""
+
+_SLOW = "rfc3987_syntax"
 
 
 @functools.cache
@@ -25,8 +28,15 @@ def schema() -> dict[str, Any]:
 
 @functools.cache
 def _validator() -> Any:
-    from jsonschema import Draft202012Validator
-
+    # Where Jupyter is installed, jsonschema comes with a checker of IRIs that takes longer than a second to import.
+    # There are none in our schema, and jsonschema takes its absence well.
+    held = None if _SLOW in sys.modules else {_SLOW: None}
+    sys.modules.update(held or {})  # type: ignore[arg-type]
+    try:
+        from jsonschema import Draft202012Validator
+    finally:
+        if held:
+            del sys.modules[_SLOW]
     return Draft202012Validator(schema())
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from typing import Any
 
 import numpy as np
@@ -57,3 +59,13 @@ def test_breaches_are_named_with_their_place(kind: str, change: Any, path: str) 
     with pytest.raises(InputError) as caught:
         validate(told)
     assert path in str(caught.value)
+
+
+def test_no_seconds_for_a_checker_of_what_the_schema_does_not_have() -> None:
+    words = (
+        "import sys; from spacerobot.diagnosis.schema import _validator; _validator(); "
+        "print([name for name in sys.modules if name.startswith('rfc3987_syntax')])"
+    )
+    done = subprocess.run([sys.executable, "-c", words], capture_output=True, text=True, check=True)
+    assert done.stdout == "[]\n"
+    assert "iri" not in str(schema())
