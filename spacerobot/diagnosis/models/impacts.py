@@ -1,9 +1,9 @@
 """Impacts recorded as pairs of states, just before and just after: which impulse lies between them.
 
 With the contact's Jacobian rows n (normal) and d (tangent) the impulse (p_n, p_t) changes the velocity by
-M^-1 (n p_n + d p_t). Newton's restitution says how fast the contact parts, Coulomb's law how much of the sliding may
-be stopped: it sticks where |p_t| <= mu p_n allows it, and slides on otherwise (Whittaker 1904, section 95; Chatterjee
-and Ruina 1998, J. Appl. Mech. 65, section 3).
+M^-1 (n p_n + d p_t). Coulomb's law holds at every moment of it, so that sliding may end, or turn round, within the
+impact (Routh's diagram); Poisson's restitution is the ratio of the impulses after and before the contact is most
+compressed (Wang and Mason 1992, J. Appl. Mech. 59, 635-642). Without friction that is Newton's restitution.
 """
 
 from __future__ import annotations
@@ -115,18 +115,28 @@ class Impacts(Model):
 def _impulse(
     v: np.ndarray, n: np.ndarray, d: np.ndarray, inverse: np.ndarray, restitution: float, mu: float
 ) -> np.ndarray:
-    """Generalised impulse, shape (3, T), of contacts that close with n . v and slide with d . v, all (3, T)."""
+    """Generalised impulse, shape (3, T), of contacts that close with n . v and slide with d . v, all (3, T).
+
+    Closing and sliding speed are lines over the normal impulse so far, with a kink where the sliding ends: then it
+    sticks, or slides on the other way where friction cannot hold it. Compression ends where the contact no longer
+    closes; restitution adds its share of the impulse until then.
+    """
     nn, nd, dd = ((a * inverse[:, None] * b).sum(axis=0) for a, b in ((n, n), (n, d), (d, d)))
     closing, sliding = (n * v).sum(axis=0), (d * v).sum(axis=0)
-    wanted = -(1.0 + restitution) * closing
-    determinant = nn * dd - nd**2
-    stuck_n = (dd * wanted + nd * sliding) / determinant
-    stuck_t = (-nd * wanted - nn * sliding) / determinant
-    way = np.sign(stuck_t)  # friction pulls where it would have to pull to stop the sliding
-    slid_n = wanted / (nn + mu * way * nd)
-    sticks = np.abs(stuck_t) <= mu * stuck_n
-    normal = np.where(sticks, stuck_n, slid_n)
-    tangent = np.where(sticks, stuck_t, mu * way * slid_n)
+    first = -mu * np.sign(sliding)  # tangential over normal impulse, while it slides
+    holding = -nd / dd  # and where it sticks
+    then = np.clip(holding, -mu, mu)
+    slows = (nd + dd * first) * sliding < 0.0
+    kink = np.full_like(sliding, np.inf)
+    kink[slows] = -sliding[slows] / (nd + dd * first)[slows]
+    kink[sliding == 0.0] = 0.0
+    opens, opens_then = nn + nd * first, nn + nd * then  # the second is positive, as the inertia matrix is
+    with np.errstate(divide="ignore", invalid="ignore"):
+        before_kink = -closing / opens
+        after_kink = kink - (closing + opens * kink) / opens_then
+    compression = np.where((opens > 0.0) & (before_kink <= kink), before_kink, after_kink)
+    normal = (1.0 + restitution) * compression
+    tangent = first * np.minimum(normal, kink) + then * np.maximum(normal - kink, 0.0)
     return n * normal + d * tangent
 
 
