@@ -70,7 +70,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     run.add_argument("--backend", help="multibody (default) or reduced")
     run.add_argument("--duration", metavar="S", help="default: arrival and four predicted contact times")
     run.add_argument("--tolerance", metavar="X", default="1e-9", help="of the integration; default: 1e-9")
-    run.add_argument("--rate", metavar="HZ", default="1000", help="samples a second; default: 1000")
+    run.add_argument("--rate", metavar="HZ", help="samples a second; default: 1000, fewer in a run of many minutes")
     output = parser.add_argument_group("output")
     output.add_argument("--json", action="store_true", help="print one JSON object")
     output.add_argument("--out", metavar="DIR", help="write simulate.json, scene.toml, trajectory.npz and .csv there")

@@ -66,7 +66,10 @@ def run(args: argparse.Namespace) -> int:
     said = list(dict.fromkeys(str(w.message) for w in caught if issubclass(w.category, PoseLimitWarning)))
     for text in said:
         print(f"spacerobot simulate: warning: {text}", file=sys.stderr)
-    settings = {"tolerance": _number(args.tolerance, "--tolerance"), "rate": _number(args.rate, "--rate")}
+    settings = {
+        "tolerance": _number(args.tolerance, "--tolerance"),
+        "rate": None if args.rate is None else _number(args.rate, "--rate"),
+    }
     if args.out is None:
         answer, _ = _answer(scene, settings, said)
     else:
@@ -177,7 +180,7 @@ def _effect(text: str) -> EffectAt:
     return EffectAt(name, where, parse_assignments([values], f"--effect {name}") if values else {})
 
 
-def _answer(scene: Scene, settings: dict[str, float], said: list[str]) -> tuple[dict[str, Any], Trajectory]:
+def _answer(scene: Scene, settings: dict[str, Any], said: list[str]) -> tuple[dict[str, Any], Trajectory]:
     end = scene.duration if scene.duration is not None else default_duration(scene)
     trajectory = simulate(scene, duration=end, tolerance=settings["tolerance"], rate=settings["rate"])
     predicted = predict(scene)

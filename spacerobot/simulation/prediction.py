@@ -78,7 +78,9 @@ class ThreeMassPrediction:
 
 
 def predict_exact(scene: Scene, duration: float) -> ThreeMassPrediction | None:
-    """Eqs. 2 to 4 without any reduction; None where the scene is not theirs (effects, other contact laws, gravity).
+    """Eqs. 2 to 4 without any reduction.
+
+    None where the scene is not theirs (effects, other contact laws, gravity), or touches a thousand times and more.
 
     Args:
         scene: what there is.
@@ -101,7 +103,10 @@ def predict_exact(scene: Scene, duration: float) -> ThreeMassPrediction | None:
         guide_friction=wrist.guide_friction,
     )
     hand = -scene.hand_speed
-    motion = exact.solve(system, target.speed, hand_velocity=hand, duration=max(duration - scene.arrival, 1e-9))
+    try:
+        motion = exact.solve(system, target.speed, hand_velocity=hand, duration=max(duration - scene.arrival, 1e-9))
+    except ArithmeticError:
+        return None
     touches = len(motion.times_of("touch"))
     summed, lasted = motion.summed_contact_time, motion.contact_time
     if not math.isfinite(lasted):

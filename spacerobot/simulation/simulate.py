@@ -17,6 +17,9 @@ from spacerobot.support.errors import InputError, NotFoundError
 USUAL_SPEED = 0.01
 """Closing speed [m/s] below which the reduced model's absolute errors shrink with the motion."""
 
+USUAL_RATE, USUAL_SAMPLES = 1000.0, 200_000
+"""Samples a second [Hz] where nobody says how many; fewer in a run so long that there were more than so many in all."""
+
 MAX_SAMPLES = 2_000_000
 
 
@@ -26,7 +29,7 @@ def simulate(
     backend: str | None = None,
     duration: float | None = None,
     tolerance: float = 1e-9,
-    rate: float = 1000.0,
+    rate: float | None = None,
     first_step: float = 1e-4,
     max_step: float = math.inf,
     must_touch: bool = True,
@@ -38,7 +41,7 @@ def simulate(
         backend: "reduced" or "multibody"; the scene's own if None.
         duration: [s]; the scene's own if None, else long enough for the predicted contact.
         tolerance: of the integration; multibody: relative to the approach speed and the penetration it makes.
-        rate: samples a second of the channels [Hz].
+        rate: samples a second of the channels [Hz]; `usual_rate` if None.
         first_step, max_step: of the integration [s].
         must_touch: whether a target that never arrives is an error.
 
@@ -53,8 +56,16 @@ def simulate(
     end = default_duration(scene) if end is None else end
     if not (math.isfinite(end) and end > 0.0):
         raise InputError("duration must be positive", given=end)
-    if not (math.isfinite(rate) and rate > 0.0) or end * rate > MAX_SAMPLES:
-        raise InputError("rate out of range", given=rate, valid=f"at most {MAX_SAMPLES} samples in all")
+    rate = usual_rate(end) if rate is None else rate
+    if not (math.isfinite(rate) and rate > 0.0):
+        raise InputError("rate must be positive", given=rate, where="rate")
+    if end * rate > MAX_SAMPLES:
+        raise InputError(
+            f"too many samples for {end:g} s",
+            given=f"{rate:g} Hz",
+            valid=f"at most {MAX_SAMPLES / end:.3g} Hz, or a shorter duration",
+            where="rate",
+        )
     times = np.arange(math.floor(end * rate * (1.0 + 1e-12)) + 1) / rate
     if backend == "multibody":
         run = integrate_scene(scene, end, tolerance=tolerance, first_step=first_step, max_step=max_step)
@@ -101,6 +112,11 @@ def reduced_start(scene: Scene) -> tuple[dict[str, float], dict[str, float]]:
     if "hand" in mechanism.coordinates:
         velocity["hand"] = -scene.hand_speed
     return position, velocity
+
+
+def usual_rate(duration: float) -> float:
+    """Samples a second [Hz] of a run of so many seconds where nobody says how many."""
+    return min(USUAL_RATE, USUAL_SAMPLES / duration)
 
 
 def default_duration(scene: Scene) -> float:

@@ -14,6 +14,7 @@ from spacerobot.simulation.multibody.events import Modes, Probe
 from spacerobot.simulation.multibody.kernel import load, solve
 from spacerobot.simulation.multibody.stepper import error_norm, interpolant, stage
 from spacerobot.simulation.reduced.forces import APART, PRESSED, RELEASED, STICK
+from spacerobot.simulation.unfinished import too_many
 from spacerobot.support.errors import SimulationError
 
 MAX_STEPS, MAX_EVENTS = 500_000, 5_000
@@ -120,8 +121,7 @@ class Integrator:
                 h = max(h, full * grow) if final else full * grow
             dyn.rate(t, y, self._k[0])
             if len(record) > MAX_STEPS or len(self.events) > MAX_EVENTS:
-                what = "steps" if len(record) > MAX_STEPS else "events (chattering)"
-                raise SimulationError(f"multibody model: too many {what} at t = {t:.6g} s")
+                raise too_many("multibody", "steps" if len(record) > MAX_STEPS else "events", t, end)
         times, lengths, states, denses, modes = zip(*record, strict=True)
         return Steps(np.array(times), np.array(lengths), np.array(states), np.array(denses), np.array(modes), y)
 

@@ -30,7 +30,7 @@ from spacerobot.simulation.reduced.stepper import dense, error_norm, stages
 from spacerobot.support.jit import jit
 
 OK, TOO_MANY_STEPS, TOO_MANY_EVENTS, NOT_FINITE = 0, 1, 2, 3
-MAX_STEPS, MAX_EVENTS = 2_000_000, 100_000
+MAX_STEPS, MAX_EVENTS = 1_000_000, 100_000
 
 
 class Steps(NamedTuple):

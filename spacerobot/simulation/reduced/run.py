@@ -13,13 +13,10 @@ from spacerobot.simulation.reduced.arrays import LAWS, Layout, Packed, System, a
 from spacerobot.simulation.reduced.forces import APART, PRESSED, RELEASED, STICK
 from spacerobot.simulation.reduced.integrate import MAX_STEPS, NOT_FINITE, OK, TOO_MANY_EVENTS, Steps, integrate
 from spacerobot.simulation.reduced.sampling import sample, sample_contact, sample_states, work_done
+from spacerobot.simulation.unfinished import too_many
 from spacerobot.support.errors import InputError, SimulationError
 
 _CONTACT_NAMES = {APART: "apart", PRESSED: "touch", RELEASED: "release"}
-_REASONS = {
-    TOO_MANY_EVENTS: "too many events (chattering)",
-    NOT_FINITE: "the state stopped being finite",
-}
 
 
 @dataclass(frozen=True)
@@ -151,7 +148,10 @@ def simulate(
         *packed, LAWS.laws, packed.work(), y0, start, end, tolerance, atol, first, max_step, drives, step_limit
     )
     if status != OK:
-        raise SimulationError(f"reduced model: {_REASONS.get(int(status), 'too many steps')} at t = {time[-1]:.6g} s")
+        reached = float(time[-1]) if time.size else start
+        if status == NOT_FINITE:
+            raise SimulationError(f"reduced model: the state stopped being finite at t = {reached:.6g} s")
+        raise too_many("reduced", "events" if status == TOO_MANY_EVENTS else "steps", reached, end)
     events = tuple(_event(layout, float(t), int(i), int(mode)) for t, i, mode in zip(etime, eindex, emode, strict=True))
     steps = Steps(time, length, state, dense, modes)
     return ReducedRun(mechanism, system, layout, steps, events, start, end, packed, drives)
