@@ -34,6 +34,10 @@ The module loads nothing heavy before `run`, so that help is there at once."""
 _PATH_ERRORS = {errno.ENOENT, errno.EACCES, errno.EPERM, errno.EISDIR, errno.ENOTDIR, errno.ENAMETOOLONG, errno.ELOOP}
 """What a wrong path leads to; any other trouble with a file is the machine's (disk full, for instance)."""
 
+_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+"""Set to 1 unless the user says otherwise: the matrices are small, so that a second thread of linear algebra only
+waits, at the price of a core that the workers need."""
+
 DEBUG = "SPACEROBOT_DEBUG"
 """Environment variable; when it is set, an error that nobody foresaw shows its traceback."""
 
@@ -66,6 +70,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     arguments = list(sys.argv[1:] if argv is None else argv)
     name = next((a for a in arguments if not a.startswith("-")), None)
     label = f"spacerobot {name}" if name in COMMANDS else "spacerobot"
+    for variable in _THREADS:  # before NumPy is loaded
+        os.environ.setdefault(variable, "1")
     try:
         if name is not None and name not in COMMANDS:
             raise NotFoundError("command", name, COMMANDS)

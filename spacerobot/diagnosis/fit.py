@@ -30,6 +30,9 @@ BUDGET = 6
 REUSE = 5
 """How many steps may be taken on one set of derivatives, corrected by each step, while each keeps its promise."""
 
+HOPE = 5.0
+"""A fit that may be given up early is, when not even so many times what its first step promises would do."""
+
 SETTLED = 0.05
 WORTH = 1e-3
 """A fit has converged when a step lowers chi-squared by less than the first, or than this share of the misfit."""
@@ -57,6 +60,7 @@ class Fit:
         covariance: of z, shape (G, G), initial values marginalised; None before it is known.
         converged: whether the last step was negligible.
         iterations: Gauss-Newton steps taken.
+        given_up: whether it ended on what its first step promised.
     """
 
     hypothesis: Hypothesis
@@ -68,6 +72,7 @@ class Fit:
     covariance: np.ndarray | None
     converged: bool
     iterations: int
+    given_up: bool = False
 
     @property
     def cost(self) -> float:
@@ -208,6 +213,7 @@ class Fitter:
         robust: bool = True,
         rows: Mapping[str, np.ndarray] | None = None,
         loose: bool = False,
+        eager: bool = False,
     ) -> Fit:
         """The best parameters near a start.
 
@@ -223,6 +229,7 @@ class Fitter:
             robust: whether the robust cost may come first; not where the start is a finished fit.
             rows: derivatives at the start, by trial, that are known already but for the effects' columns.
             loose: whether it may end on old derivatives; it then does not count as converged.
+            eager: whether it may be given up on what its first step promises; needs `rows`.
 
         Raises:
             SimulationError: the start cannot be simulated.
@@ -234,13 +241,17 @@ class Fitter:
         used = 0
         if robust and state.chi2() > ROBUST_ABOVE * state.samples:
             state, used, _, _, _ = self._descend(hypothesis, state, True, max_iterations // 2)
+        given_up = False
         for _ in range(RESCUES):
-            state, _ = self.rescue(hypothesis, state)
-            state, iterations, converged, system, _ = self._descend(
-                hypothesis, state, False, max_iterations - used, hopeless, rows, loose
+            if rows is None:
+                state, _ = self.rescue(hypothesis, state)
+            state, iterations, converged, system, given_up = self._descend(
+                hypothesis, state, False, max_iterations - used, hopeless, rows, loose, eager and rows is not None
             )
             rows = None
             used += iterations
+            if given_up:
+                break
             state, rescued = self.rescue(hypothesis, state)
             if not rescued or used >= max_iterations:
                 break
@@ -259,6 +270,7 @@ class Fitter:
             covariance,
             converged,
             used,
+            given_up,
         )
 
     def rescue(self, hypothesis: Hypothesis, state: State) -> tuple[State, bool]:
@@ -294,7 +306,9 @@ class Fitter:
         hopeless: float = np.inf,
         known: Mapping[str, np.ndarray] | None = None,
         loose: bool = False,
-    ) -> tuple[State, int, bool, Normal | None, dict[str, np.ndarray]]:
+        eager: bool = False,
+    ) -> tuple[State, int, bool, Normal | None, bool]:
+        """Where it ended, steps taken, whether it converged, its last normal equations, and whether it was given up."""
         low, high = hypothesis.bounds()
         prior = np.array([f.prior for f in hypothesis.free], dtype=float)
         damping, converged, iterations, age = 1e-4, False, 0, 0 if known is None else 1
@@ -311,6 +325,10 @@ class Fitter:
             settled = max(SETTLED, WORTH * abs(state.chi2() - state.samples))
             for _ in range(10):
                 dz, dn, promised = system.step(damping, state.z, low, high)
+                if eager and iterations == 1:
+                    hope = state.chi2() + float(prior @ state.z**2) - HOPE * promised
+                    if hope > hopeless:
+                        return state, 0, False, system, True
                 if promised < settled:
                     converged = age == 0
                     ended = loose
@@ -331,7 +349,7 @@ class Fitter:
                         state, accepted = new, True
                         hope = state.chi2() + float(prior @ state.z**2) - 10.0 * fall
                         if not robust and iterations >= 3 and hope > hopeless:
-                            return state, iterations, False, system, rows
+                            return state, iterations, False, system, False
                         break
                 if age > 0:
                     break
@@ -340,7 +358,7 @@ class Fitter:
                 if age == 0:
                     break
                 age = REUSE  # the step came from old derivatives: take new ones before giving up
-        return state, iterations, converged, system, rows
+        return state, iterations, converged, system, False
 
     def _jacobians(self, hypothesis: Hypothesis, state: State, old: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
         return self._map(lambda t: self.jacobian(hypothesis, state, t, old.get(t.id)))

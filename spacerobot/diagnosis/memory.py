@@ -30,6 +30,7 @@ def task_name(task: Any) -> str:
         task.max_iterations,
         task.without,
         task.loose,
+        task.eager,
         None if near is None else [list(near.hypothesis.label), near.z.tolist()],
         None if task.initials is None else sorted((k, v.tolist()) for k, v in task.initials.items()),
     )
@@ -46,6 +47,7 @@ def as_json(fit: Fit | None) -> dict[str, Any]:
             "covariance": None if fit.covariance is None else fit.covariance.tolist(),
             "converged": bool(fit.converged),
             "iterations": fit.iterations,
+            "given_up": fit.given_up,
         }
     }
 
@@ -76,4 +78,5 @@ def from_json(kept: dict[str, Any], fitter: Fitter, made: Hypothesis) -> Fit | N
         None if said["covariance"] is None else np.array(said["covariance"], dtype=float),
         said["converged"],
         said["iterations"],
+        said["given_up"],
     )

@@ -38,6 +38,7 @@ class Task:
         initials: start of the trials' initial values.
         near: a finished fit to begin at instead.
         loose: whether it may end on old derivatives.
+        eager: whether it may be given up on what its first step promises.
         hopeless: cost above which it may be given up.
         max_iterations: of each fit.
         without: trials left out.
@@ -51,6 +52,7 @@ class Task:
     without: tuple[str, ...] = ()
     near: Fit | None = None
     loose: bool = False
+    eager: bool = False
 
     @property
     def mode(self) -> str:
@@ -92,6 +94,7 @@ class Workshop:
                     task.max_iterations,
                     task.hopeless,
                     task.loose,
+                    task.eager,
                 )
             return fit_from(
                 self.fitter(task.without),

@@ -109,10 +109,13 @@ def search(pool: Pool, sites: Sequence[Site], report: Report, *, baseline: Fit |
             near=baseline,
             max_iterations=NEAR_ITERATIONS if s is best[s.site.label] else OTHER_ITERATIONS,
             loose=True,
+            eager=True,
         )
         for s in first.scored
     ]
-    _run(pool, found, tasks, report, "single effects")
+    given_up = _run(pool, found, tasks, report, "single effects")
+    if not _explained(found.best):  # then what its first step promised may have been too little to go by
+        _run(pool, found, [replace(t, eager=False) for t in given_up], report, "single effects, at leisure")
     promising = [f.hypothesis.label for f in found.singles_by_cost()[:TOP_FITTED]]
     # what adds little near the baseline may still fit from a start of its own
     promising += [(k,) for k in list(first.best())[:TOP_SCREENED] if (k,) not in promising]
@@ -178,17 +181,27 @@ def _explained(fit: Fit) -> bool:
     return fit.chi2 < EXPLAINED * fit.samples
 
 
-def _run(pool: Pool, found: Found, tasks: Sequence[Task], report: Report, what: str, *, stop: bool = False) -> None:
-    """Runs tasks, a few at a time so that each knows the best cost so far; with `stop`, until one explains the data."""
+def _run(
+    pool: Pool, found: Found, tasks: Sequence[Task], report: Report, what: str, *, stop: bool = False
+) -> list[Task]:
+    """Runs tasks, a few at a time so that each knows the best cost so far; with `stop`, until one explains the data.
+
+    Returns:
+        those that were given up on what their first step promised.
+    """
     done = 0
+    given_up = []
     for first in range(0, len(tasks), BATCH):
         bar = found.best.cost + CLEAR if found.fits else np.inf
-        for _, fit in pool.run([replace(t, hopeless=bar) for t in tasks[first : first + BATCH]]):
+        for task, fit in pool.run([replace(t, hopeless=bar) for t in tasks[first : first + BATCH]]):
             found.keep(fit)
+            if fit is not None and fit.given_up:
+                given_up.append(task)
             done += 1
             report(what, done, len(tasks))
         if stop and _explained(found.best):
-            return
+            break
+    return given_up
 
 
 def effect_values(fit: Fit) -> Mapping[str, float]:

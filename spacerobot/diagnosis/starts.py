@@ -79,6 +79,7 @@ def fit_near(
     max_iterations: int = 8,
     hopeless: float = np.inf,
     loose: bool = False,
+    eager: bool = False,
 ) -> Fit:
     """Fit that begins at another fit, with the new effects' strengths small: what the effect adds, and no more."""
     made = hypothesis(believed, sites, start)
@@ -92,6 +93,7 @@ def fit_near(
         robust=False,
         rows=known_rows(fitter, made, near),
         loose=loose,
+        eager=eager,
     )
 
 
