@@ -101,7 +101,7 @@ def balances(study: Study, trials: list[Trial], joints: tuple[str, ...]) -> list
                 compared=[joint],
                 values=values,
                 unknown=unknown,
-                sigma={n: v for n, v in study.sigma.items() if n.startswith(f"joint.{joint}.")},
+                sigma={n: v for n, v in study.sigma.items() if n.startswith((f"joint.{joint}.", "link."))},
                 sensor=stream,
             )
         )

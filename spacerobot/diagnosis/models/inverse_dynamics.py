@@ -15,6 +15,7 @@ import pinocchio as pin
 from spacerobot.diagnosis.data import Block, TrialData
 from spacerobot.diagnosis.hypothesis import Believed, Site
 from spacerobot.diagnosis.models.grid import Grid
+from spacerobot.diagnosis.models.links import carried_links, mass_of, with_masses
 from spacerobot.diagnosis.models.measured import port_forces, through_sensor
 from spacerobot.diagnosis.models.model import FIRST_NOISE, Model, Predicted, conditions_of
 from spacerobot.diagnosis.models.sizes import Sizes, sizes_of
@@ -52,6 +53,7 @@ class Motion:
     acceleration: np.ndarray  # (T, J)
     rigid: np.ndarray  # (T, J) torque that the rigid body asks for
     stride: int
+    by_link: np.ndarray  # (K, T, J) of it, what each link of doubted mass asks for
 
 
 class InverseDynamics(Model):
@@ -87,7 +89,8 @@ class InverseDynamics(Model):
             values: believed values, "joint.NAME.mass", ".damping", ".stiffness", ".armature".
             unknown: names of values that are to be fitted.
             sigma: relative deviations of believed values; of a "joint.NAME.mass" that is not among the values it is
-                that of the robot's own inertia about the joint, in its mean pose.
+                that of the robot's own inertia about the joint, in its mean pose. A "link.NAME.mass" changes the
+                link's weight and inertia as one; links that no compared joint carries are left out.
             sensor: what verdicts call the torque sensors.
         """
         self.joints = tuple(joints)
@@ -95,7 +98,13 @@ class InverseDynamics(Model):
         self.name = self.compared[0] if len(self.compared) == 1 else "joints"
         self.sensor = sensor
         self._turns = {j: bool(joint_axis(robot.model, robot.joint_id(j))[0]) for j in self.joints}
+        weighed = {n.split(".")[1]: mass_of(robot, n.split(".")[1]) for n in sigma or {} if n.startswith("link.")}
+        carried = carried_links(robot, self.compared)
+        self._link_mass = {n: m for n, m in weighed.items() if n in carried}
+        self.links = tuple(self._link_mass)
+        sigma = {n: s for n, s in (sigma or {}).items() if not n.startswith("link.") or n.split(".")[1] in carried}
         arm = _Rigid(robot, gravity, self.joints)
+        heavier = [_Rigid(with_masses(robot, {n: 2.0 * m}), gravity, self.joints) for n, m in self._link_mass.items()]
         raw = {k: _kinematics(g, self.joints, SHARP) for k, (g, _, _) in grids.items()}
         own = {j: _sizes(raw.values(), i) for i, j in enumerate(self.joints)}
         self.sizes = {f"joint.{j}": s for j, s in own.items()} | {"": own[self.compared[0]]}
@@ -108,14 +117,15 @@ class InverseDynamics(Model):
             own_pace = min(pace, (grid.time[-1] - grid.time[0]) / PIECES / FEWEST / 2.0)
             thin = max(1, int(own_pace / grid.step / POINTS))
             log = raw[key] if 3 * thin <= SHARP else _kinematics(grid, self.joints, 3 * thin)  # or noise folds over
-            log = log.thinned(thin, arm)
+            log = log.thinned(thin, arm, heavier)
             trials += self._cut(key, log, condition, overrides, max(SHARP, round(own_pace / log.step)))
         self.trials = tuple(trials)
         inertia = arm.inertia(np.concatenate([m.position[:: m.stride] for m in self._motion.values()]))
         self._mass = {f"joint.{j}": float(x) for j, x in zip(self.joints, inertia, strict=True)}
         self.base = dict(values or {})
         centres = {n: own[n.split(".")[1]].of(_UNITS[n.split(".")[2]]) for n in unknown}
-        sigma = {n: s for n, s in (sigma or {}).items() if n not in centres}
+        sigma = {n: s for n, s in sigma.items() if n not in centres}
+        self.base.update({f"link.{n}.mass": m for n, m in self._link_mass.items()})
         self.base.update(
             {n: self._mass[n[: -len(".mass")]] for n in sigma if n.endswith(".mass") and n not in self.base}
         )
@@ -139,7 +149,7 @@ class InverseDynamics(Model):
             block = Block(self.sensor, channels, at, np.where(clean, seen, 0.0), weight)
             out.append(TrialData(name, condition, dict(overrides), (block,), float(at[0]), float(at[-1])))
             motion = (log.position[part], log.velocity[part], log.acceleration[part], log.rigid[part])
-            self._motion[name] = Motion(log.step, *motion, stride)
+            self._motion[name] = Motion(log.step, *motion, stride, log.by_link[:, part])
             self._bump[name] = bump
         return out
 
@@ -154,8 +164,12 @@ class InverseDynamics(Model):
         return [s for s in every if s.where in felt and s.effect.name != "transmission_coupling"]
 
     def mechanism(self, values: Mapping[str, float], trial: TrialData) -> Mechanism:
-        """Joints with their believed springs, dampers and inertia; the coupling between them is the rigid part."""
-        coordinates, forces = {}, []
+        """Joints with their believed springs, dampers and inertia; the coupling between them is the rigid part.
+
+        Links of doubted mass are coordinates without a port: nothing acts at them but their own weight.
+        """
+        coordinates = {f"link.{n}": Coordinate(f"link.{n}", values[f"link.{n}.mass"]) for n in self.links}
+        forces = []
         for joint in self.joints:
             name = f"joint.{joint}"
             mass = values.get(f"{name}.mass", self._mass[name]) + values.get(f"{name}.armature", 0.0)
@@ -166,7 +180,7 @@ class InverseDynamics(Model):
                 forces.append(Force(f"{name}.damper", name, DAMPER, (values[f"{name}.damping"],), role="damper"))
         return Mechanism(
             coordinates=coordinates,
-            ports={name: {name: 1.0} for name in coordinates},
+            ports={f"joint.{j}": {f"joint.{j}": 1.0} for j in self.joints},
             forces=tuple(forces),
             sensors={self.sensor: tuple(f"joint.{j}.torque" for j in self.compared)},
         )
@@ -192,6 +206,8 @@ class InverseDynamics(Model):
         # inertia beyond the rigid model's: a payload, a mass that is fitted
         beyond = [mechanism.coordinates[n].mass - self._mass[n] for n in names]
         asked = motion.rigid + motion.acceleration * beyond
+        for link, own in zip(self.links, motion.by_link, strict=True):
+            asked = asked + (mechanism.coordinates[f"link.{link}"].mass / self._link_mass[link] - 1.0) * own
         rows = np.array([[mechanism.ports[p].get(c, 0.0) for c in names] for p in names])
         if not np.array_equal(rows, np.eye(len(names))):  # drives that see their neighbours
             asked = np.linalg.solve(rows.T, asked.T).T
@@ -257,14 +273,16 @@ class _Log:
     torque: np.ndarray
     good: np.ndarray  # (T,) bool
     rigid: np.ndarray  # (T, J), empty before it is asked for
+    by_link: np.ndarray  # (K, T, J), empty before it is asked for
 
-    def thinned(self, by: int, arm: _Rigid) -> _Log:
-        """Every `by`-th sample, with the rigid body's torque."""
+    def thinned(self, by: int, arm: _Rigid, heavier: Sequence[_Rigid]) -> _Log:
+        """Every `by`-th sample, with the rigid body's torque, and what of it each doubled link adds."""
         some = slice(None, None, by)
         q, v, a = self.position[some], self.velocity[some], self.acceleration[some]
         rigid = arm.torque(q, v, a)
         good = np.array([self.good[i : i + by].all() for i in range(0, self.time.size, by)])
-        return _Log(self.time[some], self.step * by, q, v, a, self.torque[some], good, rigid)
+        by_link = np.array([other.torque(q, v, a) - rigid for other in heavier]).reshape(len(heavier), *rigid.shape)
+        return _Log(self.time[some], self.step * by, q, v, a, self.torque[some], good, rigid, by_link)
 
 
 def _kinematics(grid: Grid, joints: Sequence[str], half: int) -> _Log:
@@ -281,7 +299,8 @@ def _kinematics(grid: Grid, joints: Sequence[str], half: int) -> _Log:
         velocity, acceleration = sharp.rate(position), sharp.acceleration(position)
     good = np.convolve(~grid.good, np.ones(2 * half + 1), "valid") < 0.5
     time, empty = grid.time[half:-half], np.zeros((0, len(joints)))
-    return _Log(time, grid.step, sharp.smooth(position), velocity, acceleration, sharp.smooth(torque), good, empty)
+    smooth = (sharp.smooth(position), velocity, acceleration, sharp.smooth(torque))
+    return _Log(time, grid.step, *smooth, good, empty, empty[None])
 
 
 _LOGGED = ("position", "torque")

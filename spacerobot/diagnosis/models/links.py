@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import pinocchio as pin
 from lxml import etree
 
 from spacerobot.model.library import load
@@ -22,19 +26,52 @@ def robot_of(study: Study, *, floating: bool | None = None) -> Robot:
         raise InputError("the study names no robot", where=str(study.path))
     masses = {n.split(".")[1]: v for n, v in study.values().items() if n.startswith("link.") and n.endswith(".mass")}
     robot = load(source, floating=floating)
-    if not masses:
-        return robot
+    return with_masses(robot, masses, where=str(study.path), floating=floating) if masses else robot
+
+
+def with_masses(robot: Robot, masses: Mapping[str, float], *, where: str = "", floating: bool | None = None) -> Robot:
+    """The robot with other masses of some links [kg]; each link's inertia is scaled with its mass.
+
+    Raises:
+        InputError: a link without mass.
+        NotFoundError: a link that the robot does not have.
+    """
     root = etree.fromstring(robot.urdf.encode())
-    links = {link.get("name"): link for link in root.iter("link")}
+    bodies = _bodies(root)
     for name, mass in masses.items():
-        if name not in links:
-            raise NotFoundError("link", name, links, where=str(study.path))
-        body = links[name].find("inertial")
-        if body is None or float(body.find("mass").get("value")) == 0.0:
-            raise InputError("the link has no mass to change", given=name, where=str(study.path))
-        ratio = mass / float(body.find("mass").get("value"))
-        body.find("mass").set("value", repr(mass))
-        inertia = body.find("inertia")
+        ratio = mass / _mass(bodies, name, where)
+        bodies[name].find("mass").set("value", repr(mass))
+        inertia = bodies[name].find("inertia")
         for key, value in inertia.attrib.items():
             inertia.set(key, repr(float(value) * ratio))
     return load(etree.tostring(root).decode(), floating=floating)
+
+
+def mass_of(robot: Robot, link: str, where: str = "") -> float:
+    """Mass of a link [kg].
+
+    Raises:
+        InputError: it has none.
+        NotFoundError: the robot does not have it.
+    """
+    return _mass(_bodies(etree.fromstring(robot.urdf.encode())), link, where)
+
+
+def carried_links(robot: Robot, joints: Iterable[str]) -> set[str]:
+    """Links that move with one of these joints."""
+    tree = robot.model
+    moved = {j for name in joints for j in tree.subtrees[robot.joint_id(name)]}
+    return {f.name for f in tree.frames if f.type == pin.FrameType.BODY and f.parentJoint in moved}
+
+
+def _bodies(root: Any) -> dict[str, Any]:
+    """Link -> its inertial element, None where it has none."""
+    return {link.get("name"): link.find("inertial") for link in root.iter("link")}
+
+
+def _mass(bodies: Mapping[str, Any], link: str, where: str) -> float:
+    if link not in bodies:
+        raise NotFoundError("link", link, bodies, where=where)
+    if bodies[link] is None or float(bodies[link].find("mass").get("value")) == 0.0:
+        raise InputError("the link has no mass to change", given=link, where=where)
+    return float(bodies[link].find("mass").get("value"))

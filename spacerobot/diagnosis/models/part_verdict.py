@@ -43,7 +43,7 @@ def verdict_of(study: Study, parts: Sequence[Part], *, version: str, seed: int, 
         "confidence": float(np.mean([p.confidence for p in speaking])),
         "effects": effects,
         "alternatives": alternatives(speaking, verdict),
-        "parameters": {k: v for p in parts for k, v in _moved(p).items()},
+        "parameters": _all_moved(parts),
         "located": [
             {**r.entry(), "balance": balance(p, r.balance, len(parts))}
             for p in parts
@@ -136,6 +136,20 @@ def _alternative(one: Candidate, part: Part, best: float) -> dict[str, Any]:
 
 def _moved(part: Part) -> dict[str, Any]:
     return moved_values(part.fit, part.moved, part.model.believed.sigma, 1.0)
+
+
+def _all_moved(parts: Sequence[Part]) -> dict[str, Any]:
+    """Of a value that several parts judge, the one that moves it furthest."""
+    out: dict[str, Any] = {}
+    for part in parts:
+        for name, entry in _moved(part).items():
+            if name not in out or _far(entry) > _far(out[name]):
+                out[name] = entry
+    return out
+
+
+def _far(entry: Mapping[str, Any]) -> float:
+    return float(abs(entry["value"] - entry["believed"]) / entry["sigma"])
 
 
 def sizes(parts: Sequence[Part]) -> dict[str, float]:

@@ -14,6 +14,7 @@ from spacerobot.diagnosis.models.held_out import folds
 from spacerobot.diagnosis.models.inverse_dynamics import InverseDynamics
 from spacerobot.diagnosis.models.noise import floor_of, reweighted
 from spacerobot.model.library import load
+from spacerobot.support.errors import NotFoundError
 
 GRAVITY = (0.0, 0.0, -9.81)
 PLANTED = {"shoulder": (1.2, 0.4, 0.0), "elbow": (0.0, 0.0, 0.0)}
@@ -107,3 +108,23 @@ def test_franka_joints_have_friction() -> None:
     before, after = (x["joint.panda_joint7.torque"] for x in found.rms())
     assert before == pytest.approx(0.28, abs=0.03)
     assert after < 0.07
+
+
+def test_a_link_that_is_heavier_than_its_urdf_says_is_weighed() -> None:
+    """The forearm of the recorded arm weighs 1.3 kg; the believed one 1 kg, within a fifth or so."""
+    real = load(
+        ARM.replace('<mass value="1"/>\n    <inertia ixx="0.005"', '<mass value="1.3"/>\n    <inertia ixx="0.005"')
+    )
+    grids = {f"run{n}": (arm_log(real, n, {}), f"motion {n}", {}) for n in range(2)}
+    doubts = {"link.fore.mass": 0.2, "link.upper.mass": 0.2}
+    model = InverseDynamics(load(ARM), GRAVITY, grids, ("shoulder", "elbow"), compared=["elbow"], sigma=doubts)
+    assert model.links == ("fore",)  # the elbow does not carry the upper arm
+    fit = fitted(model)
+    assert fit.values()["link.fore.mass"] == pytest.approx(1.3, abs=0.02)
+
+
+def test_a_doubted_link_that_is_not_there_is_named() -> None:
+    robot = load(ARM)
+    grids = {"run": (arm_log(robot, 0, {}, seconds=4.0), "motion", {})}
+    with pytest.raises(NotFoundError, match="hand"):
+        InverseDynamics(robot, GRAVITY, grids, ("shoulder", "elbow"), sigma={"link.hand.mass": 0.1})
