@@ -15,6 +15,6 @@ def too_many(model: str, what: str, time: float, end: float) -> SimulationError:
         end: how far it should have come [s].
     """
     return SimulationError(
-        f"{model} model: too many {what} at t = {time:.6g} s of {end:.6g} s: surfaces or guide chatter for too long; "
-        "give a shorter duration, a softer or more damped contact, or less mass against a stiffer wrist"
+        f"{model} model: too many {what} at t = {time:.6g} s of {end:.6g} s: it swings or chatters for too long; "
+        "give a shorter duration, more damping of wrist and contact, or a softer contact"
     )

@@ -17,7 +17,8 @@ from spacerobot.simulation.reduced.forces import APART, PRESSED, RELEASED, STICK
 from spacerobot.simulation.unfinished import too_many
 from spacerobot.support.errors import SimulationError
 
-MAX_STEPS, MAX_EVENTS = 500_000, 5_000
+MAX_STEPS, MAX_EVENTS = 150_000, 5_000
+"""The record of so many steps takes most of 1 GB."""
 _CONTACT = {APART: "apart", PRESSED: "touch", RELEASED: "release"}
 _SAFETY, _SHRINK, _GROW = 0.9, 0.2, 6.0
 
