@@ -123,6 +123,10 @@ def _show(args: argparse.Namespace, verdict: Mapping[str, Any], folder: RunFolde
             print(f"  {names}   (score {other['score']:+.1f})")
     for name, p in verdict["parameters"].items():
         print(f"  {name} moved from {_number(p['believed'])} to {_number(p['value'])} {p['unit']}")
+    from spacerobot.view.report.when import happened
+
+    for text in happened(verdict):
+        print(f"  {text}")
     overall = verdict["held_out"]["overall"]
     if overall["rms_before"] is not None and overall["rms_after"] is not None:
         unit = _UNITS[verdict["held_out"].get("unit", "sigma")]

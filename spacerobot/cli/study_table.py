@@ -12,6 +12,8 @@ from typing import Any
 
 from spacerobot import __version__
 from spacerobot.diagnosis.diagnose import diagnose
+from spacerobot.diagnosis.models.figures import measured, quoted
+from spacerobot.diagnosis.result import Diagnosis
 from spacerobot.recordings.study import Study, bundled_studies, load_study, resolve_study
 from spacerobot.support.errors import InputError
 from spacerobot.support.files import write_text
@@ -60,8 +62,26 @@ def _verdict(study: Study, name: str, runs: Path | None) -> Mapping[str, Any]:
         if kept.get("input_hash") == study.input_hash and kept.get("spacerobot") == __version__:
             return kept
     began = time.process_time()
-    verdict = {**plain(diagnose(study, jobs=1).verdict), "cpu_seconds": round(time.process_time() - began, 1)}
+    found = diagnose(study, jobs=1)
+    verdict = {**plain(found.verdict), "cpu_seconds": round(time.process_time() - began, 1)}
+    verdict["figures"] = _figures(study, found)
     if path is not None:
         path.parent.mkdir(parents=True, exist_ok=True)
         write_text(path, dumps(verdict))
     return verdict
+
+
+def _figures(study: Study, found: Diagnosis) -> list[dict[str, Any]]:
+    """What others state for these recordings, and the same measure of ours."""
+    folder = study.path if study.path.is_dir() else study.path.parent
+    stated = quoted(folder)
+    return [
+        {
+            "what": f.what,
+            "unit": f.unit,
+            "note": f.note,
+            "theirs": {"before": list(f.before), "after": list(f.after)},
+            "ours": measured(f, found.parts),
+        }
+        for f in (stated.figures if stated is not None else ())
+    ]

@@ -100,11 +100,18 @@ class HeldOut:
 
 
 def start_of(
-    fitter: Fitter, model: Model, hypothesis: Hypothesis, z: np.ndarray, trial: TrialData, head: float = HEAD
+    fitter: Fitter,
+    model: Model,
+    hypothesis: Hypothesis,
+    z: np.ndarray,
+    trial: TrialData,
+    head: float = HEAD,
+    trust: float = 1.0,
 ) -> np.ndarray:
     """How an unseen trial starts, shape (N,), given everything else: found from the trial itself.
 
-    Gauss-Newton steps of the head's residual, with the reading at its start as a prior of its own standard deviation.
+    Gauss-Newton steps of the head's residual, with the reading at its start as a prior of its own standard deviation,
+    which counts `trust` times.
     """
     nuisances = model.nuisances(trial)
     guess = np.array([n.guess for n in nuisances])
@@ -124,7 +131,7 @@ def start_of(
             columns[:, n] = fitter.residual(hypothesis, z, trial, moved)[0] - base
         j, r = columns[early & keep], base[early & keep]
         prior = (start - guess) / scales
-        start = start - scales * np.linalg.solve(j.T @ j + np.eye(scales.size), j.T @ r + prior)
+        start = start - scales * np.linalg.solve(j.T @ j + trust * np.eye(scales.size), j.T @ r + trust * prior)
     return start
 
 

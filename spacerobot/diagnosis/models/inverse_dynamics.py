@@ -19,6 +19,7 @@ from spacerobot.diagnosis.models.links import carried_links, mass_of, with_masse
 from spacerobot.diagnosis.models.measured import port_forces, through_sensor
 from spacerobot.diagnosis.models.model import FIRST_NOISE, Model, Predicted, conditions_of
 from spacerobot.diagnosis.models.sizes import Sizes, sizes_of
+from spacerobot.diagnosis.models.touch import Moment, first_shock
 from spacerobot.diagnosis.models.weak import Bump
 from spacerobot.dynamics.joint_kinds import joint_axis
 from spacerobot.effects.effect import Effect
@@ -103,9 +104,9 @@ class InverseDynamics(Model):
         self._link_mass = {n: m for n, m in weighed.items() if n in carried}
         self.links = tuple(self._link_mass)
         sigma = {n: s for n, s in (sigma or {}).items() if not n.startswith("link.") or n.split(".")[1] in carried}
-        arm = _Rigid(robot, gravity, self.joints)
         heavier = [_Rigid(with_masses(robot, {n: 2.0 * m}), gravity, self.joints) for n, m in self._link_mass.items()]
-        raw = {k: _kinematics(g, self.joints, SHARP) for k, (g, _, _) in grids.items()}
+        self._raw = raw = {k: _kinematics(g, self.joints, SHARP) for k, (g, _, _) in grids.items()}
+        self._arm = arm = _Rigid(robot, gravity, self.joints)
         own = {j: _sizes(raw.values(), i) for i, j in enumerate(self.joints)}
         self.sizes = {f"joint.{j}": s for j, s in own.items()} | {"": own[self.compared[0]]}
         self._level = np.array([own[j].force for j in self.compared])
@@ -184,6 +185,16 @@ class InverseDynamics(Model):
             forces=tuple(forces),
             sensors={self.sensor: tuple(f"joint.{j}.torque" for j in self.compared)},
         )
+
+    def shocks(self) -> dict[str, Moment]:
+        """Of all joints together, at the logs' full rate."""
+        found = {}
+        for trial, log in self._raw.items():
+            rest = log.torque - self._arm.torque(log.position, log.velocity, log.acceleration)
+            moment = first_shock(log.time, rest, SHARP * log.step)
+            if moment is not None:
+                found[trial] = moment
+        return found
 
     def angular(self, joint: str) -> bool:
         """Whether a logged joint turns, rather than slides."""

@@ -11,6 +11,7 @@ import numpy as np
 
 from spacerobot.diagnosis.judge import AMBIGUOUS, NAMED, NOT_TRUSTED, NOTHING_MISSING, UNKNOWN, WRONG_PARAMETER
 from spacerobot.diagnosis.locate.located import LEVEL
+from spacerobot.diagnosis.models.events import clocks, touches
 from spacerobot.diagnosis.models.grow import Candidate
 from spacerobot.diagnosis.models.held_out import scheme_of
 from spacerobot.diagnosis.models.part import Part
@@ -32,6 +33,7 @@ def verdict_of(study: Study, parts: Sequence[Part], *, version: str, seed: int, 
     verdict = next(v for v in PRECEDENCE if v in own)
     speaking = [p for p, v in zip(parts, own, strict=True) if v == verdict]
     effects = [e for p in speaking for e in entries(p, len(parts))] if verdict == NAMED else []
+    seen = touches([p.model for p in parts])
     return {
         "format": 1,
         "spacerobot": version,
@@ -54,6 +56,8 @@ def verdict_of(study: Study, parts: Sequence[Part], *, version: str, seed: int, 
         "held_out": held_out(parts),
         "detectable": _detectable(parts),
         "next_experiment": None,
+        "events": [t.entry() for t in seen],
+        "clocks": clocks(study, seen),
         "parts": [_entry(p, v) for p, v in zip(parts, own, strict=True)],
     }
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from copy import copy
 from dataclasses import replace
 
 import numpy as np
@@ -72,6 +73,13 @@ class Simulated(Model):
         windows = [w for t in recorded for w in cut(t, window)]
         self.trials = tuple(spread_over(windows, budget))
         self._starts: dict[str, tuple[Nuisance, ...]] = {}
+
+    def in_windows(self, length: float) -> Simulated:
+        """The same recordings in windows of another length [s], all of them."""
+        other = copy(self)
+        other.trials = tuple(w for t in self.recorded.values() for w in cut(t, length))
+        other._starts = {}
+        return other
 
     def mechanism(self, values: Mapping[str, float], trial: TrialData) -> Mechanism:
         """The baseline of one trial with these values."""

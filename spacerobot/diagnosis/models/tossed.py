@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from copy import copy
+from dataclasses import replace
 
 import numpy as np
 
@@ -60,6 +62,7 @@ class Tossed(Model):
         self._step = float(np.median(np.diff(study.recording(trials[0])[PLACES[0]].time)))
         self._height = float(np.median([self._lowest(s[-1]) for s in self._states.values()]))
         self._starts: dict[str, tuple[np.ndarray, np.ndarray]] = {}
+        self._window = WINDOW
         place = np.concatenate([s[:, 4:7] - s[:1, 4:7] for s in self._states.values()])
         speed = np.concatenate([s[:, 10:13] for s in self._states.values()])
         weight = np.full(1, values["body.mass"] * float(np.linalg.norm(self._gravity)))
@@ -67,6 +70,29 @@ class Tossed(Model):
         self.trials = tuple(self._trial(study, trials[i]) for i in index)
         sigma = {n: s for n, s in study.sigma.items() if n in self.base}
         self.believed = Believed(self.base, sigma, {}, conditions_of(self.trials), unknown)
+
+    def in_windows(self, length: float) -> Tossed:
+        """The same trials in windows of another length [s], each a trial of its own."""
+        other = copy(self)
+        other._window = max(1, round(length / self._step))
+        other._starts, found = {}, []
+        for trial in self.trials:
+            state, (block,) = self._states[trial.id], trial.blocks
+            for n, first in enumerate(range(0, state.shape[0] - other._window, other._window)):
+                name, part = f"{trial.id}@{n}", slice(first, first + other._window)
+                other._starts[name] = self._begins(state[first : first + 1]), np.array([other._window])
+                time, value, weight = block.time[part], block.value[:, part], block.weight[:, part]
+                blocks = (replace(block, time=time, value=value, weight=weight),)
+                found.append(replace(trial, id=name, blocks=blocks, start=float(time[0]), end=float(time[-1])))
+        other.trials = tuple(found)
+        return other
+
+    @staticmethod
+    def _begins(states: np.ndarray) -> np.ndarray:
+        """Recorded states, shape (W, 13), with their angular velocity in world axes."""
+        out = states.copy()
+        out[:, 7:10] = np.einsum("wij,wj->wi", _matrices(out[:, :4]), out[:, 7:10])
+        return out
 
     def _lowest(self, state: np.ndarray) -> float:
         corners = np.array([[a, b, c] for a in (-1, 1) for b in (-1, 1) for c in (-1, 1)]) * self._half
@@ -76,9 +102,7 @@ class Tossed(Model):
         recording, state = study.recording(trial), self._states[trial.id]
         first = np.arange(0, state.shape[0] - 1, WINDOW)
         rows = np.minimum(WINDOW, state.shape[0] - 1 - first)
-        starts = state[first].copy()
-        starts[:, 7:10] = np.einsum("wij,wj->wi", _matrices(starts[:, :4]), starts[:, 7:10])
-        self._starts[trial.id] = starts, rows
+        self._starts[trial.id] = self._begins(state[first]), rows
         time = recording[PLACES[0]].time[1:]
         stream = recording[PLACES[0]].stream
         weight = np.full((3, time.size), 1.0 / (FIRST_NOISE * self.sizes[""].length))
@@ -108,7 +132,7 @@ class Tossed(Model):
         pull = self._gravity.copy()
         for field in mechanism.fields:
             pull[int(field.body == "target.y")] += field.acceleration
-        out = np.zeros((starts.shape[0], WINDOW, 13))
+        out = np.zeros((starts.shape[0], self._window, 13))
         mass, bounce = mechanism.coordinates["target"].mass, mechanism.contact.p[0]
         tumble_all(
             starts, rows, self._step, FINER, self._half, mass, self._inertia, pull, self._height, bounce, mu, out

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from spacerobot.view.report.evidence import Evidence
+from spacerobot.view.report.when import happened
 from spacerobot.view.report.words import (
     effect_phrase,
     effect_title,
@@ -49,7 +50,8 @@ class Story:
 
 def tell(verdict: Mapping[str, Any], evidence: Evidence) -> Story:
     """The story of a verdict."""
-    return _TELLERS[verdict["verdict"]](verdict, evidence)
+    story = _TELLERS[verdict["verdict"]](verdict, evidence)
+    return replace(story, more=(*story.more, *happened(verdict)))
 
 
 def capital(text: str) -> str:

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from spacerobot.view.report.when import happened
 from spacerobot.view.report.words import effect_title, number, of_body, place, quantity
+from spacerobot.view.table.beside import beside
 
 INTRO = """\
 # Real recordings
@@ -37,6 +39,7 @@ def page(verdicts: Mapping[str, Mapping[str, Any]], absent: Sequence[str] = ()) 
     ]
     rows += [_row(name, verdict) for name, verdict in verdicts.items()]
     parts = [INTRO, "\n".join(rows), ""]
+    parts += beside(verdicts)
     for name, verdict in verdicts.items():
         parts += [f"## {name}", "", f"{verdict['study']}.", "", *_details(verdict)]
     if absent:
@@ -81,6 +84,7 @@ def _details(verdict: Mapping[str, Any]) -> list[str]:
         if entry.get("relative_to") and entry["effects"]:
             names = " and ".join(entry["relative_to"])
             lines.append(f"- forces on {entry['part']} are per unit of its {names}, which is not known")
+    lines += [f"- {text}" for text in happened(verdict)]
     lines += ["", "| channel | before | after |", "|---|---|---|"]
     for channel, c in verdict["held_out"]["channels"].items():
         lines.append(f"| {channel} | {number(c['rms_before'])} | {number(c['rms_after'])} |")

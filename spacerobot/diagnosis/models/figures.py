@@ -1,0 +1,185 @@
+"""Figures that others state for the same recordings, and the same measure of what a diagnosis predicts unseen."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from spacerobot.diagnosis.data import TrialData
+from spacerobot.diagnosis.fit import Fitter
+from spacerobot.diagnosis.models.grow import Candidate
+from spacerobot.diagnosis.models.held_out import HEAD, HeldOut, parent, start_of
+from spacerobot.diagnosis.models.model import Model
+from spacerobot.diagnosis.models.noise import split
+from spacerobot.diagnosis.models.part import Part
+from spacerobot.support.errors import InputError
+
+FILE = "quick_fits.toml"
+"""Beside study.toml; the diagnosis never reads it."""
+
+FAINTLY = 1e-6
+"""How much the readings at a piece's start count beside all of it, where its start is what fits it best."""
+
+
+@dataclass(frozen=True)
+class Figure:
+    """One error that somebody states, with and without the physics that they found.
+
+    Attributes:
+        what: in words.
+        channels: those that it is taken over, each with a factor (m/s a rad/s, say) that makes them one unit.
+        unit, scale: of the figure, and how many of it are one SI unit.
+        before, after: as stated; two numbers are a range over trials.
+        part: whose channel, where several parts have it.
+        trials: recorded trials that count; all if empty.
+        window: length of the pieces that are predicted, each from a start of its own [s]; as diagnosed if None.
+        read_start: whether a piece starts as its first readings say; else as its own readings, all of them, fit best.
+        still: channels that stay within so much in the pieces that count, in the channel's unit.
+        moving: channels of which one at least changes by so much in them.
+        relative: whether in units of the measured channel's own rms.
+        note: what must be said with it.
+    """
+
+    what: str
+    channels: Mapping[str, float]
+    unit: str
+    before: tuple[float, ...]
+    after: tuple[float, ...]
+    scale: float = 1.0
+    part: str = ""
+    trials: tuple[str, ...] = ()
+    window: float | None = None
+    read_start: bool = False
+    still: Mapping[str, float] = field(default_factory=dict)
+    moving: Mapping[str, float] = field(default_factory=dict)
+    relative: bool = False
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Quoted:
+    """What a study's file of figures says."""
+
+    origin: str
+    figures: tuple[Figure, ...]
+
+
+def quoted(folder: Path) -> Quoted | None:
+    """The figures stated beside a study; None where there are none.
+
+    Raises:
+        InputError: the file is no such list.
+    """
+    path = folder / FILE
+    if not path.exists():
+        return None
+    try:
+        document = tomllib.loads(path.read_text(encoding="utf-8"))
+        return Quoted(str(document["origin"]), tuple(_figure(f) for f in document["figures"]))
+    except (tomllib.TOMLDecodeError, KeyError, TypeError, ValueError) as error:
+        valid = ", ".join(f.name for f in fields(Figure))
+        raise InputError(f"no list of figures: {error}", valid=valid, where=str(path)) from None
+
+
+def _figure(entry: Mapping[str, Any]) -> Figure:
+    values = dict(entry)
+    if not isinstance(values["channels"], dict):
+        values["channels"] = dict.fromkeys(values["channels"], 1.0)
+    for name in ("before", "after"):
+        stated = values[name]
+        values[name] = tuple(float(x) for x in (stated if isinstance(stated, list) else [stated]))
+    return Figure(**{**values, "trials": tuple(values.get("trials", ()))})
+
+
+def measured(figure: Figure, parts: Sequence[Part]) -> dict[str, list[float]]:
+    """The same figure of these parts' predictions of unseen trials: "before" and "after", a number or a range each."""
+    squares: dict[str, dict[str, list[float]]] = {"before": {}, "after": {}}
+    for part in parts:
+        if (figure.part and part.name != figure.part) or not set(figure.channels) & set(part.trials[0].channels):
+            continue
+        for key, candidate in (("before", part.growth.before), ("after", part.chosen)):
+            trials, found = _predicted(figure, part, candidate)
+            for trial in trials:
+                for group, square, count in _squares(figure, trial, found):
+                    sums = squares[key].setdefault(group, [0.0, 0.0])
+                    sums[0] += square
+                    sums[1] += count
+    out = {}
+    for key, groups in squares.items():
+        if len(figure.after) > 1:
+            each = [figure.scale * float(np.sqrt(s / n)) for s, n in groups.values()]
+            out[key] = [min(each), max(each)]
+        else:
+            total, count = (sum(g[i] for g in groups.values()) for i in range(2))
+            out[key] = [figure.scale * float(np.sqrt(total / count))] if count else []
+    return out
+
+
+def _predicted(figure: Figure, part: Part, candidate: Candidate) -> tuple[tuple[TrialData, ...], HeldOut]:
+    if figure.window is None and not figure.read_start:
+        return part.trials, candidate.held_out[part.which]
+    model: Model = part.model
+    if figure.window is not None:
+        if not hasattr(model, "in_windows"):
+            raise InputError("this model cannot be cut anew", given=figure.what, where=part.name)
+        model = model.in_windows(figure.window)
+    return model.trials, rolled_out(part, candidate, model, 0.0 if figure.read_start else HEAD)
+
+
+def rolled_out(part: Part, candidate: Candidate, model: Model, head: float) -> HeldOut:
+    """Pieces of `model` predicted by fits of the part's own trials that have not seen their fold.
+
+    Args:
+        part: whose folds.
+        candidate: whose effects.
+        model: the part's, or the same cut into other pieces.
+        head: share of a piece that tells how it starts.
+    """
+    fit = candidate.fits[part.which]
+    residual: dict[str, np.ndarray] = {}
+    counted: dict[str, np.ndarray] = {}
+    for _, ids in part.growth.benches[part.which].left_out:
+        seen = [t for t in part.trials if t.id not in ids]
+        own = {t.id: fit.initials()[t.id] for t in seen}
+        fresh = Fitter(part.model, seen).fit(  # type: ignore[arg-type]
+            fit.hypothesis, warm=fit.values(), initials=own, max_iterations=12, robust=False
+        )
+        names = {i.split("@")[0] for i in ids}
+        unseen = [t for t in model.trials if (t.id in ids if model is part.model else parent(t) in names)]
+        fitter = Fitter(model, unseen)  # type: ignore[arg-type]
+        for trial in unseen:
+            start = start_of(fitter, model, fit.hypothesis, fresh.z, trial, head, FAINTLY)
+            r, keep = fitter.residual(fit.hypothesis, fresh.z, trial, start)
+            residual[trial.id], counted[trial.id] = np.where(keep, r, 0.0), keep
+    return HeldOut(residual, counted)
+
+
+def _squares(figure: Figure, trial: TrialData, found: HeldOut) -> list[tuple[str, float, float]]:
+    """(recorded trial, sum of squares, number) of one piece, in the figure's unit before its scale."""
+    if (figure.trials and parent(trial) not in figure.trials) or trial.id not in found.residual:
+        return []
+    if not _counts(figure, trial):
+        return []
+    errors, counted = (split(x[trial.id], trial) for x in (found.residual, found.counted))
+    out = []
+    for block in trial.blocks:
+        for c, channel in enumerate(block.channels):
+            if channel in figure.channels:
+                good = counted[channel].astype(bool)
+                error = errors[channel][good] / block.weight[c][good]
+                total = float(np.sum(np.square(block.value[c][good]))) if figure.relative else float(good.sum())
+                out.append((parent(trial), figure.channels[channel] ** 2 * float(error @ error), total))
+    return out
+
+
+def _counts(figure: Figure, trial: TrialData) -> bool:
+    def spread(channel: str) -> float:
+        return float(np.ptp(trial.channel(channel)[1]))
+
+    calm = all(spread(c) <= most for c, most in figure.still.items())
+    return calm and (not figure.moving or any(spread(c) >= least for c, least in figure.moving.items()))

@@ -1,0 +1,96 @@
+"""Moments found in recordings: the shock of a touch, the jump of what was touched, and figures others state."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from spacerobot.diagnosis.models.figures import FILE, quoted
+from spacerobot.diagnosis.models.jump import jump
+from spacerobot.diagnosis.models.touch import first_shock
+from spacerobot.support.errors import InputError
+from spacerobot.view.report.when import happened
+
+TIME = np.arange(0.0, 8.0, 0.001)
+
+
+def balance(at: float | None, every: float | None = None) -> np.ndarray:
+    """Two joints' residuals: noise, a slow drift, a vibration; and a blow at a moment, or at every so many seconds."""
+    random = np.random.default_rng(0)
+    rest = 0.05 * random.standard_normal((TIME.size, 2))
+    rest[:, 0] += 0.5 * np.sin(0.7 * TIME) + 0.3 * np.sin(2 * np.pi * 15.0 * TIME)
+    for moment in np.arange(0.5, 8.0, every) if every else [at] if at else []:
+        after = np.maximum(TIME - moment, 0.0)
+        rest[:, 1] += np.where(after > 0.0, 4.0 * np.exp(-after / 0.1) * np.sin(2 * np.pi * 40.0 * after), 0.0)
+    return rest
+
+
+@pytest.mark.parametrize("at", [3.2, 5.437])
+def test_the_moment_of_a_blow_lies_in_its_interval(at: float) -> None:
+    found = first_shock(TIME, balance(at))
+    assert found is not None
+    assert found.low <= at <= found.high
+    assert found.high - found.low < 0.02
+
+
+def test_a_machine_that_is_never_touched_or_shakes_itself_again_and_again_has_no_moment() -> None:
+    assert first_shock(TIME, balance(None)) is None
+    assert first_shock(TIME, balance(None, every=1.7)) is None
+
+
+def spinning(kind: str) -> np.ndarray:
+    random = np.random.default_rng(1)
+    noise = 0.02 * random.standard_normal(TIME.size)
+    if kind == "caught":
+        return np.interp(TIME, [0.0, 4.0, 4.15, 8.0], [1.0, 1.0, 0.0, 0.0]) + noise
+    return np.interp(TIME, [0.0, 3.0, 6.0, 8.0], [1.0, 1.0, 0.0, 0.0]) + noise
+
+
+def test_a_body_that_is_caught_jumps_and_one_that_spins_down_does_not() -> None:
+    found = jump(TIME, spinning("caught"))
+    assert found is not None
+    assert found.low <= 4.0 <= found.high
+    assert abs(found.time - 4.0) < 0.02
+    assert jump(TIME, spinning("down")) is None
+
+
+@pytest.mark.real
+@pytest.mark.slow
+def test_the_satellite_is_touched_and_its_clock_is_behind() -> None:
+    """Others read 8.70 and 9.17 s off the torques, and 1.0 s for the clock."""
+    from helpers_models import real_study
+
+    from spacerobot.diagnosis.models.choose import models_for
+    from spacerobot.diagnosis.models.events import clocks, touches
+
+    study = real_study("franka_captures_satellite")
+    seen = touches(models_for(study))
+    moments = {t.trial: t.moment.time for t in seen}
+    assert moments == {"free": pytest.approx(9.17, abs=0.02), "compensated": pytest.approx(8.70, abs=0.02)}
+    (late,) = clocks(study, seen)
+    assert (late["trial"], late["where"]) == ("compensated", "satellite")
+    low, high = late["parameters"]["delay_s"]["ci95"]
+    assert low <= -1.0 <= high
+    assert late["parameters"]["delay_s"]["value"] == pytest.approx(-1.0, abs=0.05)
+    said = happened({"events": [t.entry() for t in seen], "clocks": [late]})
+    assert any("behind" in s for s in said)
+    assert len(said) == 3
+
+
+def test_figures_that_others_state_are_read_or_refused(tmp_path: Path) -> None:
+    assert quoted(tmp_path) is None
+    file = tmp_path / FILE
+    file.write_text(
+        'origin = "a paper"\n[[figures]]\nwhat = "y"\nchannels = ["y"]\nunit = "m"\nbefore = [1, 2]\nafter = 0.5\n'
+    )
+    found = quoted(tmp_path)
+    assert found is not None
+    assert (found.figures[0].before, found.figures[0].after) == ((1.0, 2.0), (0.5,))
+    assert found.figures[0].channels == {"y": 1.0}
+    file.write_text(
+        'origin = "a paper"\n[[figures]]\nwhat = "y"\nchannel = ["y"]\nunit = "m"\nbefore = 1\nafter = 0.5\n'
+    )
+    with pytest.raises(InputError, match="figures"):
+        quoted(tmp_path)
