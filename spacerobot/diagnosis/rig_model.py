@@ -160,7 +160,7 @@ class RigModel:
             step_limit=STEP_LIMIT,
         )
         blocks = tuple(np.array(list(read_channels(run, mechanism, b.channels, b.time).values())) for b in trial.blocks)
-        touches = tuple(e.time for e in run.events if e.element == "contact" and e.kind == "touch")
+        touches = tuple(run.touches().tolist())
         return Prediction(blocks, touches, run)
 
 

@@ -86,28 +86,39 @@ class Packed(NamedTuple):
 
 def pack(s: System) -> Packed:
     """The two arrays that hold a system."""
+    order = folding(s)
+    return Packed(_floats(s, _linear(s, order)), _ints(s, order))
+
+
+def _floats(s: System, linear: np.ndarray) -> np.ndarray:
+    return np.concatenate(
+        [
+            s.inverse_mass,
+            s.rows.ravel(),
+            s.geometry,
+            s.contact,
+            s.parameters.ravel(),
+            s.friction_parameters.ravel(),
+            s.constant,
+            s.input_gain,
+            s.impulse_time,
+            s.impulse.ravel(),
+            linear.ravel(),
+        ]
+    )
+
+
+def _ints(s: System, order: Folding) -> np.ndarray:
     ports, n = s.rows.shape
-    f, r = s.force_port.size, s.friction_port.size
-    linear, force_order, live_forces, port_order, live_ports = _folded(s)
+    f, r, kicks = s.force_port.size, s.friction_port.size, s.impulse_time.size
     header = np.zeros(HEADER, dtype=np.int64)
-    header[:PRESS] = n, ports, f, r, s.input_port.size, s.impulse_time.size
+    header[:PRESS] = n, ports, f, r, s.input_port.size, kicks
     header[PRESS:MASS] = s.special
-    floats: list[np.ndarray] = [
-        s.inverse_mass,
-        s.rows.ravel(),
-        np.concatenate([s.geometry, s.contact]),
-        s.parameters.ravel(),
-        s.friction_parameters.ravel(),
-        s.constant,
-        s.input_gain,
-        s.impulse_time,
-        s.impulse.ravel(),
-        linear.ravel(),
-    ]
+    sizes = (n, ports * n, 4, s.parameters.size, s.friction_parameters.size, n, s.input_gain.size, kicks, kicks * n)
     offset = 0
-    for slot, block in zip(range(MASS, PORT), floats, strict=True):
+    for slot, size in zip(range(MASS, PORT), (*sizes, 2 * n * n), strict=True):
         header[slot] = offset
-        offset += block.size
+        offset += size
     ints = [
         s.force_port,
         s.force_sense,
@@ -118,8 +129,8 @@ def pack(s: System) -> Packed:
         s.friction_law,
         s.friction_normal,
         s.input_port,
-        force_order,
-        port_order,
+        order.forces,
+        order.ports,
     ]
     offset = HEADER
     for slot, block in zip(range(PORT, D), ints, strict=True):
@@ -130,30 +141,53 @@ def pack(s: System) -> Packed:
         header[slot] = offset
         offset += size
     header[WORK_SIZE] = offset
-    header[LIVE_FORCES], header[LIVE_PORTS] = live_forces, live_ports
-    return Packed(np.concatenate(floats), np.concatenate([header, *ints]))
+    header[LIVE_FORCES], header[LIVE_PORTS] = order.live_forces, order.live_ports
+    return np.concatenate([header, *ints])
 
 
-def _folded(s: System) -> tuple[np.ndarray, np.ndarray, int, np.ndarray, int]:
-    """What linear forces do, as a matrix; and the order of forces and ports, those left to be evaluated first."""
+class Folding(NamedTuple):
+    """Which forces act through the matrix, and what a unit of each does; what is left to be evaluated comes first."""
+
+    forces: np.ndarray  # (F,) int, live ones first
+    live_forces: int
+    ports: np.ndarray  # (P,) int, live ones first
+    live_ports: int
+    unit: np.ndarray  # (F - live, 2 n n) of the folded forces
+
+
+def folding(s: System) -> Folding:
+    """What of a system can be a matrix; the same for all its parameters."""
     ports, n = s.rows.shape
     turning = {int(s.special[0]), int(s.special[1])}  # their rows depend on the state
-    linear = np.zeros((n, 2 * n))
+    units: list[np.ndarray] = []
     live: list[int] = []
+    folded: list[int] = []
     needed = {*turning, *s.friction_port.tolist()} - {NONE}
     for j, (port, sensed, aux, law) in enumerate(
         zip(s.force_port.tolist(), s.force_sense.tolist(), s.force_aux.tolist(), s.force_law.tolist(), strict=True)
     ):
         if law in (NATIVE_SPRING, NATIVE_DAMPER) and port not in turning and sensed not in turning:
             first = 0 if law == NATIVE_SPRING else n
-            linear[:, first : first + n] -= s.parameters[j, 0] * np.outer(s.rows[port], s.rows[sensed])
+            unit = np.zeros((n, 2 * n))
+            unit[:, first : first + n] = -np.outer(s.rows[port], s.rows[sensed])
+            units.append(unit.ravel())
+            folded.append(j)
         else:
             live.append(j)
             needed |= {sensed} | ({aux} if aux >= 0 else set())
-    folded = [j for j in range(s.force_port.size) if j not in live]
     rest = [p for p in range(ports) if p not in needed]
-    forces, order = np.array(live + folded, dtype=np.int64), np.array([*needed, *rest], dtype=np.int64)
-    return linear, forces, len(live), order, len(needed)
+    return Folding(
+        np.array(live + folded, dtype=np.int64),
+        len(live),
+        np.array([*needed, *rest], dtype=np.int64),
+        len(needed),
+        np.array(units).reshape(len(folded), 2 * n * n),
+    )
+
+
+def _linear(s: System, order: Folding) -> np.ndarray:
+    """What the folded forces do to the generalised forces, shape (2 n n,)."""
+    return np.asarray(s.parameters[order.forces[order.live_forces :], 0] @ order.unit)
 
 
 @dataclass(frozen=True)
@@ -211,85 +245,151 @@ def _law_pair(kernel: Kernel) -> tuple[int, int]:
     return LAWS.index(kernel.force), LAWS.index(kernel.edge) if kernel.has_edge else NONE
 
 
+class Shape(NamedTuple):
+    """What a mechanism consists of, without the numbers that a fit changes."""
+
+    coordinates: tuple[str, ...]
+    ports: tuple[tuple[str, tuple[tuple[str, float], ...]], ...]
+    contact: tuple[str, Kernel] | None
+    forces: tuple[tuple[str, str, str, str | None, Kernel], ...]  # name, port, sensed port, aux port, law
+    frictions: tuple[tuple[str, str, Any, bool], ...]  # name, port, law, pressed by the contact
+    inputs: tuple[tuple[str, str], ...]  # name, port
+
+
+@dataclass(frozen=True, eq=False)
+class Template:
+    """The arrays of a shape that no number changes, and the places of its names."""
+
+    layout: Layout
+    place: Mapping[str, int]
+    index: Mapping[str, int]
+    blank: System
+    order: Folding
+    ints: dict[int, np.ndarray]  # packed integers by number of impulses
+
+
+def shape(m: Mechanism) -> Shape:
+    """The shape of a mechanism."""
+    return Shape(
+        tuple(m.coordinates),
+        tuple((port, tuple(row.items())) for port, row in m.ports.items()),
+        None if m.contact is None else (m.contact.name, m.contact.kernel),
+        tuple((f.name, f.port, f.sense or f.port, f.aux, f.kernel) for f in m.forces),
+        tuple((f.name, f.port, f.level, f.normal is not None) for f in m.frictions),
+        tuple((i.name, i.port) for i in m.inputs),
+    )
+
+
+@functools.lru_cache(maxsize=512)
+def template(of: Shape) -> Template:
+    """The fixed arrays of a shape; fits ask for the same few thousands of times."""
+    names = of.coordinates
+    index = {name: i for i, name in enumerate(names)}
+    ports = [port for port, _ in of.ports]
+    special = np.full(4, NONE, dtype=np.int64)
+    if of.contact is not None:
+        ports += ["contact", "contact.slide"]
+        special[:] = len(ports) - 2, len(ports) - 1, index.get("target.yaw", NONE), 0
+    rows = np.zeros((len(ports), len(names)))
+    for p, (_, row) in enumerate(of.ports):
+        for coordinate, coefficient in row:
+            rows[p, index[coordinate]] = coefficient
+    if of.contact is not None:
+        rows[special[0], index["target"]] = 1.0
+        rows[special[0], index["wrist"]] = -1.0
+        if "target.y" in index:
+            rows[special[1], index["target.y"]] = 1.0
+    place = {port: i for i, port in enumerate(ports)}
+    laws: list[tuple[str, str, str, str | None, Kernel]] = [*of.forces]
+    if of.contact is not None:
+        laws.insert(0, (of.contact[0], "contact", "contact", None, of.contact[1]))
+    pairs = [_law_pair(kernel) for *_, kernel in laws]
+    blank = System(
+        inverse_mass=np.zeros(len(names)),
+        rows=rows,
+        geometry=np.zeros(2),
+        special=special,
+        force_port=np.array([place[port] for _, port, *_ in laws], dtype=np.int64),
+        force_sense=np.array([place[sensed] for _, _, sensed, *_ in laws], dtype=np.int64),
+        force_aux=np.array([NONE if aux is None else place[aux] for *_, aux, _ in laws], dtype=np.int64),
+        force_law=np.array([law for law, _ in pairs], dtype=np.int64),
+        force_edge=np.array([edge for _, edge in pairs], dtype=np.int64),
+        parameters=np.zeros((len(laws), PARAMETERS)),
+        contact=np.zeros(2),
+        friction_port=np.array([place[port] for _, port, *_ in of.frictions], dtype=np.int64),
+        friction_law=np.array([LAWS.index(level) for *_, level, _ in of.frictions], dtype=np.int64),
+        friction_normal=np.array([normal for *_, normal in of.frictions], dtype=np.int64),
+        friction_parameters=np.zeros((len(of.frictions), PARAMETERS)),
+        constant=np.zeros(len(names)),
+        input_port=np.array([place[port] for _, port in of.inputs], dtype=np.int64),
+        input_gain=np.zeros(len(of.inputs)),
+        impulse_time=np.zeros(0),
+        impulse=np.zeros((0, len(names))),
+    )
+    layout = Layout(
+        names,
+        tuple(ports),
+        tuple(name for name, *_ in laws),
+        tuple(name for name, *_ in of.frictions),
+        tuple(name for name, _ in of.inputs),
+    )
+    return Template(layout, place, index, blank, folding(blank), {})
+
+
 def assemble(mechanism: Mechanism) -> tuple[System, Layout]:
     """The arrays of a mechanism, and the names behind them.
 
     Raises:
         NotFoundError: an element names a port that is not there.
     """
-    names = tuple(mechanism.coordinates)
-    index = {name: i for i, name in enumerate(names)}
-    mass = np.array([mechanism.coordinates[c].mass for c in names])
-    contact = mechanism.contact
-    ports = [*mechanism.ports]
-    special = np.full(4, NONE, dtype=np.int64)
-    if contact is not None:
-        ports += ["contact", "contact.slide"]
-        special[0], special[1] = len(ports) - 2, len(ports) - 1
-        special[2] = index.get("target.yaw", NONE)
-        special[3] = 0
-    rows = np.zeros((len(ports), len(names)))
-    for p, port in enumerate(mechanism.ports):
-        for coordinate, coefficient in mechanism.ports[port].items():
-            rows[p, index[coordinate]] = coefficient
-    if contact is not None:
-        rows[special[0], index["target"]] = 1.0
-        rows[special[0], index["wrist"]] = -1.0
-        if "target.y" in index:
-            rows[special[1], index["target.y"]] = 1.0
-    place = {port: i for i, port in enumerate(ports)}
-    input_names = tuple(i.name for i in mechanism.inputs)
+    made = template(shape(mechanism))
+    return _numbered(mechanism, made), made.layout
 
-    laws: list[tuple[str, str, str, str | None, Kernel, tuple[float, ...]]] = []
-    if contact is not None:
-        laws.append((contact.name, "contact", "contact", None, contact.kernel, contact.p))
-    laws += [(f.name, f.port, f.sense or f.port, f.aux, f.kernel, f.p) for f in mechanism.forces]
-    count = len(laws)
-    force_port, sense, aux, law, edge = (np.empty(count, dtype=np.int64) for _ in range(5))
-    parameters = np.zeros((count, PARAMETERS))
-    for i, (_, port, sensed, auxiliary, kernel, values) in enumerate(laws):
-        force_port[i], sense[i] = place[port], place[sensed]
-        aux[i] = NONE if auxiliary is None else place[auxiliary]
-        law[i], edge[i] = _law_pair(kernel)
-        parameters[i, : len(values)] = values
 
-    constant = np.zeros(len(names))
-    for item in mechanism.fields:
-        constant[index[item.body]] += mechanism.coordinates[item.body].mass * item.acceleration
-    kicks = sorted(mechanism.impulses, key=lambda k: k.time)
-    friction_parameters = np.zeros((len(mechanism.frictions), PARAMETERS))
+def assemble_packed(mechanism: Mechanism) -> tuple[System, Layout, Packed]:
+    """`assemble` and `pack` at once; what the shape alone decides is looked up."""
+    made = template(shape(mechanism))
+    system = _numbered(mechanism, made)
+    kicks = system.impulse_time.size
+    ints = made.ints.get(kicks)
+    if ints is None:
+        ints = made.ints[kicks] = _ints(system, made.order)
+    return system, made.layout, Packed(_floats(system, _linear(system, made.order)), ints)
+
+
+def _numbered(mechanism: Mechanism, made: Template) -> System:
+    contact, blank = mechanism.contact, made.blank
+    parameters = np.zeros_like(blank.parameters)
+    row = 0
+    if contact is not None:
+        parameters[0, : len(contact.p)] = contact.p
+        row = 1
+    for force in mechanism.forces:
+        parameters[row, : len(force.p)] = force.p
+        row += 1
+    friction_parameters = np.zeros_like(blank.friction_parameters)
     for i, friction in enumerate(mechanism.frictions):
         friction_parameters[i, : len(friction.p)] = friction.p
-    system = System(
-        inverse_mass=1.0 / mass,
-        rows=rows,
-        geometry=np.array([contact.ahead, contact.lateral] if contact else [0.0, 0.0]),
-        special=special,
-        force_port=force_port,
-        force_sense=sense,
-        force_aux=aux,
-        force_law=law,
-        force_edge=edge,
+    constant = np.zeros(len(made.index))
+    for item in mechanism.fields:
+        constant[made.index[item.body]] += mechanism.coordinates[item.body].mass * item.acceleration
+    changed: dict[str, np.ndarray] = {}
+    if mechanism.impulses:
+        kicks = sorted(mechanism.impulses, key=lambda k: k.time)
+        changed["impulse_time"] = np.array([k.time for k in kicks], dtype=float)
+        changed["impulse"] = np.array([k.impulse * blank.rows[made.place[k.port]] for k in kicks])
+    if mechanism.inputs:
+        changed["input_gain"] = np.array([i.gain for i in mechanism.inputs], dtype=float)
+    if contact is not None:
+        changed["geometry"] = np.array([contact.ahead, contact.lateral])
+        changed["contact"] = np.array([contact.hold, float(contact.bilateral)])
+    return blank._replace(
+        inverse_mass=1.0 / np.array([c.mass for c in mechanism.coordinates.values()]),
         parameters=parameters,
-        contact=np.array([contact.hold, float(contact.bilateral)] if contact else [0.0, 0.0]),
-        friction_port=np.array([place[f.port] for f in mechanism.frictions], dtype=np.int64),
-        friction_law=np.array([LAWS.index(f.level) for f in mechanism.frictions], dtype=np.int64),
-        friction_normal=np.array([f.normal is not None for f in mechanism.frictions], dtype=np.int64),
         friction_parameters=friction_parameters,
         constant=constant,
-        input_port=np.array([place[i.port] for i in mechanism.inputs], dtype=np.int64),
-        input_gain=np.array([i.gain for i in mechanism.inputs], dtype=float),
-        impulse_time=np.array([k.time for k in kicks], dtype=float),
-        impulse=np.array([k.impulse * rows[place[k.port]] for k in kicks]).reshape(len(kicks), len(names)),
+        **changed,
     )
-    layout = Layout(
-        names,
-        tuple(ports),
-        tuple(x[0] for x in laws),
-        tuple(f.name for f in mechanism.frictions),
-        input_names,
-    )
-    return system, layout
 
 
 def initial_vector(layout: Layout, values: Mapping[str, float]) -> np.ndarray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -9,7 +10,7 @@ import numpy as np
 
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.simulation.events import Event
-from spacerobot.simulation.reduced.arrays import LAWS, Layout, Packed, System, assemble, initial_vector, pack
+from spacerobot.simulation.reduced.arrays import LAWS, Layout, Packed, System, assemble_packed, initial_vector
 from spacerobot.simulation.reduced.forces import APART, PRESSED, RELEASED, STICK
 from spacerobot.simulation.reduced.integrate import MAX_STEPS, NOT_FINITE, OK, TOO_MANY_EVENTS, Steps, integrate
 from spacerobot.simulation.reduced.sampling import sample, sample_contact, sample_states, work_done
@@ -39,11 +40,21 @@ class ReducedRun:
     system: System
     layout: Layout
     steps: Steps
-    events: tuple[Event, ...]
+    switched: tuple[np.ndarray, np.ndarray, np.ndarray]  # events: times, which mode, its new value
     start: float
     end: float
     packed: Packed
     drives: np.ndarray  # (1 + U, T): times, then the recorded inputs
+
+    @functools.cached_property
+    def events(self) -> tuple[Event, ...]:
+        """Every change of mode, in order."""
+        return tuple(_event(self.layout, float(t), int(i), int(m)) for t, i, m in zip(*self.switched, strict=True))
+
+    def touches(self) -> np.ndarray:
+        """Times at which the surfaces meet [s]."""
+        time, which, mode = self.switched
+        return time[(which == 0) & (mode == PRESSED)]
 
     def sample(self, times: np.ndarray) -> Sample:
         """States at `times`, shape (T,), ascending; outside the run the ends are held."""
@@ -132,7 +143,7 @@ def simulate(
         raise InputError("a simulation must end after it starts", given=(start, end))
     if not 1e-13 <= tolerance <= 1e-1:
         raise InputError("tolerance out of range", given=tolerance, valid="1e-13 to 0.1")
-    system, layout = assemble(mechanism)
+    system, layout, packed = assemble_packed(mechanism)
     y0 = np.concatenate([initial_vector(layout, position or {}), initial_vector(layout, velocity or {})])
     n = y0.size // 2
     if inputs is None:
@@ -142,7 +153,6 @@ def simulate(
     else:
         drives = np.array([inputs[0], *(inputs[1][i.channel] for i in mechanism.inputs)], dtype=float)
     atol = scale * np.concatenate([np.full(n, 1e-3 * tolerance), np.full(n, 1e-1 * tolerance)])
-    packed = pack(system)
     first = min(1e-4, max_step, end - start)
     time, length, state, dense, modes, etime, eindex, emode, _, status = integrate(
         *packed, LAWS.laws, packed.work(), y0, start, end, tolerance, atol, first, max_step, drives, step_limit
@@ -152,9 +162,8 @@ def simulate(
         if status == NOT_FINITE:
             raise SimulationError(f"reduced model: the state stopped being finite at t = {reached:.6g} s")
         raise too_many("reduced", "events" if status == TOO_MANY_EVENTS else "steps", reached, end)
-    events = tuple(_event(layout, float(t), int(i), int(mode)) for t, i, mode in zip(etime, eindex, emode, strict=True))
     steps = Steps(time, length, state, dense, modes)
-    return ReducedRun(mechanism, system, layout, steps, events, start, end, packed, drives)
+    return ReducedRun(mechanism, system, layout, steps, (etime, eindex, emode), start, end, packed, drives)
 
 
 def _event(layout: Layout, time: float, index: int, mode: int) -> Event:
