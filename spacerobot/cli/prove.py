@@ -8,6 +8,7 @@ _EPILOG = """\
 examples:
   spacerobot prove --quick --out proof-quick
   spacerobot prove --out proof --jobs 4 --docs docs
+  spacerobot prove --out proof --minutes 60 --docs docs
   spacerobot prove --out proof --kinds nothing_missing outsider --seed 7 --json
 
 Needs the extra `proof` (pip install "spacerobot[proof]"). Seeds are drawn when a batch begins, unless --seed is given,
@@ -22,6 +23,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--quick", action="store_true", help="a handful of campaigns, a few minutes")
     parser.add_argument("--kinds", nargs="+", metavar="KIND", help="only these kinds of concealment")
     parser.add_argument("--share", metavar="X", default="1", help="this share of each kind's campaigns; default: 1")
+    parser.add_argument("--minutes", metavar="M", help="begin no campaign after so long; the next run goes on")
     parser.add_argument("--seed", metavar="N", help="of the batch; drawn from the operating system if absent")
     parser.add_argument("--jobs", metavar="N", help="campaigns at a time; default: 1")
     parser.add_argument("--dask", metavar="ADDRESS", help="play them on this Dask scheduler's workers")

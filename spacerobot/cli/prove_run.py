@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import importlib.util
 import json
+import math
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -39,11 +40,14 @@ def run(args: argparse.Namespace) -> int:
         raise InputError("the workers are Dask's", given=f"--jobs {args.jobs}", valid="--dask or --jobs")
     jobs = 1 if args.jobs is None else parse_whole(args.jobs, "--jobs", least=1)
     asked = None if args.seed is None else parse_whole(args.seed, "--seed")
+    minutes = parse_numbers([args.minutes], "--minutes", count=1)[0] if args.minutes is not None else math.inf
+    if minutes <= 0.0:
+        raise InputError("not a time", given=minutes, valid="above 0", where="--minutes")
     code = code_hash()
     key = combined_hash("prove", code, args.quick, sorted(kinds), share, not args.no_rivals, asked)
     with RunFolder(args.out, "prove", key, overwrite=args.overwrite) as folder:
         if not folder.finished:
-            _play(folder, args, kinds, share, jobs, asked, code)
+            _play(folder, args, kinds, share, jobs, asked, code, minutes)
         text = (folder.folder / "proof.json").read_text(encoding="utf-8")
         if args.docs:
             _into(Path(args.docs), folder.folder)
@@ -52,7 +56,14 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _play(
-    folder: RunFolder, args: argparse.Namespace, kinds: list[str], share: float, jobs: int, asked: int | None, code: str
+    folder: RunFolder,
+    args: argparse.Namespace,
+    kinds: list[str],
+    share: float,
+    jobs: int,
+    asked: int | None,
+    code: str,
+    minutes: float,
 ) -> None:
     begun = folder.load("batch")
     if begun is None:
@@ -61,8 +72,11 @@ def _play(
     say(f"seed {begun['seed']}, code {code}")
     orders = _orders(QUICK if args.quick else FULL, begun["seed"], kinds, share)
     with executor(jobs, args.dask) as workers:
-        records = run_batch(folder, orders, workers=workers, rivals=not args.no_rivals, verbose=args.verbose)
+        records = run_batch(
+            folder, orders, workers=workers, rivals=not args.no_rivals, verbose=args.verbose, seconds=60.0 * minutes
+        )
     about: dict[str, Any] = {**begun, "version": __version__, "code": code, "command": _command(args)}
+    about["planned"] = len(orders)
     names = {}
     for name, draw in FIGURES.items():
         figure = draw(records)
@@ -72,7 +86,10 @@ def _play(
     folder.write("proof.md", page(records, about, names))
     folder.write("records.json", dumps(records) + "\n")
     folder.write("proof.json", dumps(as_json(records, about)) + "\n")
-    folder.finish()
+    if len(records) == len(orders):
+        folder.finish()
+    else:
+        say(f"{len(records)} of {len(orders)} campaigns played; the same command goes on with the others")
 
 
 def _orders(size: Size, seed: int, kinds: list[str], share: float) -> list[Order]:
@@ -117,7 +134,9 @@ def _into(docs: Path, run: Path) -> None:
 
 
 def _told(answer: dict[str, Any], folder: Path) -> str:
-    lines = [f"{answer['campaigns']} sealed campaigns, seed {answer['seed']}, {answer['date']}"]
+    left = answer["planned"] - answer["played"]
+    part = f", {left} more to play" if left else ""
+    lines = [f"{answer['campaigns']} sealed campaigns, seed {answer['seed']}, {answer['date']}{part}"]
     for key, found in answer["targets"].items():
         if "hits" in found:
             low, high = found["clopper_pearson_95"]

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import os
-from collections.abc import Sequence
+import time
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -40,8 +42,12 @@ def run_batch(
     rivals: bool = True,
     verbose: bool = False,
     command: Sequence[str] = COMMAND,
+    seconds: float = math.inf,
 ) -> list[dict[str, Any]]:
     """Play every order that has no record yet; each record is kept as soon as it is there.
+
+    They are played in the order of their seeds, which is a random one: a batch that ends early is a sample of the
+    whole.
 
     Args:
         folder: keeps the records, one file each.
@@ -50,17 +56,26 @@ def run_batch(
         rivals: whether rivals are tried where the batch foresees it.
         verbose: show progress although nobody watches.
         command: the diagnosis.
+        seconds: after which no further campaign begins.
     """
+    until = time.monotonic() + seconds
     records = {o.name: folder.load(o.name) for o in orders}
-    waiting = [o for o in orders if records[o.name] is None]
+    waiting = sorted((o for o in orders if records[o.name] is None), key=lambda o: (o.seed, o.name))
     with Progress("proving", len(orders), unit="campaign", verbose=verbose) as progress:
         progress.advance(len(orders) - len(waiting))
-        tasks = (Play(o, rivals and with_rivals(o), tuple(command)) for o in waiting)
+        tasks = (Play(o, rivals and with_rivals(o), tuple(command)) for o in _while_time(waiting, until))
         for _, record in (workers or Here()).run(played, tasks):
             folder.save(record["name"], record)
             records[record["name"]] = record
             progress.advance(note=f"{record['name']}: {record.get('said', 'not made')}")
     return [found for o in orders if (found := records[o.name]) is not None]
+
+
+def _while_time(orders: Sequence[Order], until: float) -> Iterator[Order]:
+    for order in orders:
+        if time.monotonic() >= until:
+            return
+        yield order
 
 
 @dataclass(frozen=True)

@@ -42,17 +42,17 @@ def diagnose(
 ) -> Answer:
     """Run the diagnosis on a study's folder alone.
 
-    Its working folder is a fresh one, its output folder too; neither holds the seal or says where it is. Where this
-    process is killed, so is the diagnosis.
+    Its working folder is a fresh one, which neither holds the seal nor says where it is; the verdict comes on standard
+    output, without the report. Where this process is killed, so is the diagnosis.
 
     Args:
         study: folder of the study.
         without: effect that the catalogue is to do without.
-        command: the diagnosis; STUDY, --out, --json and --without are added.
+        command: the diagnosis; STUDY, --json, --jobs and --without are added.
         limit: in s.
     """
     with TemporaryDirectory(prefix="blind-") as folder:
-        arguments = [*command, str(study.resolve()), "--out", str(Path(folder) / "out"), "--json", "--jobs", "1"]
+        arguments = [*command, str(study.resolve()), "--json", "--jobs", "1"]
         if without is not None:
             arguments += ["--without", without]
         environment = {k: v for k, v in os.environ.items() if not k.startswith("SPACEROBOT_")}

@@ -131,6 +131,7 @@ def as_json(records: Sequence[Record], about: dict[str, Any]) -> dict[str, Any]:
     errors = relative_errors(sealed(records))
     return {
         **about,
+        "played": len(records),
         "campaigns": len(sealed(records)),
         "with_moving_joints_or_free_base": sum(r["family"] in MOVING for r in sealed(records)),
         "not_made": [r["name"] for r in records if "failed" in r],

@@ -61,7 +61,7 @@ def page(records: Sequence[Record], about: Mapping[str, Any], figures: Mapping[s
         _INTRODUCTION,
         f"{len(counted)} sealed campaigns ({moving} of them with moving joints, a free base or a spinning target) and "
         f"{len(usable(records)) - len(counted)} more for the power curves; seed {about['seed']}, {about['date']}, "
-        f"version {about['version']}, code {about['code']}. `{about['command']}`\n",
+        f"version {about['version']}, code {about['code']}. `{about['command']}`{_part(records, about)}\n",
         "## Against what was asked\n",
         _targets(records),
         "## By kind of concealment\n",
@@ -85,6 +85,16 @@ def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
     lines += ["| " + " | ".join(row) + " |" for row in rows]
     return "\n".join(lines) + "\n"
+
+
+def _part(records: Sequence[Record], about: Mapping[str, Any]) -> str:
+    planned = int(about.get("planned", len(records)))
+    if planned <= len(records):
+        return ""
+    return (
+        f"\n\nThis is a part of the batch: {len(records)} of {planned} campaigns, in a random order, have been played "
+        "so far. The same command with the same folder goes on with the others."
+    )
 
 
 def _targets(records: Sequence[Record]) -> str:
