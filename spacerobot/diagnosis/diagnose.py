@@ -67,14 +67,14 @@ def diagnose(
         without: effects to leave out of the catalogue.
         effects_files: Python files with further effects (they are run).
         report: told of progress.
-        store: keeps every finished fit of a wrist rig, so that a diagnosis that was stopped goes on where it was.
+        store: keeps every finished fit, so that a diagnosis that was stopped goes on where it was.
 
     Raises:
         InputError: the study cannot be diagnosed: nothing that was recorded can be compared with the baseline.
     """
     began = time.perf_counter()
     if "wrist.stiffness" not in study.values():
-        return diagnose_parts(study, report=report, threads=jobs or 1, seed=seed, without=without)
+        return diagnose_parts(study, report=report, threads=jobs or 1, seed=seed, without=without, store=store)
     if len(study.trials) < 2:
         raise InputError("a diagnosis needs at least two trials", given=len(study.trials), where=str(study.path))
     jobs = jobs or os.cpu_count() or 1
@@ -93,7 +93,7 @@ def diagnose(
         checks = [nested(found, first.chosen)]
         if first.verdict == NAMED:
             report("checking on a synthetic copy", 0, 1)
-            checks.append(synthetic(workshop, first.chosen, seed))
+            checks += synthetic(workshop, first.chosen, seed)
             report("simulating with the whole robot", 0, 1)
             checks.append(confirm(workshop, first.chosen))
         judgement = judge(found, left_of, freed, [c["name"] for c in checks if not c["passed"]])

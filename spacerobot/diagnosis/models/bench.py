@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from spacerobot.diagnosis.data import TrialData
 from spacerobot.diagnosis.fit import Fit, Fitter
 from spacerobot.diagnosis.hypothesis import Site, hypothesis
 from spacerobot.diagnosis.models.held_out import HeldOut, folds, predict_held_out
+from spacerobot.diagnosis.models.kept import Kept, of_fit
 from spacerobot.diagnosis.models.model import Model
 from spacerobot.diagnosis.models.noise import floor_of, reweighted, rms_of
 from spacerobot.diagnosis.models.plausible import plausible
@@ -37,8 +39,10 @@ class Promise:
 class Bench:
     """A model, its trials under the present weights, and what is left out of them in turn."""
 
-    def __init__(self, model: Model, threads: int = 1) -> None:
+    def __init__(self, model: Model, threads: int = 1, kept: Kept | None = None) -> None:
+        """`kept` holds what an earlier run, that was stopped, had found."""
         self.model, self.threads = model, threads
+        self.kept = kept or Kept(None, model.name)
         self.trials: tuple[TrialData, ...] = model.trials
         self.left_out = tuple(folds(model.trials))
         self._factor: dict[str, float] = {}
@@ -49,7 +53,10 @@ class Bench:
 
     def baseline(self) -> Fit:
         """The model without any effect."""
-        return self.fitter().fit(hypothesis(self.model.believed, ()), max_iterations=STEPS)
+        made, fitter = hypothesis(self.model.believed, ()), self.fitter()
+        fit = self.kept.fit(made, fitter, ["baseline"], lambda: fitter.fit(made, max_iterations=STEPS))
+        assert fit is not None  # a baseline that cannot be fitted raises
+        return fit
 
     def sharpen(self, fit: Fit) -> None:
         """Weights that a fit's own rms would satisfy at a small part of it, so that descents end where they should."""
@@ -68,12 +75,30 @@ class Bench:
 
     def again(self, fit: Fit) -> Fit:
         """The same hypothesis under the present weights."""
-        return self.fitter().fit(
-            fit.hypothesis, warm=fit.values(), initials=fit.initials(), max_iterations=STEPS, robust=False
+        fitter = self.fitter()
+        found = self.kept.fit(
+            fit.hypothesis,
+            fitter,
+            ["again", *of_fit(fit), *self._weights()],
+            lambda: fitter.fit(
+                fit.hypothesis, warm=fit.values(), initials=fit.initials(), max_iterations=STEPS, robust=False
+            ),
         )
+        assert found is not None
+        return found
+
+    def _weights(self) -> list[tuple[str, float]]:
+        """The present weights, as part of what decides a fit."""
+        return sorted(self._factor.items())
 
     def promises(self, fit: Fit, sites: Sequence[Site]) -> list[Promise]:
         """What each further effect promises, by its sensitivities at a fit."""
+        by = {s.label: s for s in sites}
+        about = [*sorted(by), *self._weights()]
+        rows = self.kept.values("promises", fit, about, lambda: [_as_row(p) for p in self._screened(fit, sites)])
+        return [Promise(by[effect, where], start, cost) for (effect, where), start, cost in rows]
+
+    def _screened(self, fit: Fit, sites: Sequence[Site]) -> list[Promise]:
         screen = Screener(self.fitter(), self.model.believed).screen(fit, sites)
         total = max(float(screen.residual @ screen.residual), 1e-300)  # its weights are robust ones: shares carry over
         out = []
@@ -90,20 +115,34 @@ class Bench:
 
     def fitted_as(self, near: Fit, sites: Sequence[Site], start: Mapping[str, float]) -> Fit | None:
         """These effects fitted, beginning at another fit where they share parameters with it; None as above."""
-        try:
-            fit = fit_near(self.fitter(), self.model.believed, sites, near, start, max_iterations=STEPS)
-        except SimulationError:
-            return None
-        return fit if plausible(sites, fit.values(), self.model.sizes) else None
+        fitter, believed = self.fitter(), self.model.believed
+
+        def compute() -> Fit | None:
+            try:
+                return fit_near(fitter, believed, sites, near, start, max_iterations=STEPS)
+            except SimulationError:
+                return None
+
+        about = ["near", *of_fit(near), sorted(start.items()), *self._weights()]
+        fit = self.kept.fit(hypothesis(believed, sites, start), fitter, about, compute)
+        return fit if fit is not None and plausible(sites, fit.values(), self.model.sizes) else None
 
     def held_out(self, fit: Fit) -> HeldOut | None:
         """How well its hypothesis predicts unseen trials; None where it cannot."""
-        try:
-            return predict_held_out(
-                self.model, self.trials, fit.hypothesis, fit.values(), self.left_out, fit.initials()
-            )
-        except SimulationError:
-            return None
+
+        def compute() -> HeldOut | None:
+            try:
+                return predict_held_out(
+                    self.model, self.trials, fit.hypothesis, fit.values(), self.left_out, fit.initials()
+                )
+            except SimulationError:
+                return None
+
+        return self.kept.held_out(fit, self._weights(), compute)
+
+
+def _as_row(promise: Promise) -> list[Any]:
+    return [list(promise.site.label), dict(promise.start), promise.cost]
 
 
 def _residuals(fit: Fit) -> dict[str, np.ndarray]:

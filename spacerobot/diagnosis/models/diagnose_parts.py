@@ -9,8 +9,10 @@ from functools import partial
 
 from spacerobot import __version__
 from spacerobot.diagnosis.locate.of_model import has_balance, locate_model
+from spacerobot.diagnosis.memory import Store
 from spacerobot.diagnosis.models.choose import models_for
 from spacerobot.diagnosis.models.grow import MOST, grow
+from spacerobot.diagnosis.models.kept import Kept
 from spacerobot.diagnosis.models.model import Model
 from spacerobot.diagnosis.models.part import Part
 from spacerobot.diagnosis.models.part_checks import checks_of
@@ -24,7 +26,13 @@ from spacerobot.support.errors import InputError
 
 
 def diagnose_parts(
-    study: Study, *, report: Report, threads: int = 1, seed: int = 0, without: Sequence[str] = ()
+    study: Study,
+    *,
+    report: Report,
+    threads: int = 1,
+    seed: int = 0,
+    without: Sequence[str] = (),
+    store: Store | None = None,
 ) -> Diagnosis:
     """Say of each part of the study where simulation and recording part, and which physics was left out.
 
@@ -34,6 +42,7 @@ def diagnose_parts(
         threads: of the fits.
         seed: of sign flips and synthetic copies.
         without: effects to leave out of the catalogue.
+        store: keeps every finished fit, so that a diagnosis that was stopped goes on where it was.
 
     Raises:
         InputError: nothing that was recorded can be compared with the baseline.
@@ -52,7 +61,8 @@ def diagnose_parts(
     parts: list[Part] = []
     for place, family in enumerate(families, 1):
         what = f"{family[0].family or family[0].name} ({place} of {len(families)})"
-        growth = grow(family, effects=catalogue, threads=threads, reached=partial(_tell, report, what))
+        kept = [Kept(store, f"{place}.{which} {m.name}") for which, m in enumerate(family)]
+        growth = grow(family, effects=catalogue, threads=threads, reached=partial(_tell, report, what), kept=kept)
         parts += [Part(growth, which) for which in range(len(family))]
     done = []
     for place, part in enumerate(parts):

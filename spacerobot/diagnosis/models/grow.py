@@ -20,6 +20,7 @@ from spacerobot.diagnosis.fit import Fit
 from spacerobot.diagnosis.hypothesis import Label, Site
 from spacerobot.diagnosis.models.bench import Bench, Promise
 from spacerobot.diagnosis.models.held_out import HeldOut, parent
+from spacerobot.diagnosis.models.kept import Kept
 from spacerobot.diagnosis.models.model import Model
 from spacerobot.diagnosis.models.plausible import redundant
 from spacerobot.effects.effect import Effect
@@ -169,6 +170,7 @@ def grow(
     threads: int = 1,
     say: Callable[[str], None] | None = None,
     reached: Callable[[int], None] | None = None,
+    kept: Sequence[Kept] | None = None,
 ) -> Growth:
     """The simplest model that predicts unseen trials about as well as the best that a beam search meets.
 
@@ -179,22 +181,22 @@ def grow(
         threads: of the fits.
         say: told what happens.
         reached: told how many parameters the models now have that are tried.
+        kept: what an earlier run had found of each model.
 
     Raises:
         SimulationError: the baseline cannot be fitted.
     """
     every = (models,) if isinstance(models, Model) else tuple(models)
-    search = _Search(every, None if effects is None else list(effects), threads, say or (lambda text: None))
+    benches = tuple(Bench(m, threads, None if kept is None else kept[i]) for i, m in enumerate(every))
+    search = _Search(benches, None if effects is None else list(effects), say or (lambda text: None))
     return search.run(most, reached or (lambda size: None))
 
 
 class _Search:
-    def __init__(
-        self, models: Sequence[Model], effects: list[Effect] | None, threads: int, say: Callable[[str], None]
-    ) -> None:
-        self.benches = tuple(Bench(m, threads) for m in models)
-        self.sites = [{s.label: s for s in m.sites(effects)} for m in models]
-        if len(models) > 1:  # they share their sensors, whose faults cannot have a value for each
+    def __init__(self, benches: tuple[Bench, ...], effects: list[Effect] | None, say: Callable[[str], None]) -> None:
+        self.benches = benches
+        self.sites = [{s.label: s for s in b.model.sites(effects)} for b in benches]
+        if len(benches) > 1:  # they share their sensors, whose faults cannot have a value for each
             self.sites = [{k: s for k, s in sites.items() if s.effect.kind != "sensor"} for sites in self.sites]
         self.say = say
         self.screened: dict[Label, float] = {}

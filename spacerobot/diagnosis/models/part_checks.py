@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from spacerobot.diagnosis.checks import SLACK
+from spacerobot.diagnosis.checks import SLACK, calibration
 from spacerobot.diagnosis.fit import Fit, Fitter
 from spacerobot.diagnosis.models.bench import STEPS
 from spacerobot.diagnosis.models.part import Part
@@ -28,11 +28,11 @@ def checks_of(part: Part, seed: int) -> tuple[dict[str, Any], ...]:
         "passed": bool(fit.cost <= base.cost + SLACK),
         "detail": f"chi-squared {fit.cost:.1f} as chosen, {base.cost:.1f} without any effect",
     }
-    return nested, synthetic(part, fit, seed)
+    return nested, *synthetic(part, fit, seed)
 
 
-def synthetic(part: Part, fit: Fit, seed: int) -> dict[str, Any]:
-    """On a copy of the trials made from the chosen model, a fit from afar ends no worse than the truth."""
+def synthetic(part: Part, fit: Fit, seed: int) -> tuple[dict[str, Any], ...]:
+    """On a copy of the trials made from the chosen model, a fit from afar ends no worse than the truth, and near it."""
     random = np.random.default_rng(seed)
     name = f"cost at truth, {part.name}"
     trials = []
@@ -54,14 +54,15 @@ def synthetic(part: Part, fit: Fit, seed: int) -> dict[str, Any]:
     except SimulationError:
         again = None
     if state is None or again is None:
-        return {"name": name, "passed": False, "detail": "a synthetic copy could not be simulated"}
+        return ({"name": name, "passed": False, "detail": "a synthetic copy could not be simulated"},)
     prior = np.array([f.prior for f in fit.hypothesis.free], dtype=float)
     truth = state.chi2() + float(prior @ fit.z**2)
-    return {
+    cost = {
         "name": name,
         "passed": bool(again.cost <= truth + SLACK),
         "detail": f"on a synthetic copy the fit costs {again.cost:.1f}, its truth {truth:.1f}",
     }
+    return cost, calibration(fit, again, f"calibration, {part.name}")
 
 
 def _away(fit: Fit) -> dict[str, float]:
