@@ -14,6 +14,10 @@ SLACK = 3.0
 """Cost by which a larger model may exceed a smaller one before the optimiser is blamed."""
 
 
+APART = 6.0
+"""Standard errors by which a size may come back wrong from a synthetic copy before its interval is blamed."""
+
+
 def nested(found: Found, chosen: Fit) -> dict[str, Any]:
     """A model with an effect more never costs more than the one without."""
     bad = []
@@ -25,8 +29,8 @@ def nested(found: Found, chosen: Fit) -> dict[str, Any]:
     return {"name": "nested cost", "passed": not bad, "detail": detail}
 
 
-def synthetic(workshop: Workshop, chosen: Fit, seed: int) -> dict[str, Any]:
-    """On a copy of the study made from the chosen model, the fit ends no worse than the truth it was made from."""
+def synthetic(workshop: Workshop, chosen: Fit, seed: int) -> list[dict[str, Any]]:
+    """On a copy of the study made from the chosen model, the fit ends no worse than the truth, and near it."""
     from dataclasses import replace
 
     random = np.random.default_rng(seed)
@@ -49,12 +53,38 @@ def synthetic(workshop: Workshop, chosen: Fit, seed: int) -> dict[str, Any]:
     start.update({k: v for k, v in chosen.values().items() if "@" in k and k not in start})
     again = copy.run(Task(chosen.hypothesis.label, start))
     if state is None or again is None:
-        return {"name": "cost at truth", "passed": False, "detail": "a synthetic copy could not be simulated"}
+        return [{"name": "cost at truth", "passed": False, "detail": "a synthetic copy could not be simulated"}]
     prior = np.array([f.prior for f in chosen.hypothesis.free], dtype=float)
     truth = state.chi2() + float(prior @ state.z**2)
     passed = again.cost <= truth + SLACK
-    return {
+    cost = {
         "name": "cost at truth",
         "passed": bool(passed),
         "detail": f"on a synthetic copy the fit costs {again.cost:.1f}, its truth {truth:.1f}",
+    }
+    return [cost, calibration(chosen, again)]
+
+
+def calibration(truth: Fit, again: Fit, name: str = "calibration") -> dict[str, Any]:
+    """Whether the effects' sizes that a synthetic copy was made with lie where the fit of it claims.
+
+    Args:
+        truth: what the copy was made from.
+        again: fitted to the copy.
+        name: of the check.
+    """
+    sizes = truth.values()
+    worst, key = 0.0, ""
+    covariance = again.covariance
+    errors = np.zeros(again.z.size) if covariance is None else np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    for free, z, error in zip(again.hypothesis.free, again.z, errors, strict=True):
+        if free.kind == "effect" and free.key in sizes and error > 0.0:
+            off = abs(z - free.z(sizes[free.key])) / error
+            if off > worst:
+                worst, key = float(off), free.key
+    said = f"{key} {worst:.1f} standard errors" if key else "nothing"
+    return {
+        "name": name,
+        "passed": bool(worst <= APART),
+        "detail": f"on a synthetic copy {said} off what it was made with",
     }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -9,12 +10,16 @@ from typing import Any
 import pytest
 
 from spacerobot.diagnosis import checks, confirm
+from spacerobot.diagnosis import diagnose as whole
 from spacerobot.diagnosis.adequacy import Left
 from spacerobot.diagnosis.candidates import contains, simpler
 from spacerobot.diagnosis.fit import Fit
+from spacerobot.diagnosis.hypothesis import Site
 from spacerobot.diagnosis.judge import NAMED, NOT_TRUSTED, judge
 from spacerobot.diagnosis.pool import Task, Workshop
 from spacerobot.diagnosis.search import Found
+from spacerobot.effects.registry import effect
+from spacerobot.support.jsonio import plain
 from tests.diagnosis.rigs import write_study
 
 LABEL = (("coulomb_friction", "wrist"),)
@@ -48,7 +53,7 @@ def found(base: Fit, chosen: Fit) -> Found:
 
 def test_a_sound_fit_passes_all(shop: Workshop, base: Fit, chosen: Fit) -> None:
     assert checks.nested(found(base, chosen), chosen)["passed"]
-    assert checks.synthetic(shop, chosen, 0)["passed"]
+    assert [c["passed"] for c in checks.synthetic(shop, chosen, 0)] == [True, True]
     assert confirm.confirm(shop, chosen)["passed"]
 
 
@@ -67,20 +72,74 @@ def test_an_optimiser_that_stops_short_of_the_truth_is_noticed(
         return None if fit is None else replace(fit, chi2=fit.chi2 + 100.0)
 
     monkeypatch.setattr(Workshop, "run", lazy)
-    assert not checks.synthetic(shop, chosen, 0)["passed"]
+    assert not checks.synthetic(shop, chosen, 0)[0]["passed"]
 
 
-def test_a_reduced_model_that_is_too_poor_is_noticed(
+def test_an_interval_that_claims_too_much_is_noticed(
     shop: Workshop, chosen: Fit, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    whole = confirm.scene_of
+    """As certain as if it had a hundred times the data."""
+    run = Workshop.run
 
-    def stiffer(*args: Any) -> Any:
-        scene = whole(*args)
-        return replace(scene, wrist=replace(scene.wrist, stiffness=1.05 * scene.wrist.stiffness))
+    def boastful(self: Workshop, task: Task) -> Fit | None:
+        fit = run(self, task)
+        return None if fit is None or fit.covariance is None else replace(fit, covariance=1e-4 * fit.covariance)
 
-    monkeypatch.setattr(confirm, "scene_of", stiffer)
-    assert not confirm.confirm(shop, chosen)["passed"]
+    monkeypatch.setattr(Workshop, "run", boastful)
+    cost, sizes = checks.synthetic(shop, chosen, 0)
+    assert cost["passed"]
+    assert not sizes["passed"]
+    assert "coulomb_friction@wrist.force_N" in sizes["detail"]
+
+
+def test_a_copy_that_cannot_be_simulated_is_noticed(
+    shop: Workshop, chosen: Fit, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Workshop, "run", lambda self, task: None)
+    (cost,) = checks.synthetic(shop, chosen, 0)
+    assert not cost["passed"]
+
+
+class Notes(dict[str, Any]):
+    """What one diagnosis has fitted, for the next."""
+
+    def save(self, name: str, value: Any) -> None:
+        self[name] = value
+
+    def load(self, name: str) -> Any | None:
+        return self.get(name)
+
+
+def test_each_failed_check_reaches_the_verdict(tmp_path: Path) -> None:
+    """A diagnosis that names friction, with one check after the other made to fail in the product's own run."""
+    study = write_study(tmp_path, planted=[("coulomb_friction", "wrist", {"force_N": 0.35})], speeds=(0.08,))
+    notes = Notes()
+    located: list[Any] = []
+    locate = whole.locate
+
+    def once(*args: Any, **options: Any) -> Any:
+        if not located:
+            located.append(locate(*args, **options))
+        return located[0]
+
+    fine = {"name": "fine", "passed": True, "detail": ""}
+    failed = {"name": "failed", "passed": False, "detail": "made to fail"}
+    for check in ("none", "nested", "synthetic", "confirm"):
+        with pytest.MonkeyPatch.context() as patched:
+            patched.setattr(whole, "candidate_sites", lambda *a: [Site(effect("coulomb_friction"), "wrist")])
+            patched.setattr(whole, "locate", once)
+            for name in ("nested", "synthetic", "confirm"):
+                said = failed if name == check else fine
+                patched.setattr(whole, name, _answer([said] if name == "synthetic" else said))
+            found = whole.diagnose(study, jobs=1, store=notes)
+        verdict = plain(found.verdict)
+        assert verdict["verdict"] == ("named" if check == "none" else "not_trusted")
+        assert len(verdict["effects"]) == (check == "none")
+        assert (failed in plain(found.evidence)["checks"]) == (check != "none")
+
+
+def _answer(value: Any) -> Callable[..., Any]:
+    return lambda *a: value
 
 
 def test_a_failed_check_takes_the_name_back(base: Fit, chosen: Fit) -> None:

@@ -78,7 +78,7 @@ def test_nothing_is_done_twice(
 ) -> None:
     study = write_study(tmp_path, planted=[FRICTION])  # the same bytes elsewhere
     monkeypatch.setattr(pools.Workshop, "run", lambda self, task: pytest.fail(f"done again: {task.label}"))
-    monkeypatch.setattr("spacerobot.diagnosis.diagnose.synthetic", lambda *a: {"name": "x", "passed": True})
+    monkeypatch.setattr("spacerobot.diagnosis.diagnose.synthetic", lambda *a: [{"name": "x", "passed": True}])
     again = diagnose(study, jobs=1, store=notes)
     assert plain(again.verdict)["effects"] == plain(rubbing.verdict)["effects"]
     assert again.verdict["held_out"] == rubbing.verdict["held_out"]
