@@ -109,7 +109,7 @@ FULL = Size(
 )
 
 QUICK = Size(
-    {"nothing_missing": 2, "wrong_value": 1, "unlabelled": 2, "masked": 1, "outsider": 1},
+    {"nothing_missing": 1, "wrong_value": 1, "unlabelled": 1, "outsider": 1},
     withheld_rounds=0,
     curve_repeats=0,
     short_repeats=0,

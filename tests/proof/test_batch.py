@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 
 from spacerobot.cli.main import main
+from spacerobot.cli.prove_run import _orders
 from spacerobot.effects.registry import all_effects
 from spacerobot.proof import batch
 from spacerobot.proof.engine.outsiders import OUTSIDERS
@@ -102,21 +103,46 @@ def test_seeds_differ_and_depend_on_the_batch_alone() -> None:
 
 def test_a_batch_goes_on_where_it_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     orders = schedule(QUICK, 1)
+    turns = sorted(orders, key=lambda o: o.seed)
 
     def stopping(order: Order, folder: Path, **options: Any) -> dict[str, Any]:
-        if order == orders[3]:
+        if order == turns[2]:
             raise KeyboardInterrupt
         return fake_play(order, folder, **options)
 
     monkeypatch.setattr(batch, "play", stopping)
     with RunFolder(tmp_path / "out", "prove", "hash") as folder, pytest.raises(KeyboardInterrupt):
         batch.run_batch(folder, orders)
-    assert [o.name for o in orders[:3]] == PLAYED
+    assert [o.name for o in turns[:2]] == PLAYED
     monkeypatch.setattr(batch, "play", fake_play)
     with RunFolder(tmp_path / "out", "prove", "hash") as folder:
         records = batch.run_batch(folder, orders)
-    assert [o.name for o in orders] == PLAYED
+    assert [o.name for o in turns] == PLAYED
     assert [r["name"] for r in records] == [o.name for o in orders]
+
+
+def test_a_batch_that_runs_out_of_time_writes_what_it_has_and_goes_on(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    clock = [0.0]
+
+    def ticking(order: Order, folder: Path, **options: Any) -> dict[str, Any]:
+        clock[0] += 50.0
+        return fake_play(order, folder, **options)
+
+    monkeypatch.setattr(batch, "play", ticking)
+    monkeypatch.setattr(batch.time, "monotonic", lambda: clock[0])
+    out, docs = tmp_path / "out", tmp_path / "docs"
+    asked = ["prove", "--share", "0.01", "--seed", "3", "--out", str(out), "--docs", str(docs), "--minutes", "5"]
+    whole = len(_orders(FULL, 3, list(KINDS), 0.01))
+    assert main(asked) == 0
+    assert f"6 of {whole} campaigns" in capsys.readouterr().err
+    assert f"6 of {whole} campaigns" in (docs / "proof.md").read_text()
+    assert len(PLAYED) == 6
+    assert main([*asked[:-2], "--json"]) == 0
+    assert len(PLAYED) == len(set(PLAYED)) == whole
+    assert json.loads(capsys.readouterr().out)["played"] == whole
+    assert "part of the batch" not in (docs / "proof.md").read_text()
 
 
 def test_the_command_writes_page_and_figures(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -174,6 +200,7 @@ class Backwards(Here):
         (["--quick", "--kinds", "power"], "no campaign"),
         (["--share", "0"], "--share"),
         (["--seed", "-3"], "--seed"),
+        (["--minutes", "0"], "--minutes"),
         (["--jobs", "none"], "--jobs"),
         (["--jobs", "2", "--dask", "tcp://127.0.0.1:1"], "--dask or --jobs"),
     ],
