@@ -1,6 +1,6 @@
 """The commands themselves, killed, interrupted, out of disk or refused the folder; then run again.
 
-The short ones are in every test run; `diagnose`, `prove` and `paper` take minutes and are marked slow.
+The short ones are in every test run; those of `diagnose`, `prove`, `sweep` and `paper` take minutes: marked slow.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from pathlib import Path
 import pytest
 
 from tests.faults.harness import DISK_FULL, INTERRUPT, KILL, READ_ERROR, ROOT, command, outputs, state, steps_of, whole
+from tests.sweep.helpers_sweep import SWEEP
 
 OVERLAY = ["overlay", "guide-friction", "--trials", "03"]
 DIAGNOSE = ["diagnose", "guide-friction", "--jobs", "1"]
@@ -60,18 +61,26 @@ def test_overlay(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+def test_sweep(tmp_path: Path) -> None:
+    pytest.importorskip("pyarrow")
+    (tmp_path / "sweep.toml").write_text(SWEEP, encoding="utf-8")
+    arguments = ["sweep", str(tmp_path / "sweep.toml"), "--jobs", "1"]
+    survives(arguments, tmp_path, (0.0, 0.3, 0.6, 0.9, 1.0), (KILL, INTERRUPT, DISK_FULL, READ_ERROR))
+
+
+@pytest.mark.slow
 def test_paper(tmp_path: Path) -> None:
-    survives(PAPER, tmp_path, (0.3, 0.8), (KILL, INTERRUPT, DISK_FULL))
+    survives(PAPER, tmp_path, (0.3, 0.8), (KILL, INTERRUPT, DISK_FULL, READ_ERROR))
 
 
 @pytest.mark.slow
 def test_diagnose(tmp_path: Path) -> None:
-    survives(DIAGNOSE, tmp_path, (0.5,), (KILL, DISK_FULL))
+    survives(DIAGNOSE, tmp_path, (0.5,), (KILL, INTERRUPT, DISK_FULL, READ_ERROR))
 
 
 @pytest.mark.slow
 def test_prove(tmp_path: Path) -> None:
-    survives(PROVE, tmp_path, (0.3, 0.7), (KILL, INTERRUPT))
+    survives(PROVE, tmp_path, (0.3, 0.7), (KILL, INTERRUPT, DISK_FULL, READ_ERROR))
 
 
 def begun(arguments: list[str]) -> subprocess.Popen[str]:
