@@ -65,8 +65,10 @@ def run(args: argparse.Namespace) -> int:
             from spacerobot.view.report import write_plots, write_report
 
             folder.write("verdict.json", dumps(verdict))
-            if result.scene is not None:  # other machines than a wrist rig have none
+            if result.scene is not None:  # other machines than a wrist rig have a model instead
                 folder.write("scene.toml", result.scene.to_toml())
+            if result.model is not None:
+                folder.write("model.toml", result.model)
             write_report(verdict, evidence, folder.path("report.html"))
             for name in write_plots(verdict, evidence, folder.folder / "plots"):
                 folder.path(f"plots/{name}")

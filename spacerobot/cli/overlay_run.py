@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import argparse
+import hashlib
 import json
 import re
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from spacerobot import __version__
+from spacerobot.diagnosis.forward.as_diagnosed import AsDiagnosed
 from spacerobot.diagnosis.forward.base import ForwardModel, TrialOverlay
 from spacerobot.diagnosis.forward.choose import forward_model
 from spacerobot.diagnosis.forward.residuals import by_channel, residuals
@@ -27,17 +30,26 @@ DRAWN = 30
 def run(args: argparse.Namespace) -> int:
     """Run the command."""
     study = chosen(load_study(args.study, args.data), args.trials)
+    file = None if args.model is None else Path(args.model)
     if args.out is None:
-        answer = work(study, None, args.verbose)
+        answer = work(study, None, args.verbose, file)
     else:
-        key = combined_hash("overlay", study.input_hash, [t.id for t in study.trials])
+        found = [] if file is None else [hashlib.sha256(_bytes(file)).hexdigest()]
+        key = combined_hash("overlay", study.input_hash, [t.id for t in study.trials], *found)
         with RunFolder(args.out, "overlay", key, overwrite=args.overwrite) as folder:
             if not folder.finished:
-                work(study, folder, args.verbose)
+                work(study, folder, args.verbose, file)
             answer = json.loads((folder.folder / "overlay.json").read_text(encoding="utf-8"))
             answer["page"] = str(folder.folder / "overlay.html")
     print(dumps(answer) if args.json else summary(answer))
     return 0
+
+
+def _bytes(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}", given=str(path), where="--model") from None
 
 
 def chosen(study: Study, wanted: list[str] | None) -> Study:
@@ -55,9 +67,12 @@ def chosen(study: Study, wanted: list[str] | None) -> Study:
     return replace(study, trials=tuple(study.trial(name) for name in dict.fromkeys(names)))
 
 
-def work(study: Study, folder: RunFolder | None, verbose: bool) -> dict[str, Any]:
-    """Simulate, compare, and write page, figures and JSON if there is a folder; the answer as in overlay.json."""
-    model = forward_model(study)
+def work(study: Study, folder: RunFolder | None, verbose: bool, found: Path | None = None) -> dict[str, Any]:
+    """Simulate, compare, and write page, figures and JSON if there is a folder; the answer as in overlay.json.
+
+    The baseline is simulated, or what a diagnosis found, by its model.toml.
+    """
+    model = forward_model(study) if found is None else AsDiagnosed.read(study, found)
     trials = []
     with Progress("simulating", len(study.trials), unit="trial", verbose=verbose) as progress:
         for trial in study.trials:

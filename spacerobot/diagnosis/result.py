@@ -23,6 +23,7 @@ class Diagnosis:
         found: every fit and screen of a wrist rig; None for other machines.
         judgement: of a wrist rig, what was decided, on which fit; None for other machines.
         left: of a wrist rig, what the finalists leave over, by set of effects.
+        model: of other machines, what was found as TOML, for `spacerobot overlay --model`.
         scene: of a wrist rig, its first trial as the chosen model has it.
         parts: of other machines, what was found at each joint, body or sensor.
     """
@@ -34,3 +35,4 @@ class Diagnosis:
     left: Mapping[tuple[tuple[str, str], ...], Left] = field(default_factory=dict)
     parts: tuple[Part, ...] = ()
     scene: Scene | None = None
+    model: str | None = None

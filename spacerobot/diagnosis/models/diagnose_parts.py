@@ -14,6 +14,7 @@ from spacerobot.diagnosis.models.choose import models_for
 from spacerobot.diagnosis.models.grow import MOST, grow
 from spacerobot.diagnosis.models.kept import Kept
 from spacerobot.diagnosis.models.model import Model
+from spacerobot.diagnosis.models.model_out import model_text
 from spacerobot.diagnosis.models.part import Part
 from spacerobot.diagnosis.models.part_checks import checks_of
 from spacerobot.diagnosis.models.part_evidence import evidence_of
@@ -71,7 +72,8 @@ def diagnose_parts(
         done.append(replace(part, located=located, checks=checks_of(part, seed)))
     report("judging", 0, 1)
     verdict = verdict_of(study, done, version=__version__, seed=seed, seconds=time.perf_counter() - began)
-    return Diagnosis(verdict, evidence_of(study, done, verdict), parts=tuple(done))
+    evidence = evidence_of(study, done, verdict)
+    return Diagnosis(verdict, evidence, parts=tuple(done), model=model_text(study, done))
 
 
 def _tell(report: Report, what: str, size: int) -> None:

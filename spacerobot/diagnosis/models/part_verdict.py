@@ -14,6 +14,8 @@ from spacerobot.diagnosis.locate.located import LEVEL
 from spacerobot.diagnosis.models.events import clocks, touches
 from spacerobot.diagnosis.models.grow import Candidate
 from spacerobot.diagnosis.models.held_out import scheme_of
+from spacerobot.diagnosis.models.model_out import FILE, RUNS
+from spacerobot.diagnosis.models.next_trial import next_trial
 from spacerobot.diagnosis.models.part import Part
 from spacerobot.diagnosis.screen import Screener
 from spacerobot.diagnosis.verdict import detectable, effect_entries, moved_values
@@ -33,6 +35,7 @@ def verdict_of(study: Study, parts: Sequence[Part], *, version: str, seed: int, 
     verdict = next(v for v in PRECEDENCE if v in own)
     speaking = [p for p, v in zip(parts, own, strict=True) if v == verdict]
     effects = [e for p in speaking for e in entries(p, len(parts))] if verdict == NAMED else []
+    further = [next_trial(p) for p, v in zip(parts, own, strict=True) if v == AMBIGUOUS]
     seen = touches([p.model for p in parts])
     return {
         "format": 1,
@@ -55,7 +58,8 @@ def verdict_of(study: Study, parts: Sequence[Part], *, version: str, seed: int, 
         ],
         "held_out": held_out(parts),
         "detectable": _detectable(parts),
-        "next_experiment": None,
+        "next_experiment": next((n for n in further if n is not None), None),
+        "model": {"file": FILE, "run": RUNS},
         "events": [t.entry() for t in seen],
         "clocks": clocks(study, seen),
         "parts": [_entry(p, v) for p, v in zip(parts, own, strict=True)],
