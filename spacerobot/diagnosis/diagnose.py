@@ -29,6 +29,7 @@ from spacerobot.diagnosis.search import Found, Report, search
 from spacerobot.diagnosis.verdict import detectable, held_out_entry, labels_of, verdict_dict
 from spacerobot.recordings.study import Study
 from spacerobot.support.errors import InputError
+from spacerobot.support.executors.base import Executor
 
 FINALISTS = 4
 CLOSE = 100.0
@@ -56,6 +57,7 @@ def diagnose(
     effects_files: Sequence[str] = (),
     report: Report = _silent,
     store: Store | None = None,
+    workers: Executor | None = None,
 ) -> Diagnosis:
     """Say where simulation and recording part, and which physics was left out.
 
@@ -68,6 +70,7 @@ def diagnose(
         effects_files: Python files with further effects (they are run).
         report: told of progress.
         store: keeps every finished fit, so that a diagnosis that was stopped goes on where it was.
+        workers: that fit a wrist rig's hypotheses (a Dask cluster's, for instance) instead of this machine's processes.
 
     Raises:
         InputError: the study cannot be diagnosed: nothing that was recorded can be compared with the baseline.
@@ -84,7 +87,7 @@ def diagnose(
         raise InputError("the study lacks a channel", given=sorted(missing), where=str(study.path))
     mechanism = workshop.model.mechanism({**workshop.model.base, **workshop.trials[0].overrides})
     sites = candidate_sites(mechanism, workshop.model.believed, without)
-    with Pool(workshop, jobs, effects_files, store) as pool:
+    with Pool(workshop, jobs, effects_files, store, workers) as pool:
         found = search(pool, sites, report)
         report("judging", 0, 1)
         freed = _freed(workshop, found.baseline)

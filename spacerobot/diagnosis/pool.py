@@ -8,7 +8,7 @@ import signal
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +23,9 @@ from spacerobot.diagnosis.starts import fit_from, fit_near
 from spacerobot.effects.registry import effect, load_file
 from spacerobot.recordings.study import Study
 from spacerobot.support.errors import InputError, SimulationError
+from spacerobot.support.executors.base import Executor
 from spacerobot.support.orphans import end_with_parent
+from spacerobot.support.runs import combined_hash
 
 WARM, COLD = "warm", "cold"
 
@@ -140,17 +142,57 @@ def _run(task: Task) -> Fit | None:
     return _workshop.run(task)
 
 
+@dataclass(frozen=True)
+class Shipment:
+    """A task with all that workers elsewhere need to do it; they read the study's files under the same paths."""
+
+    study: Study
+    make_model: Callable[[Study, Any], Any]
+    files: tuple[str, ...]
+    task: Task
+
+
+_shops: dict[str, Workshop] = {}
+
+
+def unpacked(shipment: Shipment) -> Fit | None:
+    """In a worker elsewhere: the task done, in a workshop that is kept for the next one of the same study."""
+    key = combined_hash(shipment.study.input_hash, *shipment.files)
+    if key not in _shops:
+        _shops.clear()
+        for file in shipment.files:
+            load_file(Path(file))
+        _shops[key] = Workshop(shipment.study, shipment.make_model)
+    return _shops[key].run(shipment.task)
+
+
 class Pool:
     """Runs tasks, in processes if more than one job is allowed; closes them on exit.
 
     Where a process is lost (killed for want of memory, most often) the rest is done in the calling one.
+
+    Args:
+        workshop: of this process.
+        jobs: processes.
+        files: with further effects.
+        store: keeps finished fits.
+        workers: that do the tasks instead of processes of this machine.
     """
 
-    def __init__(self, workshop: Workshop, jobs: int, files: Sequence[str] = (), store: Store | None = None) -> None:
+    def __init__(
+        self,
+        workshop: Workshop,
+        jobs: int,
+        files: Sequence[str] = (),
+        store: Store | None = None,
+        workers: Executor | None = None,
+    ) -> None:
         self.workshop = workshop
         self._store = store
+        self._workers = workers
+        self._files = tuple(files)
         self._executor: ProcessPoolExecutor | None = None
-        if jobs > 1:
+        if jobs > 1 and workers is None:
             self._executor = ProcessPoolExecutor(
                 jobs,
                 mp_context=multiprocessing.get_context("spawn"),
@@ -209,6 +251,9 @@ class Pool:
         return fit is not None or kept["fit"] is None, fit
 
     def _done(self, tasks: Sequence[Task]) -> Iterator[tuple[Task, Fit | None]]:
+        if self._workers is not None:
+            yield from self._elsewhere(self._workers, tasks)
+            return
         left = {id(task): task for task in tasks}
         if self._executor is not None:
             try:
@@ -219,6 +264,12 @@ class Pool:
                 self._close(now=True)
         for task in left.values():
             yield task, self.workshop.run(task)
+
+    def _elsewhere(self, workers: Executor, tasks: Sequence[Task]) -> Iterator[tuple[Task, Fit | None]]:
+        study = replace(self.workshop.study, _cache={})  # what was recorded is read where it is needed
+        shipments = (Shipment(study, self.workshop.make_model, self._files, t) for t in tasks)
+        for shipment, fit in workers.run(unpacked, shipments):
+            yield shipment.task, fit
 
     def _in_processes(self, tasks: Sequence[Task]) -> Iterator[tuple[Task, Fit | None]]:
         assert self._executor is not None
