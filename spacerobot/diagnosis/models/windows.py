@@ -38,7 +38,10 @@ class Drive:
         if all(m.kind in ("gain", "offset") for some in own.values() for m in some):
             return replace(self, value={c: through_sensor(own[c], v, 1.0) for c, v in self.value.items()})
         late = sum(abs(m.value) for some in own.values() for m in some if m.kind == "delay")
-        grid = np.arange(start - late - SETTLE * self.step, end + late, self.step / FINER)
+        # points of its own between the corners: a grid that moved with `start` would leap from corner to corner
+        fine = self.step / FINER
+        first, last = ((t - self.time[0]) / fine for t in (start - late - SETTLE * self.step, end + late))
+        grid = self.time[0] + fine * (np.arange(np.floor(first), np.ceil(last) + 1.0) + 0.5)
         value = {
             c: through_sensor(own[c], np.interp(grid, self.time, v), self.step / FINER) for c, v in self.value.items()
         }

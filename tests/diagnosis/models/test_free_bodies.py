@@ -8,7 +8,7 @@ import pytest
 from spacerobot.diagnosis.models.grow import slack
 from spacerobot.diagnosis.models.impacts import _impulse
 from spacerobot.diagnosis.models.part_verdict import of_turning, turning_unit
-from spacerobot.diagnosis.models.windows import Drive
+from spacerobot.diagnosis.models.windows import Drive, held
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import ChannelMap, Coordinate, Readout
 from spacerobot.effects.registry import effect
@@ -110,3 +110,14 @@ def test_names_and_units_about_an_axis() -> None:
 def test_slack_grows_with_the_baseline() -> None:
     assert slack(1.0, 1.0) == pytest.approx(1.0 / 0.95)
     assert slack(0.1, 10.0) == pytest.approx(0.3)
+
+
+def test_a_held_command_that_comes_out_sluggish_does_not_hang_on_where_a_run_begins() -> None:
+    """Corners of the command lie on multiples of the step: points that moved with the start would leap over them."""
+    corners, value = held(np.arange(0.0, 20.0, 0.125), np.random.default_rng(3).normal(size=160))
+    drive = Drive(corners, {"f": value}, corners)
+    maps = (ChannelMap("f", "low_pass", 2.0),)
+    here, moved = (drive.through(maps, start, 15.0) for start in (10.0, 10.0 - 1e-9))
+    at = np.linspace(10.0, 14.9, 500)
+    a, b = (np.interp(at, d.time, d.value["f"]) for d in (here, moved))
+    np.testing.assert_allclose(a, b, atol=1e-6)
