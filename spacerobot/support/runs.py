@@ -7,6 +7,7 @@ import fcntl
 import hashlib
 import io
 import json
+import os
 import re
 import shutil
 import zipfile
@@ -37,6 +38,14 @@ def combined_hash(*parts: object) -> str:
         text = dumps(part, indent=None)
         digest.update(f"{len(text)}:{text}".encode())
     return digest.hexdigest()
+
+
+def _a_path(name: str) -> bool:
+    """Whether the system takes it for a path at all; a marker of somebody else's may hold anything."""
+    try:
+        return b"\0" not in os.fsencode(name)
+    except UnicodeEncodeError:
+        return False
 
 
 class RunFolder:
@@ -217,7 +226,7 @@ class RunFolder:
             return None
         if not isinstance(found, dict) or not isinstance(found.get("outputs"), dict) or "state" not in found:
             return None
-        return found
+        return found if all(map(_a_path, found["outputs"])) else None
 
     def _is_mine(self, marker: Mapping[str, Any]) -> bool:
         mine = {"command": self.command, "input_hash": self.input_hash, "version": __version__}

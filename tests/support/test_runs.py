@@ -171,3 +171,17 @@ def test_a_folder_that_was_there_stays(tmp_path: Path) -> None:
     with pytest.raises(InputError), RunFolder(tmp_path, "fit", "1"):
         raise InputError("bad")
     assert tmp_path.is_dir()
+
+
+@pytest.mark.parametrize("name", ["\0", "a\0b", "\ud800"])
+@pytest.mark.parametrize("overwrite", [False, True])
+def test_a_marker_whose_outputs_are_no_paths_is_a_strangers(tmp_path: Path, name: str, overwrite: bool) -> None:
+    finished(tmp_path)
+    marker = json.loads((tmp_path / MARKER).read_text())
+    (tmp_path / MARKER).write_text(json.dumps({**marker, "outputs": {name: 2}}))
+    if overwrite:
+        with RunFolder(tmp_path, "diagnose", "a", overwrite=True) as run:
+            assert not run.finished
+    else:
+        with pytest.raises(InputError, match="the folder holds other files"):
+            RunFolder(tmp_path, "diagnose", "a")
