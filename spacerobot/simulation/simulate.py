@@ -23,6 +23,10 @@ USUAL_RATE, USUAL_SAMPLES = 1000.0, 200_000
 MAX_SAMPLES = 2_000_000
 
 
+LONGEST = 1e6
+"""Seconds (eleven days) of a simulation at most."""
+
+
 def simulate(
     scene: Scene,
     *,
@@ -56,6 +60,13 @@ def simulate(
     end = default_duration(scene) if end is None else end
     if not (math.isfinite(end) and end > 0.0):
         raise InputError("duration must be positive", given=end)
+    if end > LONGEST:
+        raise InputError(
+            "too long a run" if duration is not None or scene.duration is not None else "the contact would last too long",
+            given=f"{end:g} s in all",
+            valid=f"at most {LONGEST:g} s; a stiffer wrist, a lighter or a faster target, or a duration",
+            where="duration",
+        )
     rate = usual_rate(end) if rate is None else rate
     if not (math.isfinite(rate) and rate > 0.0):
         raise InputError("rate must be positive", given=rate, where="rate")

@@ -10,8 +10,8 @@ import numpy as np
 from spacerobot.effects.kernel import padded
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import ChannelMap
-from spacerobot.simulation.reduced.arrays import LAWS
 from spacerobot.simulation.reduced.forces import call_law
+from spacerobot.simulation.reduced.law_table import LAWS
 from spacerobot.support.jit import jit
 
 

@@ -13,10 +13,12 @@ from spacerobot.simulation.multibody.assembly import Assembly
 from spacerobot.simulation.multibody.kernel import CIRCLE, STRAIGHT, accelerate, exert, load, sense
 from spacerobot.simulation.multibody.layout import packed, scratch_from
 from spacerobot.simulation.multibody.ports import for_bodies, layout_of
-from spacerobot.simulation.reduced.arrays import BIAS, FORCE, FRICTION, LAWS, RAW, W_ROWS, D, System, V, assemble, pack
+from spacerobot.simulation.reduced.arrays import BIAS, FORCE, FRICTION, RAW, W_ROWS, D, System, V, pack
+from spacerobot.simulation.reduced.assemble import assemble
 from spacerobot.simulation.reduced.events import fix_edges
 from spacerobot.simulation.reduced.forces import PRESSED, STICK, TINY, level
 from spacerobot.simulation.reduced.guards import guards
+from spacerobot.simulation.reduced.law_table import LAWS
 
 
 class Dynamics:

@@ -21,6 +21,9 @@ MAX_STEPS, MAX_EVENTS = 150_000, 5_000
 """The record of so many steps takes most of 1 GB."""
 _CONTACT = {APART: "apart", PRESSED: "touch", RELEASED: "release"}
 _SAFETY, _SHRINK, _GROW = 0.9, 0.2, 6.0
+_NEAR = 1e-7
+"""Share of a step: Newton's correction of an event's time is the last when it is smaller, for the next one would be of
+the order of its square."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,7 +165,7 @@ class Integrator:
             if part + change <= 0.0 or part + change > full:
                 break
             part += change
-            if abs(change) < 1e-15 * max(1.0, abs(t)) or abs(change) < 1e-13 * full:
+            if abs(change) < max(_NEAR * full, 1e-15 * max(1.0, abs(t))):
                 break
         self._advance(t, y, part)
         return part

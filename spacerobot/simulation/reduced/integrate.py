@@ -30,6 +30,9 @@ from spacerobot.simulation.reduced.stepper import dense, error_norm, stages
 from spacerobot.support.jit import jit
 
 OK, TOO_MANY_STEPS, TOO_MANY_EVENTS, NOT_FINITE = 0, 1, 2, 3
+NEAR = 1e-7
+"""Share of a step: Newton's correction of an event's time is the last when it is smaller, for the next one would be of
+the order of its square."""
 MAX_STEPS, MAX_EVENTS = 1_000_000, 100_000
 
 
@@ -149,7 +152,7 @@ def integrate(
                 if part + change <= 0.0 or part + change > full:
                     break
                 part += change
-                if abs(change) < 1e-15 * max(1.0, abs(t)) or abs(change) < 1e-13 * full:
+                if abs(change) < max(NEAR * full, 1e-15 * max(1.0, abs(t))):
                     break
             stages(x, c, laws, t, y, part, modes, u, w, k, new)
             dense(k, q)

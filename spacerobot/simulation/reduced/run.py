@@ -10,9 +10,11 @@ import numpy as np
 
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.simulation.events import Event
-from spacerobot.simulation.reduced.arrays import LAWS, Layout, Packed, System, assemble_packed, initial_vector
+from spacerobot.simulation.reduced.arrays import Packed, System
+from spacerobot.simulation.reduced.assemble import Layout, assemble_packed, initial_vector
 from spacerobot.simulation.reduced.forces import APART, PRESSED, RELEASED, STICK
 from spacerobot.simulation.reduced.integrate import MAX_STEPS, NOT_FINITE, OK, TOO_MANY_EVENTS, Steps, integrate
+from spacerobot.simulation.reduced.law_table import LAWS
 from spacerobot.simulation.reduced.sampling import sample, sample_contact, sample_states, work_done
 from spacerobot.simulation.unfinished import too_many
 from spacerobot.support.errors import InputError, SimulationError

@@ -1,0 +1,217 @@
+"""From a mechanism to the arrays; built per parameter set, so what its shape alone decides is made once."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from spacerobot.effects.kernel import PARAMETERS, Kernel
+from spacerobot.effects.laws import CONTACT, DAMPER, SPRING
+from spacerobot.effects.mechanism import Mechanism
+from spacerobot.simulation.reduced.arrays import (
+    NATIVE_CONTACT,
+    NATIVE_DAMPER,
+    NATIVE_SPRING,
+    NONE,
+    Folding,
+    Packed,
+    System,
+    folding,
+    linear_part,
+    packed_floats,
+    packed_ints,
+)
+from spacerobot.simulation.reduced.law_table import LAWS
+from spacerobot.support.errors import NotFoundError
+
+_NATIVE = {SPRING: NATIVE_SPRING, DAMPER: NATIVE_DAMPER, CONTACT: NATIVE_CONTACT}
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Names behind the arrays: what index a coordinate, port, force or friction has."""
+
+    coordinates: tuple[str, ...]
+    ports: tuple[str, ...]
+    forces: tuple[str, ...]
+    frictions: tuple[str, ...]
+    inputs: tuple[str, ...]
+
+    def port(self, name: str) -> int:
+        """Index of a port."""
+        if name not in self.ports:
+            raise NotFoundError("port", name, self.ports)
+        return self.ports.index(name)
+
+
+@functools.lru_cache(maxsize=4096)
+def _law_pair(kernel: Kernel) -> tuple[int, int]:
+    native = _NATIVE.get(kernel)
+    if native is not None:
+        return native, NONE
+    return LAWS.index(kernel.force), LAWS.index(kernel.edge) if kernel.has_edge else NONE
+
+
+class Shape(NamedTuple):
+    """What a mechanism consists of, without the numbers that a fit changes."""
+
+    coordinates: tuple[str, ...]
+    ports: tuple[tuple[str, tuple[tuple[str, float], ...]], ...]
+    contact: tuple[str, Kernel] | None
+    forces: tuple[tuple[str, str, str, str | None, Kernel], ...]  # name, port, sensed port, aux port, law
+    frictions: tuple[tuple[str, str, Any, bool], ...]  # name, port, law, pressed by the contact
+    inputs: tuple[tuple[str, str], ...]  # name, port
+
+
+@dataclass(frozen=True, eq=False)
+class Template:
+    """The arrays of a shape that no number changes, and the places of its names."""
+
+    layout: Layout
+    place: Mapping[str, int]
+    index: Mapping[str, int]
+    blank: System
+    order: Folding
+    ints: dict[int, np.ndarray]  # packed integers by number of impulses
+
+
+def shape(m: Mechanism) -> Shape:
+    """The shape of a mechanism."""
+    return Shape(
+        tuple(m.coordinates),
+        tuple((port, tuple(row.items())) for port, row in m.ports.items()),
+        None if m.contact is None else (m.contact.name, m.contact.kernel),
+        tuple((f.name, f.port, f.sense or f.port, f.aux, f.kernel) for f in m.forces),
+        tuple((f.name, f.port, f.level, f.normal is not None) for f in m.frictions),
+        tuple((i.name, i.port) for i in m.inputs),
+    )
+
+
+@functools.lru_cache(maxsize=512)
+def template(of: Shape) -> Template:
+    """The fixed arrays of a shape; fits ask for the same few thousands of times."""
+    names = of.coordinates
+    index = {name: i for i, name in enumerate(names)}
+    ports = [port for port, _ in of.ports]
+    special = np.full(4, NONE, dtype=np.int64)
+    if of.contact is not None:
+        ports += ["contact", "contact.slide"]
+        special[:] = len(ports) - 2, len(ports) - 1, index.get("target.yaw", NONE), 0
+    rows = np.zeros((len(ports), len(names)))
+    for p, (_, row) in enumerate(of.ports):
+        for coordinate, coefficient in row:
+            rows[p, index[coordinate]] = coefficient
+    if of.contact is not None:
+        rows[special[0], index["target"]] = 1.0
+        rows[special[0], index["wrist"]] = -1.0
+        if "target.y" in index:
+            rows[special[1], index["target.y"]] = 1.0
+    place = {port: i for i, port in enumerate(ports)}
+    laws: list[tuple[str, str, str, str | None, Kernel]] = [*of.forces]
+    if of.contact is not None:
+        laws.insert(0, (of.contact[0], "contact", "contact", None, of.contact[1]))
+    pairs = [_law_pair(kernel) for *_, kernel in laws]
+    blank = System(
+        inverse_mass=np.zeros(len(names)),
+        rows=rows,
+        geometry=np.zeros(2),
+        special=special,
+        force_port=np.array([place[port] for _, port, *_ in laws], dtype=np.int64),
+        force_sense=np.array([place[sensed] for _, _, sensed, *_ in laws], dtype=np.int64),
+        force_aux=np.array([NONE if aux is None else place[aux] for *_, aux, _ in laws], dtype=np.int64),
+        force_law=np.array([law for law, _ in pairs], dtype=np.int64),
+        force_edge=np.array([edge for _, edge in pairs], dtype=np.int64),
+        parameters=np.zeros((len(laws), PARAMETERS)),
+        contact=np.zeros(2),
+        friction_port=np.array([place[port] for _, port, *_ in of.frictions], dtype=np.int64),
+        friction_law=np.array([LAWS.index(level) for *_, level, _ in of.frictions], dtype=np.int64),
+        friction_normal=np.array([normal for *_, normal in of.frictions], dtype=np.int64),
+        friction_parameters=np.zeros((len(of.frictions), PARAMETERS)),
+        constant=np.zeros(len(names)),
+        input_port=np.array([place[port] for _, port in of.inputs], dtype=np.int64),
+        input_gain=np.zeros(len(of.inputs)),
+        impulse_time=np.zeros(0),
+        impulse=np.zeros((0, len(names))),
+    )
+    layout = Layout(
+        names,
+        tuple(ports),
+        tuple(name for name, *_ in laws),
+        tuple(name for name, *_ in of.frictions),
+        tuple(name for name, _ in of.inputs),
+    )
+    return Template(layout, place, index, blank, folding(blank), {})
+
+
+def assemble(mechanism: Mechanism) -> tuple[System, Layout]:
+    """The arrays of a mechanism, and the names behind them.
+
+    Raises:
+        NotFoundError: an element names a port that is not there.
+    """
+    made = template(shape(mechanism))
+    return _numbered(mechanism, made), made.layout
+
+
+def assemble_packed(mechanism: Mechanism) -> tuple[System, Layout, Packed]:
+    """`assemble` and `pack` at once; what the shape alone decides is looked up."""
+    made = template(shape(mechanism))
+    system = _numbered(mechanism, made)
+    kicks = system.impulse_time.size
+    ints = made.ints.get(kicks)
+    if ints is None:
+        ints = made.ints[kicks] = packed_ints(system, made.order)
+    return system, made.layout, Packed(packed_floats(system, linear_part(system, made.order)), ints)
+
+
+def _numbered(mechanism: Mechanism, made: Template) -> System:
+    contact, blank = mechanism.contact, made.blank
+    parameters = np.zeros_like(blank.parameters)
+    row = 0
+    if contact is not None:
+        parameters[0, : len(contact.p)] = contact.p
+        row = 1
+    for force in mechanism.forces:
+        parameters[row, : len(force.p)] = force.p
+        row += 1
+    friction_parameters = np.zeros_like(blank.friction_parameters)
+    for i, friction in enumerate(mechanism.frictions):
+        friction_parameters[i, : len(friction.p)] = friction.p
+    constant = np.zeros(len(made.index))
+    for item in mechanism.fields:
+        constant[made.index[item.body]] += mechanism.coordinates[item.body].mass * item.acceleration
+    changed: dict[str, np.ndarray] = {}
+    if mechanism.impulses:
+        kicks = sorted(mechanism.impulses, key=lambda k: k.time)
+        changed["impulse_time"] = np.array([k.time for k in kicks], dtype=float)
+        changed["impulse"] = np.array([k.impulse * blank.rows[made.place[k.port]] for k in kicks])
+    if mechanism.inputs:
+        changed["input_gain"] = np.array([i.gain for i in mechanism.inputs], dtype=float)
+    if contact is not None:
+        changed["geometry"] = np.array([contact.ahead, contact.lateral])
+        changed["contact"] = np.array([contact.hold, float(contact.bilateral)])
+    return blank._replace(
+        inverse_mass=1.0 / np.array([c.mass for c in mechanism.coordinates.values()]),
+        parameters=parameters,
+        friction_parameters=friction_parameters,
+        constant=constant,
+        **changed,
+    )
+
+
+def initial_vector(layout: Layout, values: Mapping[str, float]) -> np.ndarray:
+    """A vector over the coordinates, zero where `values` is silent, shape (n,).
+
+    Raises:
+        NotFoundError: a name that is no coordinate.
+    """
+    vector = np.zeros(len(layout.coordinates))
+    for name, value in values.items():
+        if name not in layout.coordinates:
+            raise NotFoundError("coordinate", name, layout.coordinates)
+        vector[layout.coordinates.index(name)] = value
+    return vector
