@@ -14,7 +14,9 @@ from spacerobot.diagnosis.locate.located import Located
 from spacerobot.diagnosis.locate.series import BalanceSeries, locate_series
 from spacerobot.diagnosis.models.inverse_dynamics import InverseDynamics
 from spacerobot.diagnosis.models.model import Model
+from spacerobot.diagnosis.models.platform import Platform
 from spacerobot.diagnosis.models.simulated import Simulated
+from spacerobot.diagnosis.models.weak import Bump
 from spacerobot.support.errors import InputError
 
 DRIVE = "recorded drive"
@@ -25,13 +27,16 @@ LONGEST = 600
 
 PIECES = 12
 
+TRACK = 2.0
+"""Half width [s] of the test functions that a slow base's track is seen through."""
+
 DRIVE_NOISE = 0.01
 """Noise of a recorded drive as a share of its rms; how much matters little where the noise is not known."""
 
 
 def has_balance(model: Model) -> bool:
     """Whether a model has balances to be tested."""
-    return isinstance(model, InverseDynamics | Simulated)
+    return isinstance(model, InverseDynamics | Simulated | Platform)
 
 
 def locate_model(
@@ -49,6 +54,8 @@ def locate_model(
     """
     if isinstance(model, InverseDynamics):
         return locate_series(joint_series(model, values_by_trial), seed=seed)
+    if isinstance(model, Platform):
+        return locate_series(track_series(model, values_by_trial), seed=seed)
     if isinstance(model, Simulated):
         pieces = tuple(p for t in model.recorded.values() for p in _pieces(_with_drive(model, t)))
         if values_by_trial is None:
@@ -94,6 +101,40 @@ def joint_series(
                 )
             )
     return out
+
+
+def track_series(
+    model: Platform, values_by_trial: Mapping[str, Mapping[str, float]] | None = None
+) -> list[BalanceSeries]:
+    """The force and torque balances of a floating base: what its track needs beyond what momentum gives it.
+
+    The common motion of track and prediction, and with it any error of the start, has no second derivative: none is
+    left in the test functions' integrals.
+    """
+    values = values_by_trial or believed_values(model, model.trials)
+    out = []
+    for trial in model.trials:
+        mechanism = model.mechanism(values[trial.id], trial)
+        start = np.array([n.guess for n in model.nuisances(trial)])
+        shown = model.predict(mechanism, trial, start).blocks
+        for (name, coordinate), block, predicted in zip(
+            mechanism.coordinates.items(), trial.blocks, shown, strict=True
+        ):
+            step = float(np.median(np.diff(block.time)))
+            grid = np.arange(block.time[0], block.time[-1], step)
+            track, gap = (np.interp(grid, block.time, x) for x in (block.value[0], predicted[0] - block.value[0]))
+            bump = Bump.of(max(3, round(TRACK / step)), step)
+            residual = coordinate.mass * bump.acceleration(gap)[:: bump.half // 2]
+            sigma = np.full(residual.size, float(np.std(residual)) or 1.0)
+            speed = np.gradient(track, grid)
+            see = _spaced(bump)
+            out.append(BalanceSeries(name, coordinate.angular, trial.id, residual, sigma, track, speed, see))
+    return out
+
+
+def _spaced(bump: Bump) -> Callable[[np.ndarray], np.ndarray]:
+    """Through test functions a quarter of their width apart."""
+    return lambda patterns: bump.smooth(patterns)[:: bump.half // 2]
 
 
 def _eye(model: InverseDynamics, trial: TrialData, good: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:

@@ -13,7 +13,7 @@ from spacerobot.diagnosis.judge import AMBIGUOUS, NAMED, NOT_TRUSTED, NOTHING_MI
 from spacerobot.diagnosis.locate.located import LEVEL
 from spacerobot.diagnosis.models.events import clocks, touches
 from spacerobot.diagnosis.models.grow import Candidate
-from spacerobot.diagnosis.models.held_out import scheme_of
+from spacerobot.diagnosis.models.held_out import parent, scheme_of
 from spacerobot.diagnosis.models.model_out import FILE, RUNS
 from spacerobot.diagnosis.models.next_trial import next_trial
 from spacerobot.diagnosis.models.part import Part
@@ -56,6 +56,7 @@ def verdict_of(study: Study, parts: Sequence[Part], *, version: str, seed: int, 
             for r in p.located.rows
             if r.p < LEVEL
         ],
+        "not_located": {p.name: why for p in parts if (why := _not_located(p))},
         "held_out": held_out(parts),
         "detectable": _detectable(parts),
         "next_experiment": next((n for n in further if n is not None), None),
@@ -64,6 +65,19 @@ def verdict_of(study: Study, parts: Sequence[Part], *, version: str, seed: int, 
         "clocks": clocks(study, seen),
         "parts": [_entry(p, v) for p, v in zip(parts, own, strict=True)],
     }
+
+
+def _not_located(part: Part) -> str:
+    """Why nothing is located in a part; nothing to say where something is."""
+    if part.located is None:
+        return part.model.no_balance
+    if any(r.p < LEVEL for r in part.located.rows):
+        return ""
+    pieces = len({parent(t) for t in part.trials})
+    return (
+        f"no pattern of its balance agrees over {pieces} recorded {'trial' if pieces == 1 else 'trials'} to a level of "
+        f"{LEVEL:g}, or it closes"
+    )
 
 
 def entries(part: Part, count: int) -> list[dict[str, Any]]:

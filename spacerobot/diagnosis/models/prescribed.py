@@ -27,6 +27,7 @@ class Prescribed(Model):
     """A channel that should show a recorded motion, up to where the two count from, and in which direction."""
 
     metric = "carried motion"
+    no_balance = "its motion is carried along a known one, whatever forces that takes"
 
     def __init__(self, study: Study, trials: Sequence[Trial], channel: str, source: str) -> None:
         """`channel` is measured, `source` the known motion (both m or rad)."""
