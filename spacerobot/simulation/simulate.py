@@ -62,7 +62,7 @@ def simulate(
         raise InputError("duration must be positive", given=end)
     if end > LONGEST:
         raise InputError(
-            "too long a run" if duration is not None or scene.duration is not None else "the contact would last too long",
+            "the run would last too long",
             given=f"{end:g} s in all",
             valid=f"at most {LONGEST:g} s; a stiffer wrist, a lighter or a faster target, or a duration",
             where="duration",

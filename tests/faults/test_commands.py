@@ -84,7 +84,7 @@ def test_prove(tmp_path: Path) -> None:
 
 
 def begun(arguments: list[str]) -> subprocess.Popen[str]:
-    """A command in a session of its own, as a terminal would start it."""
+    """A command in a session of its own that hears Ctrl-C, as a terminal starts it; a job in the background does not."""
     return subprocess.Popen(
         [sys.executable, "-m", "spacerobot", *arguments],
         cwd=ROOT,
@@ -92,6 +92,7 @@ def begun(arguments: list[str]) -> subprocess.Popen[str]:
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
 
 

@@ -89,6 +89,13 @@ def test_a_heavy_body_on_a_soft_spring_is_read_less_often_where_nobody_says_how_
     assert found.restitution.hand == pytest.approx(expected.restitution_hand, abs=2e-5)
 
 
+def test_a_contact_of_a_year_is_refused() -> None:
+    with pytest.raises(InputError, match=r"duration: the run would last too long; given: .* s in all"):
+        simulate(scene(1e-12, 9.0, 0.07))
+    with pytest.raises(InputError, match=r"duration: the run would last too long; given: 3.2e\+07 s"):
+        simulate(scene(1e3, 9.0, 0.07), duration=3.2e7)
+
+
 def test_too_many_samples_are_refused_with_the_rate_that_would_do() -> None:
     with pytest.raises(InputError, match=r"rate: too many samples for 4000 s; given: 1000 Hz; valid: at most 500 Hz"):
         simulate(scene(1e3, 1.0, 0.07), duration=4000.0, rate=1000.0)
