@@ -84,7 +84,7 @@ def test_prove(tmp_path: Path) -> None:
 
 
 def begun(arguments: list[str]) -> subprocess.Popen[str]:
-    """A command in a session of its own that hears Ctrl-C, as a terminal starts it; a job in the background does not."""
+    """A command in a session of its own that hears Ctrl-C as from a terminal; a job in the background does not."""
     return subprocess.Popen(
         [sys.executable, "-m", "spacerobot", *arguments],
         cwd=ROOT,
