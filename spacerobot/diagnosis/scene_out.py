@@ -63,6 +63,7 @@ def scene_of(study: Study, model: RigModel, fit: Fit, trial: str | None = None) 
             contact_point=(ahead, lateral, 0.0),
             attitude=(0.0, 0.0, yaw),
             speed=start["target", True],
+            drift=start.get(("target.y", True), 0.0),
             gap=max(-start["target", False] - turned, 0.0),
         ),
         duration=data.end - data.start,

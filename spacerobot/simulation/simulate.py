@@ -118,6 +118,7 @@ def reduced_start(scene: Scene) -> tuple[dict[str, float], dict[str, float]]:
     velocity = {
         "wrist": scene.wrist.deflection_rate - scene.hand_speed,
         "target": scene.target.speed,
+        "target.y": scene.target.drift,
         "target.yaw": float(np.array(scene.target.spin) @ scene.axes[:, 2]),
     }
     if "hand" in mechanism.coordinates:

@@ -115,7 +115,7 @@ def assemble_bodies(scene: Scene, mechanism: Mechanism) -> Assembly:
     if scene.base == "free":
         v[:3] = -scene.hand_speed * approach  # the base stands unturned at the start
     at = model.joints[target].idx_v
-    v[at : at + 3] = scene.attitude.T @ (scene.target.speed * approach)
+    v[at : at + 3] = scene.attitude.T @ (scene.target.speed * approach + scene.target.drift * scene.axes[:, 1])
     v[at + 3 : at + 6] = scene.attitude.T @ np.array(scene.target.spin)
     v[model.joints[slider].idx_v] = scene.wrist.deflection_rate
     return Assembly(

@@ -32,6 +32,7 @@ class Target:
         attitude: roll, pitch, yaw of the body in the approach axes at the start [rad].
         spin: angular velocity at the start, world axes [rad/s].
         speed: along `approach` at the start [m/s].
+        drift: across it, along the lateral axis, at the start [m/s].
         gap: from the contact point to the tip of the wrist at rest, at the start and along `approach` [m].
     """
 
@@ -42,6 +43,7 @@ class Target:
     attitude: tuple[float, ...] = (0.0, 0.0, 0.0)
     spin: tuple[float, ...] = (0.0, 0.0, 0.0)
     speed: float = 0.1
+    drift: float = 0.0
     gap: float = 0.0
 
     def __post_init__(self) -> None:
@@ -52,6 +54,7 @@ class Target:
         put("attitude", vector(self.attitude, 3, "target.attitude", "roll, pitch, yaw"))
         put("spin", vector(self.spin, 3, "target.spin"))
         put("speed", number(self.speed, "target.speed"))
+        put("drift", number(self.drift, "target.drift"))
         put("gap", number(self.gap, "target.gap"))
         if self.gap < 0.0:
             raise InputError(
