@@ -12,7 +12,7 @@ from typing import Any
 
 from spacerobot import __version__
 from spacerobot.diagnosis.diagnose import diagnose
-from spacerobot.diagnosis.models.figures import measured, quoted
+from spacerobot.diagnosis.models.figures import Figure, measured, quoted
 from spacerobot.diagnosis.result import Diagnosis
 from spacerobot.recordings.study import Study, bundled_studies, load_study, resolve_study
 from spacerobot.support.errors import InputError
@@ -60,6 +60,9 @@ def _verdict(study: Study, name: str, runs: Path | None) -> Mapping[str, Any]:
     if path is not None and path.exists():
         kept: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
         if kept.get("input_hash") == study.input_hash and kept.get("spacerobot") == __version__:
+            notes = {f.what: f.note for f in _quoted(study)}
+            for figure in kept.get("figures", ()):
+                figure["note"] = notes.get(figure["what"], "")
             return kept
     began = time.process_time()
     found = diagnose(study, jobs=1)
@@ -73,8 +76,6 @@ def _verdict(study: Study, name: str, runs: Path | None) -> Mapping[str, Any]:
 
 def _figures(study: Study, found: Diagnosis) -> list[dict[str, Any]]:
     """What others state for these recordings, and the same measure of ours."""
-    folder = study.path if study.path.is_dir() else study.path.parent
-    stated = quoted(folder)
     return [
         {
             "what": f.what,
@@ -83,5 +84,10 @@ def _figures(study: Study, found: Diagnosis) -> list[dict[str, Any]]:
             "theirs": {"before": list(f.before), "after": list(f.after)},
             "ours": measured(f, found.parts),
         }
-        for f in (stated.figures if stated is not None else ())
+        for f in _quoted(study)
     ]
+
+
+def _quoted(study: Study) -> tuple[Figure, ...]:
+    stated = quoted(study.path if study.path.is_dir() else study.path.parent)
+    return stated.figures if stated is not None else ()
