@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from spacerobot.view.report.words import number
-
 
 def happened(verdict: Mapping[str, Any]) -> tuple[str, ...]:
     """A sentence for each touch and each clock; none where nothing was found."""
@@ -21,7 +19,7 @@ def happened(verdict: Mapping[str, Any]) -> tuple[str, ...]:
         way = "behind" if late["value"] < 0.0 else "ahead of"
         low, high = sorted(abs(x) for x in late["ci95"])
         out.append(
-            f"The clock of {clock['where']} is {number(abs(late['value']))} s (95 %: {number(low)} to {number(high)}) "
+            f"The clock of {clock['where']} is {abs(late['value']):.3f} s (95 %: {low:.3f} to {high:.3f}) "
             f"{way} that of {clock['against']} in trial {clock['trial']}: {clock['why']}."
         )
     return tuple(out)
