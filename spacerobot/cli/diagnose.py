@@ -25,6 +25,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", type=int, default=0, help="of synthetic copies and permutations (default 0)")
     parser.add_argument("--jobs", type=int, default=None, help="processes (default: all cores)")
     parser.add_argument(
+        "--dask", metavar="ADDRESS", help="fit a wrist rig on this Dask scheduler's workers, which see the same files"
+    )
+    parser.add_argument(
         "--effects", action="append", default=[], metavar="FILE.py", help="further effects; the file's code is run"
     )
     parser.add_argument(

@@ -15,6 +15,7 @@ from spacerobot.diagnosis.schema import validate
 from spacerobot.effects.registry import effect, load_file
 from spacerobot.recordings.study import load_study, resolve_study
 from spacerobot.support.errors import InputError
+from spacerobot.support.executors.choose import executor
 from spacerobot.support.jsonio import dumps, plain
 from spacerobot.support.progress import Progress
 from spacerobot.support.runs import RunFolder, combined_hash
@@ -36,6 +37,8 @@ def run(args: argparse.Namespace) -> int:
     """Diagnose a study and write what was found."""
     if args.jobs is not None and args.jobs < 1:
         raise InputError("--jobs must be at least 1", given=args.jobs)
+    if args.dask is not None and args.jobs is not None:
+        raise InputError("the workers are Dask's", given=f"--jobs {args.jobs}", valid="--dask or --jobs")
     for file in args.effects:
         print(f"running the code of {file}: {', '.join(load_file(Path(file)))}", file=sys.stderr)
     for name in args.without:
@@ -49,6 +52,7 @@ def run(args: argparse.Namespace) -> int:
             folder = stack.enter_context(RunFolder(args.out, "diagnose", key, overwrite=args.overwrite))
             if folder.finished:
                 return _show(args, json.loads((folder.folder / "verdict.json").read_text(encoding="utf-8")), folder)
+        workers = None if args.dask is None else stack.enter_context(executor(dask=args.dask))
         report = stack.enter_context(_Stages(args.verbose))
         result = diagnose(
             study,
@@ -58,6 +62,7 @@ def run(args: argparse.Namespace) -> int:
             effects_files=args.effects,
             report=report,
             store=folder,
+            workers=workers,
         )
         verdict, evidence = plain(result.verdict), plain(result.evidence)
         validate(verdict)

@@ -22,6 +22,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("study", metavar="STUDY", help="a folder, its study.toml, or the name of a bundled study")
     parser.add_argument("--trials", nargs="+", metavar="ID", help="only these; separated by spaces or commas")
     parser.add_argument("--model", metavar="FILE", help="model.toml of a diagnosis, instead of the baseline")
+    parser.add_argument("--dask", metavar="ADDRESS", help="simulate on a Dask scheduler's workers, with the same files")
     parser.add_argument("--data", metavar="DIR", help="folder that the study's files are relative to")
     parser.add_argument("--json", action="store_true", help="print one JSON object, that of overlay.json")
     parser.add_argument("--out", metavar="DIR", help="folder for page, figures and data")

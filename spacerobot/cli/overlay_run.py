@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import hashlib
 import json
 import re
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -13,12 +15,12 @@ from typing import Any
 import numpy as np
 
 from spacerobot import __version__
-from spacerobot.diagnosis.forward.as_diagnosed import AsDiagnosed
 from spacerobot.diagnosis.forward.base import ForwardModel, TrialOverlay
-from spacerobot.diagnosis.forward.choose import forward_model
+from spacerobot.diagnosis.forward.elsewhere import model_of, overlays
 from spacerobot.diagnosis.forward.residuals import by_channel, residuals
 from spacerobot.recordings.study import Study, load_study
 from spacerobot.support.errors import InputError
+from spacerobot.support.executors.choose import executor
 from spacerobot.support.jsonio import dumps, plain
 from spacerobot.support.progress import Progress
 from spacerobot.support.runs import RunFolder, combined_hash
@@ -32,13 +34,13 @@ def run(args: argparse.Namespace) -> int:
     study = chosen(load_study(args.study, args.data), args.trials)
     file = None if args.model is None else Path(args.model)
     if args.out is None:
-        answer = work(study, None, args.verbose, file)
+        answer = work(study, None, args.verbose, file, args.dask)
     else:
         found = [] if file is None else [hashlib.sha256(_bytes(file)).hexdigest()]
         key = combined_hash("overlay", study.input_hash, [t.id for t in study.trials], *found)
         with RunFolder(args.out, "overlay", key, overwrite=args.overwrite) as folder:
             if not folder.finished:
-                work(study, folder, args.verbose, file)
+                work(study, folder, args.verbose, file, args.dask)
             answer = json.loads((folder.folder / "overlay.json").read_text(encoding="utf-8"))
             answer["page"] = str(folder.folder / "overlay.html")
     print(dumps(answer) if args.json else summary(answer))
@@ -67,17 +69,25 @@ def chosen(study: Study, wanted: list[str] | None) -> Study:
     return replace(study, trials=tuple(study.trial(name) for name in dict.fromkeys(names)))
 
 
-def work(study: Study, folder: RunFolder | None, verbose: bool, found: Path | None = None) -> dict[str, Any]:
+def work(
+    study: Study, folder: RunFolder | None, verbose: bool, found: Path | None = None, dask: str | None = None
+) -> dict[str, Any]:
     """Simulate, compare, and write page, figures and JSON if there is a folder; the answer as in overlay.json.
 
-    The baseline is simulated, or what a diagnosis found, by its model.toml.
+    The baseline is simulated, or what a diagnosis found, by its model.toml; here, or on a Dask scheduler's workers.
     """
-    model = forward_model(study) if found is None else AsDiagnosed.read(study, found)
-    trials = []
-    with Progress("simulating", len(study.trials), unit="trial", verbose=verbose) as progress:
-        for trial in study.trials:
-            trials.append(model.simulate(trial))
+    model = model_of(study, found)
+    by_id: dict[str, TrialOverlay] = {}
+    with contextlib.ExitStack() as stack:
+        progress = stack.enter_context(Progress("simulating", len(study.trials), unit="trial", verbose=verbose))
+        if dask is None:
+            coming: Iterator[TrialOverlay] = (model.simulate(trial) for trial in study.trials)
+        else:
+            coming = overlays(study, found, stack.enter_context(executor(dask=dask)))
+        for done in coming:
+            by_id[done.id] = done
             progress.advance()
+    trials = [by_id[t.id] for t in study.trials]
     answer = plain(as_json(study, model, trials))
     if folder is not None:
         _write(study, model, trials, folder, verbose)
