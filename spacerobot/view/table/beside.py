@@ -12,7 +12,9 @@ INTRO = """\
 
 Those who collected these recordings for this project fitted each of them by hand, knowing which physics to look for.
 Their figures are quoted from `quick_fits.toml` beside each study, which the diagnosis never reads; ours are the same
-measure of predictions of unseen data, without knowing. Ours is called as good where it is no larger.
+measure of predictions of unseen data, without knowing. Ours is called as good where it is no larger. Where the errors
+before differ much, the pieces or starts that theirs were taken over are not known, or our baseline's open values were
+fitted.
 """
 
 
