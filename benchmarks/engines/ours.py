@@ -32,9 +32,7 @@ def multibody(scene: Scene, tolerance: float) -> Outcome:
 def reduced(scene: Scene, tolerance: float) -> Outcome:
     """The reduced backend: of a held arm nothing moves but wrist and target."""
     position, velocity = reduced_start(scene)
-    run = simulate(
-        scene.mechanism("reduced"), position=position, velocity=velocity, end=DURATION, tolerance=tolerance
-    )
+    run = simulate(scene.mechanism("reduced"), position=position, velocity=velocity, end=DURATION, tolerance=tolerance)
     intervals = contact_intervals(run.events, bool(run.steps.modes[0, 0] == PRESSED), 0.0, DURATION)
     _, speeds = run.states(np.array([intervals[-1][1]]))
     speed = speeds[0, run.layout.coordinates.index("target")]

@@ -22,12 +22,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("robot", nargs="?", help="a name, a URDF file or URDF text; all names if absent")
     parser.add_argument("--tip", metavar="FRAME", help="frame at the end of the arm")
     parser.add_argument("--wrist", action="store_true", help="attach the compliant wrist to the tip")
-    parser.add_argument(
-        "--chaser", action="store_true", help="put the arm on the default free-flying spacecraft"
-    )
-    parser.add_argument(
-        "--package-dir", action="append", default=[], metavar="DIR", help="folder of package:// meshes"
-    )
+    parser.add_argument("--chaser", action="store_true", help="put the arm on the default free-flying spacecraft")
+    parser.add_argument("--package-dir", action="append", default=[], metavar="DIR", help="folder of package:// meshes")
     parser.add_argument("--json", action="store_true", help="one JSON object on stdout")
     parser.add_argument("--out", metavar="DIR", help="write robots.json there, and the URDF of the one robot")
     parser.add_argument("--overwrite", action="store_true", help="replace another run in DIR")
@@ -86,9 +82,7 @@ def _one(args: argparse.Namespace) -> tuple[dict[str, Any], str | None]:
 def _write(args: argparse.Namespace, report: dict[str, Any], urdf: str | None) -> None:
     from spacerobot.support.runs import RunFolder, combined_hash
 
-    with RunFolder(
-        args.out, "robots", combined_hash(plain(report), urdf), overwrite=args.overwrite
-    ) as folder:
+    with RunFolder(args.out, "robots", combined_hash(plain(report), urdf), overwrite=args.overwrite) as folder:
         if not folder.finished:
             folder.write("robots.json", dumps(report) + "\n")
             if urdf is not None:
@@ -101,9 +95,7 @@ def _table(rows: list[dict[str, Any]]) -> str:
     for row in rows:
         if row["refused"]:
             continue
-        notes = "; ".join(
-            n for n in (row["notes"], "with rotor inertia" if row["rotor_inertia"] else "") if n
-        )
+        notes = "; ".join(n for n in (row["notes"], "with rotor inertia" if row["rotor_inertia"] else "") if n)
         figures = f"{row['dof']:3d} {row['mass_kg']:8.2f} {row['base']:5}"
         lines.append(f"{row['name']:26} {figures} {row['tip']:26} {notes}".rstrip())
     refused = [row for row in rows if row["refused"]]
@@ -124,9 +116,7 @@ def _card(robot: dict[str, Any]) -> str:
         for j in robot["joints"]
     ]
     if robot["wrist"]:
-        lines.append(
-            f"wrist: slider {robot['slider']} (positive pushed in), contact frame {robot['contact']}"
-        )
+        lines.append(f"wrist: slider {robot['slider']} (positive pushed in), contact frame {robot['contact']}")
     if robot["other_joints"]:
         lines.append(f"joints outside of the chain: {', '.join(robot['other_joints'])}")
     return "\n".join(lines)

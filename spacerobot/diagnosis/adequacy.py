@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from spacerobot.diagnosis.data import TrialData
-from spacerobot.diagnosis.fit import Fit
+from spacerobot.diagnosis.fitted import Fit
 
 COLOUR_LIMIT = 5.0
 """Excess of the lag-1 autocorrelation over that before contact, in its standard errors, that is too much."""

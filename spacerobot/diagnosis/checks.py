@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from spacerobot.diagnosis.fit import Fit, Fitter
+from spacerobot.diagnosis.fit import Fitter
+from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.pool import Task, Workshop
 from spacerobot.diagnosis.search import Found
 

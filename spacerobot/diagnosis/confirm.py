@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from spacerobot.diagnosis.data import TrialData
-from spacerobot.diagnosis.fit import Fit
+from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.pool import Workshop
 from spacerobot.diagnosis.rig_model import onset_masks
 from spacerobot.diagnosis.scene_out import scene_of

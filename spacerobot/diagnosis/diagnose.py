@@ -13,7 +13,7 @@ from spacerobot.diagnosis.adequacy import Left, left_over
 from spacerobot.diagnosis.candidates import candidate_sites
 from spacerobot.diagnosis.checks import nested, synthetic
 from spacerobot.diagnosis.confirm import confirm
-from spacerobot.diagnosis.fit import Fit
+from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.held_out import hold_out
 from spacerobot.diagnosis.judge import AMBIGUOUS, NAMED, SMALL, Judgement, judge, moved
 from spacerobot.diagnosis.locate.locate import locate

@@ -9,7 +9,7 @@ import numpy as np
 
 from spacerobot.diagnosis.adequacy import Left
 from spacerobot.diagnosis.data import TrialData
-from spacerobot.diagnosis.fit import Fit
+from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.hypothesis import Label
 from spacerobot.diagnosis.judge import Judgement
 from spacerobot.diagnosis.search import Found

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from spacerobot.diagnosis.data import TrialData
+from spacerobot.diagnosis.fitted import Fit, State, TrialFit
 from spacerobot.diagnosis.hypothesis import Hypothesis
+from spacerobot.diagnosis.normal import Normal
 from spacerobot.diagnosis.rig_model import RigModel, onset_masks
 from spacerobot.support.errors import SimulationError
 
@@ -36,103 +37,6 @@ HOPE = 5.0
 SETTLED = 0.05
 WORTH = 1e-3
 """A fit has converged when a step lowers chi-squared by less than the first, or than this share of the misfit."""
-
-
-@dataclass(frozen=True, eq=False)
-class TrialFit:
-    """Where one trial stands in a fit. S kept samples, N own initial values."""
-
-    initial: np.ndarray  # (N,)
-    residual: np.ndarray  # (S,) predicted minus measured, in sensor sigmas, zero where masked
-
-
-@dataclass(frozen=True, eq=False)
-class Fit:
-    """A hypothesis at its best parameters.
-
-    Attributes:
-        hypothesis: which.
-        z: free parameters, shape (G,).
-        trials: per trial, by id.
-        chi2: sum of squared weighted residuals.
-        prior: sum of squares of the parameters with a prior.
-        samples: number of samples that count.
-        covariance: of z, shape (G, G), initial values marginalised; None before it is known.
-        converged: whether the last step was negligible.
-        iterations: Gauss-Newton steps taken.
-        given_up: whether it ended on what its first step promised.
-    """
-
-    hypothesis: Hypothesis
-    z: np.ndarray
-    trials: Mapping[str, TrialFit]
-    chi2: float
-    prior: float
-    samples: int
-    covariance: np.ndarray | None
-    converged: bool
-    iterations: int
-    given_up: bool = False
-
-    @property
-    def cost(self) -> float:
-        """chi-squared plus prior."""
-        return self.chi2 + self.prior
-
-    def values(self) -> dict[str, float]:
-        """Physical values of the free parameters."""
-        return self.hypothesis.values(self.z)
-
-    def initials(self) -> dict[str, np.ndarray]:
-        """Initial values by trial, for a warm start."""
-        return {name: t.initial for name, t in self.trials.items()}
-
-
-@dataclass(frozen=True, eq=False)
-class State:
-    """Where a descent stands: parameters, weighted residuals before masking, and which samples count."""
-
-    z: np.ndarray
-    own: dict[str, np.ndarray]
-    raw: dict[str, np.ndarray]  # (S,) per trial
-    keep: dict[str, np.ndarray]  # (S,) bool per trial
-
-    def chi2(self) -> float:
-        """Sum of squares of the residuals that count."""
-        return float(sum(np.square(r[self.keep[name]]).sum() for name, r in self.raw.items()))
-
-    def groups(self, trial: TrialData, keep: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Sum of squares and number of the samples that count, per channel of a trial."""
-        squares = np.where(keep, self.raw[trial.id], 0.0) ** 2
-        edges = np.concatenate([np.full(len(b.channels), b.time.size) for b in trial.blocks])
-        starts = np.concatenate([[0], np.cumsum(edges)[:-1]])
-        return np.add.reduceat(squares, starts), np.add.reduceat(keep.astype(float), starts)
-
-    def loss(self, trials: Sequence[TrialData], robust: bool, keep: Mapping[str, np.ndarray] | None = None) -> float:
-        """What a descent lowers: chi-squared, or its robust form, here or under another state's masks.
-
-        Robust: a channel of a trial with n samples and sum of squares S > n counts n (1 + ln(S/n)), the profile
-        likelihood of a noise level of its own; so what does not fit yet cannot drag what does.
-        """
-        total = 0.0
-        for trial in trials:
-            square, count = self.groups(trial, (keep or self.keep)[trial.id])
-            if robust:
-                ratio = np.maximum(square / np.maximum(count, 1.0), 1.0)
-                square = np.where(ratio > 1.0, count * (1.0 + np.log(ratio)), square)
-            total += float(square.sum())
-        return total
-
-    def weights(self, trial: TrialData) -> np.ndarray:
-        """Square roots of the robust weights of a trial's samples, shape (S,)."""
-        square, count = self.groups(trial, self.keep[trial.id])
-        weight = np.sqrt(1.0 / np.maximum(square / np.maximum(count, 1.0), 1.0))
-        return np.repeat(weight, np.concatenate([np.full(len(b.channels), b.time.size) for b in trial.blocks]))
-
-    @property
-    def samples(self) -> int:
-        """Number of samples that count."""
-        return int(sum(k.sum() for k in self.keep.values()))
 
 
 class Fitter:
@@ -397,65 +301,3 @@ class Fitter:
 
         pairs = list(self._map(weighted).values())
         return Normal.build([p[0] for p in pairs], [p[1] for p in pairs], state.z, prior)
-
-
-@dataclass(frozen=True, eq=False)
-class Normal:
-    """Normal equations with the trials' own parameters eliminated (a Schur complement)."""
-
-    reduced: np.ndarray  # (G, G)
-    gradient: np.ndarray  # (G,)
-    own: list[tuple[np.ndarray, np.ndarray, np.ndarray]]  # per trial (N, N), (N, G), (N,)
-    full: np.ndarray  # (G, G) not reduced
-
-    @classmethod
-    def build(
-        cls, jacobians: Sequence[np.ndarray], residuals: Sequence[np.ndarray], z: np.ndarray, prior: np.ndarray
-    ) -> Normal:
-        """From the trials' Jacobians, shape (S, G + N) each, and residuals."""
-        count = z.size
-        full = np.diag(prior).astype(float)
-        gradient = prior * z
-        schur = full.copy()
-        right = gradient.copy()
-        own = []
-        for jacobian, residual in zip(jacobians, residuals, strict=True):
-            a = jacobian.T @ jacobian
-            b = jacobian.T @ residual
-            inner = a[count:, count:] + 1e-9 * np.eye(a.shape[0] - count)
-            cross, tail = a[count:, :count], b[count:]
-            solved = np.linalg.solve(inner, np.column_stack([cross, tail]))
-            schur += a[:count, :count] - cross.T @ solved[:, :count]
-            right = right + b[:count] - cross.T @ solved[:, count]
-            full += a[:count, :count]
-            own.append((inner, cross, tail))
-        return cls(schur, right, own, full)
-
-    def covariance(self) -> np.ndarray:
-        """Covariance of the global parameters, shape (G, G)."""
-        return np.linalg.pinv(self.reduced, hermitian=True)
-
-    def step(
-        self, damping: float, z: np.ndarray, low: np.ndarray, high: np.ndarray
-    ) -> tuple[np.ndarray, list[np.ndarray], float]:
-        """Damped step within bounds: global part, own parts (in scales), and the promised fall of the cost."""
-        free = np.ones(z.size, dtype=bool)
-        dz = np.zeros(z.size)
-        for _ in range(z.size + 1):
-            index = np.flatnonzero(free)
-            a = self.reduced[np.ix_(index, index)]
-            a = a + damping * np.diag(np.maximum(np.diag(a), 1e-8))
-            dz[:] = 0.0
-            dz[index] = -np.linalg.lstsq(a, self.gradient[index], rcond=1e-13)[0]
-            out = free & (((z + dz < low) & (z <= low + 1e-12)) | ((z + dz > high) & (z >= high - 1e-12)))
-            if not out.any():
-                break
-            free &= ~out
-        dz = np.clip(z + dz, low, high) - z
-        largest = np.abs(dz).max(initial=0.0)
-        if largest > 20.0:
-            dz *= 20.0 / largest
-        dn = [-np.linalg.solve(inner, tail + cross @ dz) for inner, cross, tail in self.own]
-        profile = float(sum(t @ np.linalg.solve(i, t) for i, _, t in self.own))
-        promised = -(2.0 * self.gradient @ dz + dz @ self.reduced @ dz) + profile
-        return dz, dn, float(promised)

@@ -9,7 +9,7 @@ import numpy as np
 
 from spacerobot.diagnosis.adequacy import Left
 from spacerobot.diagnosis.candidates import contains, plausible
-from spacerobot.diagnosis.fit import Fit
+from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.search import Found
 
 NAMED, AMBIGUOUS, UNKNOWN = "named", "ambiguous", "unknown"

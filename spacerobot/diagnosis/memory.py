@@ -6,7 +6,8 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from spacerobot.diagnosis.fit import Fit, Fitter, TrialFit
+from spacerobot.diagnosis.fit import Fitter
+from spacerobot.diagnosis.fitted import Fit, TrialFit
 from spacerobot.diagnosis.hypothesis import Hypothesis
 from spacerobot.support.runs import combined_hash
 

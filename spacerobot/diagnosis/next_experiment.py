@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from spacerobot.diagnosis.data import TrialData
-from spacerobot.diagnosis.fit import Fit
+from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.rig_model import RigModel
 from spacerobot.support.errors import InputError, SimulationError
 

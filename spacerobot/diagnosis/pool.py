@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 
 from spacerobot.diagnosis.data import trial_data
-from spacerobot.diagnosis.fit import Fit, Fitter
+from spacerobot.diagnosis.fit import Fitter
+from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.hypothesis import Label, Site, hypothesis
 from spacerobot.diagnosis.memory import Store, as_json, from_json, task_name
 from spacerobot.diagnosis.rig_model import RigModel

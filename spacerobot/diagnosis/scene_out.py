@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from spacerobot.diagnosis.fit import Fit
+from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.rig_model import RigModel
 from spacerobot.recordings.study import Study
 from spacerobot.simulation.parts.contact import ContactLaw

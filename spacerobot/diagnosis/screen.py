@@ -12,7 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from spacerobot.diagnosis.fit import Fit, Fitter, State
+from spacerobot.diagnosis.fit import Fitter
+from spacerobot.diagnosis.fitted import Fit, State
 from spacerobot.diagnosis.hypothesis import Believed, Hypothesis, Site, hypothesis
 from spacerobot.diagnosis.starts import effect_starts
 from spacerobot.support.errors import InputError, SimulationError

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from spacerobot.diagnosis.candidates import contains, simpler
-from spacerobot.diagnosis.fit import Fit
+from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.hypothesis import Label, Site
 from spacerobot.diagnosis.pool import Pool, Task
 from spacerobot.diagnosis.screen import Screen, Screened, Screener, faint

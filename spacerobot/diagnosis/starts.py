@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from spacerobot.diagnosis.fit import Fit, Fitter
+from spacerobot.diagnosis.fit import Fitter
+from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.hypothesis import Believed, Hypothesis, Site, hypothesis
 from spacerobot.support.errors import SimulationError
 

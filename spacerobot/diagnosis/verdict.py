@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from spacerobot.diagnosis.data import TrialData
-from spacerobot.diagnosis.fit import Fit
+from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.held_out import HeldOut
 from spacerobot.diagnosis.hypothesis import Label
 from spacerobot.diagnosis.judge import AMBIGUOUS, NAMED, Judgement

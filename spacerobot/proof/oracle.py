@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from spacerobot.diagnosis.data import TrialData, trial_data
-from spacerobot.diagnosis.fit import Fit, Fitter
+from spacerobot.diagnosis.fit import Fitter
+from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.held_out import folds, frozen
 from spacerobot.diagnosis.hypothesis import Site
 from spacerobot.diagnosis.rig_model import RigModel

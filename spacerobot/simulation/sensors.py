@@ -35,9 +35,7 @@ class Run(Protocol):
         """A port's value from the coordinates', shape (T,)."""
 
 
-def read_channels(
-    run: Run, mechanism: Mechanism, channels: Iterable[str], times: np.ndarray
-) -> dict[str, np.ndarray]:
+def read_channels(run: Run, mechanism: Mechanism, channels: Iterable[str], times: np.ndarray) -> dict[str, np.ndarray]:
     """The channels as the sensors would record them at `times`.
 
     Args:

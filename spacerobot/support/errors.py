@@ -24,9 +24,7 @@ class InputError(SpacerobotError):
 
     exit_code = 2
 
-    def __init__(
-        self, what: str, *, given: object = None, valid: str | None = None, where: str | None = None
-    ) -> None:
+    def __init__(self, what: str, *, given: object = None, valid: str | None = None, where: str | None = None) -> None:
         # Any of them may carry names out of a stranger's file, and ends up on a terminal.
         self.what = _short(what, 800)
         self.given = None if given is None else _short(given)

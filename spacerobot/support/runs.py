@@ -88,9 +88,7 @@ class RunFolder:
             self._open(overwrite)
         except OSError as error:
             self.close()
-            raise InputError(
-                f"the folder cannot be used: {error.strerror}", given=str(folder), where="--out"
-            ) from None
+            raise InputError(f"the folder cannot be used: {error.strerror}", given=str(folder), where="--out") from None
         except BaseException:
             self._withdraw()
             self.close()
@@ -121,9 +119,7 @@ class RunFolder:
         found = [(self.folder / name).resolve() for name in names]
         for path in found:
             if not path.is_relative_to(self.folder) or path == self.folder:
-                raise InputError(
-                    "an output must stay inside the run's folder", given=str(path), where=str(self.folder)
-                )
+                raise InputError("an output must stay inside the run's folder", given=str(path), where=str(self.folder))
         new = [n for n in (str(path.relative_to(self.folder)) for path in found) if n not in self._outputs]
         if new:
             self._outputs.update(dict.fromkeys(new, -1))
@@ -262,9 +258,7 @@ class RunFolder:
     def _partial(self, name: str, suffix: str) -> Path:
         """A file name that is safe, readable and different for every `name`."""
         readable = re.sub(r"[^\w.+-]+", "_", name)[:60]
-        return (
-            self.folder / _PARTIAL / f"{readable}-{hashlib.sha256(name.encode()).hexdigest()[:12]}.{suffix}"
-        )
+        return self.folder / _PARTIAL / f"{readable}-{hashlib.sha256(name.encode()).hexdigest()[:12]}.{suffix}"
 
     def _locked(self) -> IO[bytes]:
         stream = (self.folder / _LOCK).open("ab")

@@ -13,7 +13,7 @@ from spacerobot.diagnosis import checks, confirm
 from spacerobot.diagnosis import diagnose as whole
 from spacerobot.diagnosis.adequacy import Left
 from spacerobot.diagnosis.candidates import contains, simpler
-from spacerobot.diagnosis.fit import Fit
+from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.hypothesis import Site
 from spacerobot.diagnosis.judge import NAMED, NOT_TRUSTED, judge
 from spacerobot.diagnosis.pool import Task, Workshop

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from spacerobot.diagnosis.diagnose import diagnose
-from spacerobot.diagnosis.fit import Fit
+from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.pool import Task, Workshop
 from spacerobot.recordings.study import load_study
 from spacerobot.support.jsonio import plain

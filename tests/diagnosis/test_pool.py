@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from spacerobot.diagnosis.fit import Fit
+from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.pool import Pool, Task, Workshop
 from spacerobot.support.executors.base import Here
 from tests.diagnosis.rigs import write_study

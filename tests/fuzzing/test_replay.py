@@ -12,6 +12,7 @@ import pytest
 
 from fuzz.binary.kinds import KINDS
 from fuzz.corpus import KEPT, inputs
+from fuzz.page import RESULTS, filled
 from fuzz.targets import TARGETS
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -35,6 +36,14 @@ def test_every_kept_input_belongs_to_a_target() -> None:
     assert {folder.name for folder in KEPT.iterdir()} <= set(TARGETS)
     for target in TARGETS.values():
         assert all(len(data) <= 20_000 for data in inputs(target))
+
+
+def test_the_page_says_what_the_results_say() -> None:
+    text = (ROOT / "docs" / "trust.md").read_text(encoding="utf-8")
+    found = json.loads(RESULTS.read_text())
+    assert filled(text, found) == text, "python -m fuzz.page docs/trust.md"
+    assert found["defects"] == 0
+    assert found["most memory [MB]"] < 1000.0
 
 
 WATCHED = """

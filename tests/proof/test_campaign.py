@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from spacerobot.diagnosis.data import trial_data
-from spacerobot.diagnosis.fit import Fit, Fitter
+from spacerobot.diagnosis.fit import Fitter
+from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.rig_model import RigModel
 from spacerobot.diagnosis.starts import fit_from
 from spacerobot.proof.air_bed import air_bed

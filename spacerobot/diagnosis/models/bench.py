@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from spacerobot.diagnosis.data import TrialData
-from spacerobot.diagnosis.fit import Fit, Fitter
+from spacerobot.diagnosis.fit import Fitter
+from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.hypothesis import Site, hypothesis
 from spacerobot.diagnosis.models.held_out import HeldOut, folds, predict_held_out
 from spacerobot.diagnosis.models.kept import Kept, of_fit

@@ -16,7 +16,7 @@ import numpy as np
 from scipy.special import stdtrit
 
 from spacerobot.diagnosis.candidates import CONTAINS
-from spacerobot.diagnosis.fit import Fit
+from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.hypothesis import Label, Site
 from spacerobot.diagnosis.models.bench import Bench, Promise
 from spacerobot.diagnosis.models.held_out import HeldOut, parent

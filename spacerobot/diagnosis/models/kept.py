@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from spacerobot.diagnosis.fit import Fit, Fitter
+from spacerobot.diagnosis.fit import Fitter
+from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.hypothesis import Hypothesis
 from spacerobot.diagnosis.memory import Store, as_json, from_json
 from spacerobot.diagnosis.models.held_out import HeldOut

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from spacerobot.diagnosis.data import TrialData
-from spacerobot.diagnosis.fit import Fit
+from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.judge import AMBIGUOUS, NAMED, NOT_TRUSTED, NOTHING_MISSING, UNKNOWN, WRONG_PARAMETER, moved
 from spacerobot.diagnosis.locate.located import LEVEL, Located, Row
 from spacerobot.diagnosis.models.grow import TIE, Candidate, Growth

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from spacerobot.diagnosis.checks import SLACK, calibration
-from spacerobot.diagnosis.fit import Fit, Fitter
+from spacerobot.diagnosis.fit import Fitter
+from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.models.bench import STEPS
 from spacerobot.diagnosis.models.part import Part
 from spacerobot.support.errors import SimulationError

@@ -27,7 +27,8 @@ def test_dry_friction_in_the_joints_of_a_real_arm() -> None:
     # The joints resist both by the sign of their velocity and by its size: which of the two explains more of a joint's
     # residual is close in some. Where something else leads (joint 2: a constant torque), the sign must still be seen.
     dry = {name: next(r for r in f.rows if r.depends_on == "sign of velocity") for name, f in found.items()}
-    assert len(dry) == 7 and all(row.p < 0.01 for row in dry.values())
+    assert len(dry) == 7
+    assert all(row.p < 0.01 for row in dry.values())
     leads = [name for name, f in found.items() if f.rows[0].depends_on in ("sign of velocity", "velocity")]
     assert len(leads) >= 5
     assert sum(found[name].rows[0] is dry[name] for name in leads) >= 4

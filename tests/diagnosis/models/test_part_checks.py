@@ -8,7 +8,8 @@ from typing import Any
 import pytest
 from helpers_models import ARM, arm_log
 
-from spacerobot.diagnosis.fit import Fit, Fitter
+from spacerobot.diagnosis.fit import Fitter
+from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.judge import NAMED, NOT_TRUSTED
 from spacerobot.diagnosis.models.grow import grow
 from spacerobot.diagnosis.models.inverse_dynamics import InverseDynamics

@@ -1,0 +1,70 @@
+"""Normal equations of a fit, its trials' own initial values eliminated."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True, eq=False)
+class Normal:
+    """Normal equations with the trials' own parameters eliminated (a Schur complement)."""
+
+    reduced: np.ndarray  # (G, G)
+    gradient: np.ndarray  # (G,)
+    own: list[tuple[np.ndarray, np.ndarray, np.ndarray]]  # per trial (N, N), (N, G), (N,)
+    full: np.ndarray  # (G, G) not reduced
+
+    @classmethod
+    def build(
+        cls, jacobians: Sequence[np.ndarray], residuals: Sequence[np.ndarray], z: np.ndarray, prior: np.ndarray
+    ) -> Normal:
+        """From the trials' Jacobians, shape (S, G + N) each, and residuals."""
+        count = z.size
+        full = np.diag(prior).astype(float)
+        gradient = prior * z
+        schur = full.copy()
+        right = gradient.copy()
+        own = []
+        for jacobian, residual in zip(jacobians, residuals, strict=True):
+            a = jacobian.T @ jacobian
+            b = jacobian.T @ residual
+            inner = a[count:, count:] + 1e-9 * np.eye(a.shape[0] - count)
+            cross, tail = a[count:, :count], b[count:]
+            solved = np.linalg.solve(inner, np.column_stack([cross, tail]))
+            schur += a[:count, :count] - cross.T @ solved[:, :count]
+            right = right + b[:count] - cross.T @ solved[:, count]
+            full += a[:count, :count]
+            own.append((inner, cross, tail))
+        return cls(schur, right, own, full)
+
+    def covariance(self) -> np.ndarray:
+        """Covariance of the global parameters, shape (G, G)."""
+        return np.linalg.pinv(self.reduced, hermitian=True)
+
+    def step(
+        self, damping: float, z: np.ndarray, low: np.ndarray, high: np.ndarray
+    ) -> tuple[np.ndarray, list[np.ndarray], float]:
+        """Damped step within bounds: global part, own parts (in scales), and the promised fall of the cost."""
+        free = np.ones(z.size, dtype=bool)
+        dz = np.zeros(z.size)
+        for _ in range(z.size + 1):
+            index = np.flatnonzero(free)
+            a = self.reduced[np.ix_(index, index)]
+            a = a + damping * np.diag(np.maximum(np.diag(a), 1e-8))
+            dz[:] = 0.0
+            dz[index] = -np.linalg.lstsq(a, self.gradient[index], rcond=1e-13)[0]
+            out = free & (((z + dz < low) & (z <= low + 1e-12)) | ((z + dz > high) & (z >= high - 1e-12)))
+            if not out.any():
+                break
+            free &= ~out
+        dz = np.clip(z + dz, low, high) - z
+        largest = np.abs(dz).max(initial=0.0)
+        if largest > 20.0:
+            dz *= 20.0 / largest
+        dn = [-np.linalg.solve(inner, tail + cross @ dz) for inner, cross, tail in self.own]
+        profile = float(sum(t @ np.linalg.solve(i, t) for i, _, t in self.own))
+        promised = -(2.0 * self.gradient @ dz + dz @ self.reduced @ dz) + profile
+        return dz, dn, float(promised)
