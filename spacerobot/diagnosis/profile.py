@@ -17,6 +17,10 @@ from spacerobot.support.errors import SimulationError
 LEVEL_95 = 3.841458820694124
 """Rise of the cost at the ends of a 95 % interval: chi-squared of one degree of freedom."""
 
+NEARBY = 3.0
+"""Ratio of the curvature's interval to the profile's up to which the wider counts. A refit among contacts may end above
+its best, which brings the profile's end too near; where the two differ by more, the cost is no parabola."""
+
 TRIES = 4
 CLOSE = 0.1
 """Share of the level within which an end counts as met."""
@@ -36,11 +40,16 @@ def profile_interval(fitter: Fitter, fit: Fit, key: str, inflation: float) -> tu
     """
     index = fit.hypothesis.keys.index(key)
     free = fit.hypothesis.free[index]
-    spread = 1.0
-    if fit.covariance is not None:
-        variance = float(fit.covariance[index, index]) * inflation * LEVEL_95
-        spread = math.sqrt(variance) if 0.0 < variance < 1e6 else 1.0
-    ends = [free.value(_end(fitter, fit, index, side * spread, inflation)) for side in (-1.0, 1.0)]
+    variance = 0.0 if fit.covariance is None else float(fit.covariance[index, index]) * inflation * LEVEL_95
+    known = 0.0 < variance < 1e6
+    spread = math.sqrt(variance) if known else 1.0
+    best, (low, high) = float(fit.z[index]), free.bounds
+    ends = []
+    for side in (-1.0, 1.0):
+        size = abs(_end(fitter, fit, index, side * spread, inflation) - best)
+        if known and size < spread <= NEARBY * size:
+            size = spread
+        ends.append(free.value(min(max(best + side * size, low), high)))
     return min(ends), max(ends)
 
 
