@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from spacerobot.effects.registry import all_effects
 from spacerobot.view.report import svg
 from spacerobot.view.report.formula import mathml
+from spacerobot.view.report.story import improvement
 from spacerobot.view.report.words import (
     number,
     parameter_label,
@@ -119,3 +120,16 @@ def test_span_of_nothing_and_of_one_value() -> None:
     assert svg.span_of(np.array([np.nan])) == (0.0, 1.0)
     low, high = svg.span_of(np.array([3.0]))
     assert low < 3.0 < high
+
+
+def test_one_channel_that_gains_is_told_of_where_all_together_hide_it() -> None:
+    overall = {"rms_before": 1.14, "rms_after": 1.11}
+    turning = {"rms_before": 0.18, "rms_after": 0.03}
+    others = {"rms_before": 2.0, "rms_after": 2.0}
+    channels = {"target.velocity.yaw": turning, "joint.1.torque": others}
+    verdict = {"held_out": {"unit": "spread", "overall": overall, "channels": channels}}
+    assert improvement(verdict) == "data of target.velocity.yaw held back from the fit are predicted 6 times nearer"
+    turning["rms_after"] = 0.179  # no channel gains
+    assert "110 % of each channel's own spread" in (improvement(verdict) or "")
+    overall["rms_after"] = 0.5
+    assert "50 % instead of 110 %" in (improvement(verdict) or "")

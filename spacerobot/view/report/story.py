@@ -28,6 +28,9 @@ from spacerobot.view.report.words import (
 FEW = 3
 """Effects that a sentence can hold with their numbers."""
 
+DILUTED = 0.95
+"""Share of the held-out error over all channels that is left, above which the one channel that gained is told of."""
+
 
 @dataclass(frozen=True)
 class Story:
@@ -59,6 +62,17 @@ def capital(text: str) -> str:
     return text[:1].upper() + text[1:]
 
 
+def _nearest(channels: Mapping[str, Mapping[str, Any]]) -> tuple[str, float] | None:
+    """The channel whose held-out error falls most, and how many times; None if none falls by a tenth."""
+    ratios = {}
+    for name, entry in channels.items():
+        before, after = finite(entry.get("rms_before")), finite(entry.get("rms_after"))
+        if before is not None and after:
+            ratios[name] = before / after
+    best = max(ratios, key=lambda name: ratios[name], default=None)
+    return None if best is None or ratios[best] < 1.1 else (best, ratios[best])
+
+
 def improvement(verdict: Mapping[str, Any]) -> str | None:
     """How much nearer held-out data are predicted, as a clause; None without numbers."""
     held_out = verdict.get("held_out") or {}
@@ -67,6 +81,11 @@ def improvement(verdict: Mapping[str, Any]) -> str | None:
     floor = finite(overall.get("noise_floor"))
     if before is None or after is None:
         return None
+    if after > DILUTED * before:
+        nearer = _nearest(held_out.get("channels") or {})
+        if nearer is not None:
+            channel, ratio = nearer
+            return f"data of {channel} held back from the fit are predicted {number(ratio)} times nearer"
     if held_out.get("unit", "sigma") == "spread":
         return (
             f"data held back from the fit are predicted to {percent(after, 2)} instead of {percent(before, 2)} of "
