@@ -59,6 +59,7 @@ def main(name: str, folder: Path, cases: int) -> None:
         "mutate_depth": 2,
         "dict": folder / "words",
         "timeout": 120,
+        "report_slow_units": 120,  # of wall time, which a busy machine has no end of; the watch counts its own
         "rss_limit_mb": MEGABYTES,
         "artifact_prefix": f"{folder}/killed-",
         "print_final_stats": 0,
