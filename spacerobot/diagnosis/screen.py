@@ -15,7 +15,7 @@ import numpy as np
 from spacerobot.diagnosis.fit import Fitter
 from spacerobot.diagnosis.fitted import Fit, State
 from spacerobot.diagnosis.hypothesis import Believed, Hypothesis, Site, hypothesis
-from spacerobot.diagnosis.starts import effect_starts
+from spacerobot.diagnosis.starts import effect_starts, informed_starts
 from spacerobot.support.errors import InputError, SimulationError
 
 FAINT = 0.1
@@ -88,7 +88,7 @@ class Screener:
         residual = project.free(project.stack(state.raw))
         scored = []
         for site in sites:
-            for start in effect_starts([site]):
+            for start in [*effect_starts([site]), *informed_starts(site, fitter.trials)]:
                 item = self._score(fit, state, project, residual, site, start)
                 if item is not None:
                     scored.append(item)

@@ -8,11 +8,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from spacerobot.diagnosis.candidates import contains, simpler
+from spacerobot.diagnosis.data import TrialData
 from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.hypothesis import Label, Site
 from spacerobot.diagnosis.pool import Pool, Task
 from spacerobot.diagnosis.screen import Screen, Screened, Screener, faint
-from spacerobot.diagnosis.starts import effect_starts
+from spacerobot.diagnosis.starts import effect_starts, informed_starts
 from spacerobot.effects.registry import effect
 
 TOP_SCREENED = 4
@@ -119,14 +120,21 @@ def search(pool: Pool, sites: Sequence[Site], report: Report, *, baseline: Fit |
     promising = [f.hypothesis.label for f in found.singles_by_cost()[:TOP_FITTED]]
     # what adds little near the baseline may still fit from a start of its own
     promising += [(k,) for k in list(first.best())[:TOP_SCREENED] if (k,) not in promising]
-    _run(pool, found, _starts(found, promising, baseline), report, "single effects, from several starts", stop=True)
+    _run(
+        pool,
+        found,
+        _starts(found, promising, workshop.trials),
+        report,
+        "single effects, from several starts",
+        stop=True,
+    )
     if found.singles_by_cost():
         _pairs(pool, found, screener, first, report)
         _simplify(pool, found, report)
     return found
 
 
-def _starts(found: Found, labels: Sequence[Label], baseline: Fit) -> list[Task]:
+def _starts(found: Found, labels: Sequence[Label], trials: Sequence[TrialData]) -> list[Task]:
     """From where the near fits stopped, then each from its own first start, then from its second."""
     by_label = {s.label: s for s in found.singles}
     near = [
@@ -136,8 +144,11 @@ def _starts(found: Found, labels: Sequence[Label], baseline: Fit) -> list[Task]:
     ]
     cold: list[list[Task]] = [[], []]
     for label in labels:
-        for k, start in enumerate(effect_starts([by_label[one] for one in label])[:2]):
-            cold[k].append(Task(label, start, baseline.initials()))
+        sites = [by_label[one] for one in label]
+        starts = [s for site in sites for s in informed_starts(site, trials)] if len(sites) == 1 else []
+        for k, start in enumerate([*starts, *effect_starts(sites)][:2]):
+            # from the free approaches: a baseline that misses much has bent the trials' starts as well
+            cold[k].append(Task(label, start))
     return [*near, *cold[0], *cold[1]]
 
 
@@ -160,7 +171,7 @@ def _pairs(pool: Pool, found: Found, screener: Screener, first: Screen, report: 
         nested = contains([a.site.label], [b.site.label]) or contains([b.site.label], [a.site.label])
         if nested or gain < WORTH_A_FIT or any(t.label == both for t in tasks):
             continue
-        tasks.append(Task(both, {**a.start, **b.start}, found.baseline.initials(), max_iterations=30))
+        tasks.append(Task(both, {**a.start, **b.start}, max_iterations=30))
     _run(pool, found, tasks, report, "pairs of effects", stop=True)
 
 

@@ -6,10 +6,14 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from spacerobot.diagnosis.data import TrialData
 from spacerobot.diagnosis.fit import Fitter
 from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.hypothesis import Believed, Hypothesis, Site, hypothesis
 from spacerobot.support.errors import SimulationError
+
+JUST_BELOW = 0.99
+"""Share of the largest displacement recorded at which a stop is looked for: it gives way, and there is noise."""
 
 GOOD = 1.3
 """chi-squared per sample above which a fit is tried again with its unstated values back at their centres."""
@@ -30,6 +34,23 @@ def effect_starts(sites: Sequence[Site], known: Mapping[str, float] | None = Non
         if start not in out:
             out.append(start)
     return out
+
+
+def informed_starts(site: Site, trials: Sequence[TrialData]) -> list[dict[str, float]]:
+    """Starts that the recordings suggest: where a place hardly exceeds a displacement, at the largest one seen."""
+    reach = [p for p in site.effect.parameters if p.reach]
+    channels = [f"{site.where}.x", f"{site.where}.position"]
+    seen = [
+        float(np.abs(value[weight > 0.0]).max(initial=0.0))
+        for trial in trials
+        for _, value, weight in (trial.channel(c) for c in channels if c in trial.channels)
+    ]
+    if not reach or not seen or max(seen) <= 0.0:
+        return []
+    usual = effect_starts([site])
+    start = dict(usual[len(usual) // 2])
+    start.update({site.key(p.name): min(max(JUST_BELOW * max(seen), p.lower), p.upper) for p in reach})
+    return [start]
 
 
 def fit_from(

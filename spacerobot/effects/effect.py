@@ -25,6 +25,7 @@ class Parameter:
         starts: values from which fits begin, physical sizes of small to large.
         log: fitted on a logarithmic scale (positive numbers that may be wrong by factors).
         shape: says how the effect acts, not how strongly; it means nothing while the strength is null.
+        reach: a displacement that its place hardly exceeds, so that fits also begin at the largest one recorded.
     """
 
     name: str
@@ -36,6 +37,7 @@ class Parameter:
     starts: tuple[float, ...]
     log: bool = False
     shape: bool = False
+    reach: bool = False
 
     def __post_init__(self) -> None:
         if not self.lower <= self.upper or not self.scale > 0.0 or not self.starts:

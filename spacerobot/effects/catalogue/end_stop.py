@@ -18,7 +18,7 @@ class EndStop(Effect):
     formula = r"f = -k_s\,(|d| - d_s)\operatorname{sign}(d) \text{ for } |d| > d_s"
     source = "spring beyond a gap; Nordin and Gutman (2002)"
     parameters = (
-        Parameter("travel_m", "m", 0.01, 1e-3, 0.0, 10.0, (0.01, 0.02, 0.03), shape=True),
+        Parameter("travel_m", "m", 0.01, 1e-3, 0.0, 10.0, (0.01, 0.02, 0.03), shape=True, reach=True),
         Parameter("stiffness_N_m", "N/m", 0.0, 1e4, 0.0, 1e8, (1e3, 1e4, 1e5)),
     )
 
