@@ -6,10 +6,14 @@ from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator, NullLocator
 
 from spacerobot.proof.rates import Rate, Record, confusion, reliability
 from spacerobot.proof.summary import curves, sealed
-from spacerobot.view.plotting import BLUE, GREY, MARKERS, SERIES, VERMILION, canvas, style
+from spacerobot.view.plotting import BLUE, GREY, MARKERS, SERIES, canvas, style
+
+SIZES = (0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0)
+"""Marks of the power curves' axis [detection limits]."""
 
 
 def _bars(points: Sequence[tuple[float, Rate]]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -33,6 +37,9 @@ def power(records: Sequence[Record]) -> Figure | None:
             axes[i].axvline(3.0, color=GREY, linestyle="--", linewidth=1.0)
             axes[i].set_title(name, loc="left")
             axes[i].set_xscale("log")
+            axes[i].xaxis.set_major_locator(FixedLocator(SIZES))
+            axes[i].xaxis.set_minor_locator(NullLocator())
+            axes[i].xaxis.set_major_formatter("{x:g}")
             axes[i].set_ylim(-0.05, 1.05)
         for axis in axes[len(found) :]:
             axis.set_axis_off()
@@ -75,7 +82,7 @@ def confused(records: Sequence[Record]) -> Figure | None:
         axis = figure.subplots()
         axis.imshow(share, cmap="Blues", vmin=0.0, vmax=1.0, aspect="auto")
         axis.grid(False)
-        axis.set_xticks(range(len(columns)), columns, rotation=90, fontsize=7)
+        axis.set_xticks(range(len(columns)), [c.replace(" + ", "\n+ ") for c in columns], rotation=90, fontsize=7)
         axis.set_yticks(range(len(rows)), rows, fontsize=7)
         for i, row in enumerate(rows):
             for j, column in enumerate(columns):
@@ -87,7 +94,7 @@ def confused(records: Sequence[Record]) -> Figure | None:
                         ha="center",
                         va="center",
                         fontsize=6,
-                        color="white" if share[i, j] > 0.5 else VERMILION if row != column else BLUE,
+                        color="white" if share[i, j] > 0.5 else "black",
                     )
         axis.set_xlabel("said")
         axis.set_ylabel("hidden")
