@@ -15,7 +15,7 @@ from spacerobot.diagnosis.schema import validate
 from spacerobot.effects.registry import effect, load_file
 from spacerobot.recordings.study import load_study, resolve_study
 from spacerobot.support.errors import InputError
-from spacerobot.support.executors.choose import executor
+from spacerobot.support.executors.choose import executor, not_both
 from spacerobot.support.jsonio import dumps, plain
 from spacerobot.support.progress import Progress
 from spacerobot.support.runs import RunFolder, combined_hash
@@ -37,8 +37,7 @@ def run(args: argparse.Namespace) -> int:
     """Diagnose a study and write what was found."""
     if args.jobs is not None and args.jobs < 1:
         raise InputError("--jobs must be at least 1", given=args.jobs)
-    if args.dask is not None and args.jobs is not None:
-        raise InputError("the workers are Dask's", given=f"--jobs {args.jobs}", valid="--dask or --jobs")
+    not_both(args.jobs, args.dask)
     for file in args.effects:
         print(f"running the code of {file}: {', '.join(load_file(Path(file)))}", file=sys.stderr)
     for name in args.without:

@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from spacerobot import __version__
 from spacerobot.cli.arguments import Parser
 from spacerobot.support.errors import NotFoundError, SpacerobotError
+from spacerobot.support.executors.base import THREAD_VARIABLES
 
 COMMANDS: dict[str, tuple[str, str]] = {
     "demo": ("demo", "a collision, a simulation over recordings, and what the difference is made of"),
@@ -33,10 +34,6 @@ The module loads nothing heavy before `run`, so that help is there at once."""
 
 _PATH_ERRORS = {errno.ENOENT, errno.EACCES, errno.EPERM, errno.EISDIR, errno.ENOTDIR, errno.ENAMETOOLONG, errno.ELOOP}
 """What a wrong path leads to; any other trouble with a file is the machine's (disk full, for instance)."""
-
-_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-"""Set to 1 unless the user says otherwise: the matrices are small, so that a second thread of linear algebra only
-waits, at the price of a core that the workers need."""
 
 DEBUG = "SPACEROBOT_DEBUG"
 """Environment variable; when it is set, an error that nobody foresaw shows its traceback."""
@@ -70,7 +67,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     arguments = list(sys.argv[1:] if argv is None else argv)
     name = next((a for a in arguments if not a.startswith("-")), None)
     label = f"spacerobot {name}" if name in COMMANDS else "spacerobot"
-    for variable in _THREADS:  # before NumPy is loaded
+    # before NumPy is loaded: the matrices are small, so that a second thread of linear algebra only waits, at the
+    # price of a core that the workers need
+    for variable in THREAD_VARIABLES:
         os.environ.setdefault(variable, "1")
     try:
         if name is not None and name not in COMMANDS:

@@ -17,7 +17,7 @@ from spacerobot.proof.code_hash import code_hash
 from spacerobot.proof.orders import FULL, KINDS, QUICK, Order, Size, schedule
 from spacerobot.proof.summary import as_json
 from spacerobot.support.errors import InputError, NotFoundError
-from spacerobot.support.executors.choose import executor
+from spacerobot.support.executors.choose import executor, not_both
 from spacerobot.support.files import atomic, write_text
 from spacerobot.support.jsonio import dumps
 from spacerobot.support.numbers import parse_numbers, parse_whole
@@ -36,8 +36,7 @@ def run(args: argparse.Namespace) -> int:
     share = parse_numbers([args.share], "--share", count=1)[0]
     if not 0.0 < share <= 1.0:
         raise InputError("not a share", given=share, valid="above 0, up to 1", where="--share")
-    if args.dask is not None and args.jobs is not None:
-        raise InputError("the workers are Dask's", given=f"--jobs {args.jobs}", valid="--dask or --jobs")
+    not_both(args.jobs, args.dask)
     jobs = 1 if args.jobs is None else parse_whole(args.jobs, "--jobs", least=1)
     asked = None if args.seed is None else parse_whole(args.seed, "--seed")
     minutes = parse_numbers([args.minutes], "--minutes", count=1)[0] if args.minutes is not None else math.inf

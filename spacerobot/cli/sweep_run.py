@@ -10,7 +10,7 @@ from typing import Any
 
 from spacerobot.simulation.scene_file import scene_text
 from spacerobot.support.errors import InputError
-from spacerobot.support.executors.choose import executor
+from spacerobot.support.executors.choose import executor, not_both
 from spacerobot.support.numbers import parse_whole
 from spacerobot.support.runs import RunFolder, combined_hash
 from spacerobot.sweep.sweep_file import plan_from_text, read_sweep
@@ -22,8 +22,7 @@ def run(args: argparse.Namespace) -> int:
         raise InputError("pyarrow is not installed", valid='pip install "spacerobot[scale]"')
     from spacerobot.sweep.campaign import Job, run_sweep
 
-    if args.dask is not None and args.jobs is not None:
-        raise InputError("the workers are Dask's", given=f"--jobs {args.jobs}", valid="--dask or --jobs")
+    not_both(args.jobs, args.dask)
     jobs = 1 if args.jobs is None else parse_whole(args.jobs, "--jobs", least=1, most=4096)
     asked = None if args.seed is None else parse_whole(args.seed, "--seed")
     text, base = read_sweep(args.sweep), Path(args.sweep).resolve().parent

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import multiprocessing
 import signal
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +25,7 @@ from spacerobot.diagnosis.starts import fit_from, fit_near
 from spacerobot.effects.registry import effect, load_file
 from spacerobot.recordings.study import Study
 from spacerobot.support.errors import InputError, SimulationError
-from spacerobot.support.executors.base import Executor
+from spacerobot.support.executors.base import THREAD_VARIABLES, Executor
 from spacerobot.support.orphans import end_with_parent
 from spacerobot.support.runs import combined_hash
 
@@ -131,7 +132,7 @@ def _open(study: Study, make_model: Callable[[Study, Any], Any], files: tuple[st
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # an interrupt is the parent's to answer
     end_with_parent()
-    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+    for name in THREAD_VARIABLES:
         os.environ[name] = "1"
     for file in files:
         load_file(Path(file))
@@ -145,8 +146,12 @@ def _run(task: Task) -> Fit | None:
 
 @dataclass(frozen=True)
 class Shipment:
-    """A task with all that workers elsewhere need to do it; they read the study's files under the same paths."""
+    """A task with all that workers elsewhere need to do it; they read the study's files under the same paths.
 
+    `key` is made of the contents of all files: workers outlive a study, and files may change.
+    """
+
+    key: str
     study: Study
     make_model: Callable[[Study, Any], Any]
     files: tuple[str, ...]
@@ -158,13 +163,12 @@ _shops: dict[str, Workshop] = {}
 
 def unpacked(shipment: Shipment) -> Fit | None:
     """In a worker elsewhere: the task done, in a workshop that is kept for the next one of the same study."""
-    key = combined_hash(shipment.study.input_hash, *shipment.files)
-    if key not in _shops:
+    if shipment.key not in _shops:
         _shops.clear()
         for file in shipment.files:
             load_file(Path(file))
-        _shops[key] = Workshop(shipment.study, shipment.make_model)
-    return _shops[key].run(shipment.task)
+        _shops[shipment.key] = Workshop(shipment.study, shipment.make_model)
+    return _shops[shipment.key].run(shipment.task)
 
 
 class Pool:
@@ -266,9 +270,14 @@ class Pool:
         for task in left.values():
             yield task, self.workshop.run(task)
 
+    @functools.cached_property
+    def _key(self) -> str:
+        contents = [Path(file).read_text(encoding="utf-8") for file in self._files]
+        return combined_hash(self.workshop.study.input_hash, *contents)
+
     def _elsewhere(self, workers: Executor, tasks: Sequence[Task]) -> Iterator[tuple[Task, Fit | None]]:
-        study = replace(self.workshop.study, _cache={})  # what was recorded is read where it is needed
-        shipments = (Shipment(study, self.workshop.make_model, self._files, t) for t in tasks)
+        study, make_model = self.workshop.study.unread(), self.workshop.make_model
+        shipments = (Shipment(self._key, study, make_model, self._files, t) for t in tasks)
         for shipment, fit in workers.run(unpacked, shipments):
             yield shipment.task, fit
 

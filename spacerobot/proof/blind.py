@@ -14,6 +14,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+from spacerobot.support.executors.base import THREAD_VARIABLES
 from spacerobot.support.orphans import leashed
 
 LIMIT = 900.0
@@ -56,7 +57,7 @@ def diagnose(
         if without is not None:
             arguments += ["--without", without]
         environment = {k: v for k, v in os.environ.items() if not k.startswith("SPACEROBOT_")}
-        environment.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1"))
+        environment.update(dict.fromkeys(THREAD_VARIABLES, "1"))
         began = time.monotonic()
         process = subprocess.Popen(  # noqa: S603 - our own command on our own files
             leashed(arguments),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from spacerobot.recordings.baseline import Baseline, read_baseline
@@ -146,6 +146,10 @@ class Study:
     def robot_source(self) -> Path | str | None:
         """What to load the robot from: the study's own URDF, else the robot's name, None for a free body alone."""
         return self.robot_file or self.baseline.robot
+
+    def unread(self) -> Study:
+        """The same study without the recordings that were read already: what is sent to another process."""
+        return replace(self, _cache={})
 
     @property
     def input_hash(self) -> str:

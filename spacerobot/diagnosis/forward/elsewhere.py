@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 from spacerobot.diagnosis.forward.as_diagnosed import AsDiagnosed
@@ -16,8 +16,12 @@ from spacerobot.support.runs import combined_hash
 
 @dataclass(frozen=True)
 class OneTrial:
-    """A trial to simulate. Workers read the study's files, and the diagnosis's, under the same paths."""
+    """A trial to simulate. Workers read the study's files, and the diagnosis's, under the same paths.
 
+    `key` is made of the contents of all files: workers outlive a study, and files may change.
+    """
+
+    key: str
     study: Study
     found: Path | None
     trial: str
@@ -33,15 +37,15 @@ def model_of(study: Study, found: Path | None) -> ForwardModel:
 
 def overlaid(task: OneTrial) -> TrialOverlay:
     """In a worker: the trial measured and simulated; the model is kept for the next trial of the same study."""
-    key = combined_hash(task.study.input_hash, str(task.found))
-    if key not in _models:
+    if task.key not in _models:
         _models.clear()
-        _models[key] = model_of(task.study, task.found)
-    return _models[key].simulate(task.study.trial(task.trial))
+        _models[task.key] = model_of(task.study, task.found)
+    return _models[task.key].simulate(task.study.trial(task.trial))
 
 
 def overlays(study: Study, found: Path | None, workers: Executor) -> Iterator[TrialOverlay]:
     """Every trial of the study, as they come."""
-    bare = replace(study, _cache={})
-    for _, done in workers.run(overlaid, (OneTrial(bare, found, t.id) for t in study.trials)):
+    bare = study.unread()
+    key = combined_hash(study.input_hash, None if found is None else found.read_text(encoding="utf-8"))
+    for _, done in workers.run(overlaid, (OneTrial(key, bare, found, t.id) for t in study.trials)):
         yield done

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
@@ -11,12 +10,12 @@ from typing import Any
 import numpy as np
 
 from spacerobot.diagnosis.data import TrialData
-from spacerobot.diagnosis.fit import Fitter
 from spacerobot.diagnosis.models.grow import Candidate
-from spacerobot.diagnosis.models.held_out import HEAD, HeldOut, parent, start_of
+from spacerobot.diagnosis.models.held_out import HEAD, HeldOut, parent, predict_held_out
 from spacerobot.diagnosis.models.model import Model
 from spacerobot.diagnosis.models.noise import split
 from spacerobot.diagnosis.models.part import Part
+from spacerobot.recordings.document import read_document
 from spacerobot.support.errors import InputError
 
 FILE = "quick_fits.toml"
@@ -78,10 +77,10 @@ def quoted(folder: Path) -> Quoted | None:
     path = folder / FILE
     if not path.exists():
         return None
+    document = read_document(path).data
     try:
-        document = tomllib.loads(path.read_text(encoding="utf-8"))
         return Quoted(str(document["origin"]), tuple(_figure(f) for f in document["figures"]))
-    except (tomllib.TOMLDecodeError, KeyError, TypeError, ValueError) as error:
+    except (KeyError, TypeError, ValueError) as error:
         valid = ", ".join(f.name for f in fields(Figure))
         raise InputError(f"no list of figures: {error}", valid=valid, where=str(path)) from None
 
@@ -128,35 +127,18 @@ def _predicted(figure: Figure, part: Part, candidate: Candidate) -> tuple[tuple[
         if not hasattr(model, "in_windows"):
             raise InputError("this model cannot be cut anew", given=figure.what, where=part.name)
         model = model.in_windows(figure.window)
-    return model.trials, rolled_out(part, candidate, model, 0.0 if figure.read_start else HEAD)
-
-
-def rolled_out(part: Part, candidate: Candidate, model: Model, head: float) -> HeldOut:
-    """Pieces of `model` predicted by fits of the part's own trials that have not seen their fold.
-
-    Args:
-        part: whose folds.
-        candidate: whose effects.
-        model: the part's, or the same cut into other pieces.
-        head: share of a piece that tells how it starts.
-    """
     fit = candidate.fits[part.which]
-    residual: dict[str, np.ndarray] = {}
-    counted: dict[str, np.ndarray] = {}
-    for _, ids in part.growth.benches[part.which].left_out:
-        seen = [t for t in part.trials if t.id not in ids]
-        own = {t.id: fit.initials()[t.id] for t in seen}
-        fresh = Fitter(part.model, seen).fit(  # type: ignore[arg-type]
-            fit.hypothesis, warm=fit.values(), initials=own, max_iterations=12, robust=False
-        )
-        names = {i.split("@")[0] for i in ids}
-        unseen = [t for t in model.trials if (t.id in ids if model is part.model else parent(t) in names)]
-        fitter = Fitter(model, unseen)  # type: ignore[arg-type]
-        for trial in unseen:
-            start = start_of(fitter, model, fit.hypothesis, fresh.z, trial, head, FAINTLY)
-            r, keep = fitter.residual(fit.hypothesis, fresh.z, trial, start)
-            residual[trial.id], counted[trial.id] = np.where(keep, r, 0.0), keep
-    return HeldOut(residual, counted)
+    return model.trials, predict_held_out(
+        part.model,
+        part.trials,
+        fit.hypothesis,
+        fit.values(),
+        part.growth.benches[part.which].left_out,
+        fit.initials(),
+        shown=model,
+        head=0.0 if figure.read_start else HEAD,
+        trust=FAINTLY,
+    )
 
 
 def _squares(figure: Figure, trial: TrialData, found: HeldOut) -> list[tuple[str, float, float]]:

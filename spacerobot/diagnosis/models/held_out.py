@@ -143,8 +143,22 @@ def predict_held_out(
     left_out: Sequence[tuple[str, tuple[str, ...]]],
     initials: Mapping[str, np.ndarray] | None = None,
     max_iterations: int = 12,
+    *,
+    shown: Model | None = None,
+    head: float = HEAD,
+    trust: float = 1.0,
 ) -> HeldOut:
     """Every trial predicted by a fit that has not seen its fold.
+
+    Args:
+        model: that is fitted.
+        trials: its trials.
+        made: which effects.
+        warm, initials: where each fit begins.
+        left_out: folds, each a name and ids of trials.
+        max_iterations: of each fit.
+        shown: the same model cut into other pieces, which are predicted instead of the fold's own trials.
+        head, trust: how an unseen trial's start is found, see `start_of`.
 
     Raises:
         SimulationError: a fold cannot be fitted, or a trial not be predicted.
@@ -153,15 +167,20 @@ def predict_held_out(
     counted: dict[str, np.ndarray] = {}
     for _, ids in left_out:
         seen = [t for t in trials if t.id not in ids]
-        unseen = [t for t in trials if t.id in ids]
         if not seen:
             raise SimulationError("nothing is left to fit when a fold is left out")
         own = None if initials is None else {t.id: initials[t.id] for t in seen}
         fit = Fitter(model, seen).fit(  # type: ignore[arg-type]
             made, warm=warm, initials=own, max_iterations=max_iterations, robust=False
         )
-        fitter = Fitter(model, unseen)  # type: ignore[arg-type]
+        if shown is None or shown is model:
+            teller, unseen = model, [t for t in trials if t.id in ids]
+        else:
+            whole = {i.split("@")[0] for i in ids}
+            teller, unseen = shown, [t for t in shown.trials if parent(t) in whole]
+        fitter = Fitter(teller, unseen)  # type: ignore[arg-type]
         for trial in unseen:
-            r, keep = fitter.residual(made, fit.z, trial, start_of(fitter, model, made, fit.z, trial))
+            start = start_of(fitter, teller, made, fit.z, trial, head, trust)
+            r, keep = fitter.residual(made, fit.z, trial, start)
             residual[trial.id], counted[trial.id] = np.where(keep, r, 0.0), keep
     return HeldOut(residual, counted)

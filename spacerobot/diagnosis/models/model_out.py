@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,6 +14,7 @@ from spacerobot.diagnosis.hypothesis import Hypothesis, hypothesis
 from spacerobot.diagnosis.models.model import Model
 from spacerobot.diagnosis.models.part import Part
 from spacerobot.effects.registry import effect
+from spacerobot.recordings.document import read_document
 from spacerobot.recordings.study import Study
 from spacerobot.support.errors import InputError, NotFoundError
 
@@ -74,12 +74,7 @@ def read_model(path: Path) -> tuple[Found, ...]:
     Raises:
         InputError: it cannot be read, or is no such file.
     """
-    try:
-        document: dict[str, Any] = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", where=str(path)) from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"no TOML: {error}", where=str(path)) from None
+    document = read_document(path).data
     try:
         parts = tuple(
             Found(str(p["part"]), {str(k): float(v) for k, v in p["values"].items()}, tuple(map(_label, p["effects"])))

@@ -14,6 +14,7 @@ from spacerobot.simulation.multibody.events import Modes, Probe
 from spacerobot.simulation.multibody.kernel import load, solve
 from spacerobot.simulation.multibody.stepper import error_norm, interpolant, stage
 from spacerobot.simulation.reduced.forces import APART, PRESSED, RELEASED, STICK
+from spacerobot.simulation.reduced.integrate import NEAR
 from spacerobot.simulation.unfinished import too_many
 from spacerobot.support.errors import SimulationError
 
@@ -21,9 +22,6 @@ MAX_STEPS, MAX_EVENTS = 150_000, 5_000
 """The record of so many steps takes most of 1 GB."""
 _CONTACT = {APART: "apart", PRESSED: "touch", RELEASED: "release"}
 _SAFETY, _SHRINK, _GROW = 0.9, 0.2, 6.0
-_NEAR = 1e-7
-"""Share of a step: Newton's correction of an event's time is the last when it is smaller, for the next one would be of
-the order of its square."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,7 +163,7 @@ class Integrator:
             if part + change <= 0.0 or part + change > full:
                 break
             part += change
-            if abs(change) < max(_NEAR * full, 1e-15 * max(1.0, abs(t))):
+            if abs(change) < max(NEAR * full, 1e-15 * max(1.0, abs(t))):
                 break
         self._advance(t, y, part)
         return part
