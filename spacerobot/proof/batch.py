@@ -7,8 +7,6 @@ import os
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 from spacerobot.proof.blind import COMMAND
@@ -17,6 +15,7 @@ from spacerobot.proof.record import play
 from spacerobot.support.executors.base import Executor, Here
 from spacerobot.support.progress import Progress
 from spacerobot.support.runs import RunFolder
+from spacerobot.support.scratch import scratch
 
 RIVALS_EVERY = 4
 """Rivals are tried on every so many of the rig's campaigns of these kinds, since they take their time."""
@@ -89,5 +88,5 @@ class Play:
 
 def played(task: Play) -> dict[str, Any]:
     """In a worker: the record of an order."""
-    with TemporaryDirectory(prefix="proof-") as scratch:
-        return play(task.order, Path(scratch), rivals=task.rivals, command=task.command)
+    with scratch("proof") as folder:
+        return play(task.order, folder, rivals=task.rivals, command=task.command)

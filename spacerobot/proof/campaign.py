@@ -147,16 +147,14 @@ def write_study(folder: Path, campaign: Campaign, readings: Readings, *, exact: 
     return path
 
 
-def write_truth(folder: Path, campaign: Campaign, about: Mapping[str, Any]) -> Path:
-    """Write truth.json into the sealed folder."""
+def seal(campaign: Campaign, about: Mapping[str, Any]) -> str:
+    """What is hidden, as the text (JSON) that is opened after the diagnosis; `about` goes in beside the effects."""
     truth = {
         "effects": [m.as_json() for m in campaign.missing],
         "rig_as_built": dict(campaign.as_built),
         **about,
     }
-    path = folder / "truth.json"
-    write_text(path, dumps(truth) + "\n")
-    return path
+    return dumps(truth) + "\n"
 
 
 def study_text(campaign: Campaign) -> str:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -21,6 +19,7 @@ from spacerobot.proof.sizes import Kind, kind, peak_stroke
 from spacerobot.proof.strength import Strength, measure, reach
 from spacerobot.recordings.study import load_study
 from spacerobot.support.errors import InputError
+from spacerobot.support.scratch import scratch
 
 
 @dataclass(frozen=True, eq=False)
@@ -259,9 +258,9 @@ def mask(campaign: Campaign, clean: Readings) -> Campaign:
         {name: 0.5, "target.mass": 1e-4},
     )
     alone = replace(campaign, belief=loose, trials=(middle,))
-    with TemporaryDirectory() as folder:
-        write_study(Path(folder), alone, {middle.id: clean[middle.id]}, exact=True)
-        study = load_study(Path(folder))
+    with scratch() as folder:
+        write_study(folder, alone, {middle.id: clean[middle.id]}, exact=True)
+        study = load_study(folder)
         data = trial_data(study)
         model = RigModel(study, data)
         fit = fit_from(Fitter(model, data), model.believed, (), {})

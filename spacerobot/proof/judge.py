@@ -51,7 +51,7 @@ def judge(truth: Mapping[str, Any], verdict: Mapping[str, Any] | None) -> Judgem
     """Compare a verdict with the seal.
 
     Args:
-        truth: of truth.json: effects, expected, parameters, withheld, strength.
+        truth: of the seal: effects, expected, parameters, withheld, strength.
         verdict: of verdict.json; None where the diagnosis failed.
     """
     if verdict is None:

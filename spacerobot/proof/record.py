@@ -9,11 +9,10 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
-from tempfile import mkdtemp
 from typing import Any
 
 from spacerobot.proof.blind import COMMAND, diagnose
-from spacerobot.proof.campaign import write_study, write_truth
+from spacerobot.proof.campaign import seal, write_study
 from spacerobot.proof.conceal import conceal
 from spacerobot.proof.engine.outsiders import OUTSIDERS
 from spacerobot.proof.judge import judge, labels
@@ -37,7 +36,7 @@ def play(order: Order, folder: Path, *, rivals: bool = False, command: Sequence[
 
     Args:
         order: what to play.
-        folder: scratch; the study's folder in it is all that the diagnosis is given. The seal lies elsewhere.
+        folder: scratch; the study's folder in it is all that the diagnosis is given. The seal is on no disk.
         rivals: whether rivals are tried on the same files.
         command: the diagnosis.
 
@@ -57,13 +56,12 @@ def play(order: Order, folder: Path, *, rivals: bool = False, command: Sequence[
         return {**base, "failed": reason}
     code = hashlib.sha256(f"{order.name} {order.seed}".encode()).hexdigest()[:12]
     study = folder / code
-    seal = Path(mkdtemp(prefix="seal-"))
     try:
         write_study(study, made.campaign, made.readings)
-        sealed = write_truth(seal, made.campaign, made.about())
+        sealed = seal(made.campaign, made.about())
         prepared = time.monotonic() - began
         answer = diagnose(study, without=made.withheld, command=command)
-        truth = json.loads(sealed.read_text(encoding="utf-8"))
+        truth = json.loads(sealed)
         judged = judge(truth, answer.verdict)
         record = {
             **base,
@@ -88,7 +86,6 @@ def play(order: Order, folder: Path, *, rivals: bool = False, command: Sequence[
         return found
     finally:
         shutil.rmtree(study, ignore_errors=True)
-        shutil.rmtree(seal, ignore_errors=True)
 
 
 def _claimed(verdict: dict[str, Any] | None) -> float | None:

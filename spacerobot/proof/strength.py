@@ -11,8 +11,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import cache
-from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import numpy as np
 from scipy.optimize import brentq
@@ -26,6 +24,7 @@ from spacerobot.proof.campaign import Campaign, Readings, perform, write_study
 from spacerobot.proof.sizes import Kind
 from spacerobot.recordings.study import load_study
 from spacerobot.support.errors import InputError, SimulationError
+from spacerobot.support.scratch import scratch
 
 LEVEL, POWER = 0.05, 0.95
 
@@ -83,9 +82,9 @@ def measure(campaign: Campaign) -> Strength:
         replace(t, overrides={n: v * (over if n == "target.mass" else 1.0) for n, v in t.overrides.items()})
         for t in campaign.trials
     )
-    with TemporaryDirectory() as folder:
-        write_study(Path(folder), replace(campaign, belief=belief, trials=trials), clean, exact=True)
-        study = load_study(Path(folder))
+    with scratch() as folder:
+        write_study(folder, replace(campaign, belief=belief, trials=trials), clean, exact=True)
+        study = load_study(folder)
         data = trial_data(study)
         model = RigModel(study, data)
         fit = fit_from(Fitter(model, data), model.believed, (), {}, max_iterations=16)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -48,7 +49,19 @@ def test_the_process_sees_the_study_and_nothing_else(tmp_path: Path, monkeypatch
     assert seen["study"] == ["study.toml"]
 
 
-def test_the_seal_is_out_of_reach_and_the_name_says_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.fixture
+def temporary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A temporary folder of the test's own, for this process and those that it begins."""
+    folder = tmp_path / "temporary"
+    folder.mkdir()
+    monkeypatch.setenv("TMPDIR", str(folder))
+    monkeypatch.setattr(tempfile, "tempdir", str(folder))
+    return folder
+
+
+def test_the_seal_is_out_of_reach_and_the_name_says_nothing(
+    tmp_path: Path, temporary: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     pytest.importorskip("mujoco")
     monkeypatch.setattr(
         "spacerobot.proof.record._compared", lambda study, *rest: {"same": False, "equal": False, "study": study.name}
@@ -61,9 +74,74 @@ def test_the_seal_is_out_of_reach_and_the_name_says_nothing(tmp_path: Path, monk
     assert record["said"] == "unknown"
     assert record["expected"] == "nothing_missing"
     assert not record["top"]
-    for word in ("nothing_missing", "rig-0", "truth", "seal-"):
+    for word in ("nothing_missing", "rig-0", "truth"):
         assert word not in seen
-    assert not list((tmp_path / "scratch").rglob("*"))  # neither study nor seal is left lying about
+    assert not list((tmp_path / "scratch").rglob("*"))
+    assert not list(temporary.iterdir()), "neither study nor working folder is left lying about"
+
+
+SEARCH = """
+import json, os, sys, tempfile
+held = []
+for top in (tempfile.gettempdir(), os.path.dirname(sys.argv[1])):
+    for folder, _, files in os.walk(top):
+        for name in files:
+            with open(os.path.join(folder, name), errors="replace") as stream:
+                if "rig_as_built" in stream.read() or "truth" in name:
+                    held.append(name)
+print(json.dumps({"verdict": "unknown", "confidence": 0.5, "effects": [], "alternatives": [], "parameters": held}))
+"""
+
+
+def test_the_seal_is_on_no_disk_while_the_diagnosis_runs(
+    tmp_path: Path, temporary: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Who searches the temporary folder and all that lies beside the study finds nothing that tells."""
+    pytest.importorskip("mujoco")
+    monkeypatch.setattr(
+        "spacerobot.proof.record._compared", lambda study, *rest: {"same": False, "equal": False, "found": rest[-1]}
+    )
+    order = Order("nothing_missing", "rig", 0, seed=3)
+    record = play(order, temporary / "proof", command=script(tmp_path, SEARCH))
+    assert record["said"] == "unknown", record["error"]
+    assert record["found"]["parameters"] == []
+
+
+KILLED = """
+import os, signal, sys
+count = int(open({count!r}).read()) + 1
+open({count!r}, "w").write(str(count))
+if count <= {times}:
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+@pytest.mark.parametrize(("times", "tries"), [(1, 2), (2, 2), (9, 2)])
+def test_a_diagnosis_killed_for_want_of_memory_is_tried_once_more(tmp_path: Path, times: int, tries: int) -> None:
+    count = tmp_path / "count"
+    count.write_text("0")
+    answer = diagnose(tmp_path, command=script(tmp_path, KILLED.format(count=str(count), times=times) + SPY))
+    assert count.read_text() == str(tries)
+    if times < tries:
+        assert answer.verdict is not None
+        assert answer.error == ""
+    else:
+        assert answer.verdict is None
+        assert "killed 2 times" in answer.error
+        assert "memory" in answer.error
+
+
+def test_one_that_is_killed_again_and_again_is_scored_as_failed(
+    tmp_path: Path, temporary: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("mujoco")
+    monkeypatch.setattr("spacerobot.proof.record._compared", lambda *given: {"same": False, "equal": False})
+    words = "import os, signal; os.kill(os.getpid(), signal.SIGKILL)"
+    record = play(Order("nothing_missing", "rig", 0, seed=3), temporary, command=script(tmp_path, words))
+    assert record["said"] == "failed"
+    assert record["abstained"]
+    assert not record["confidently_wrong"]
+    assert "memory" in record["error"]
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.rig_model import RigModel
 from spacerobot.diagnosis.starts import fit_from
 from spacerobot.proof.air_bed import air_bed
-from spacerobot.proof.campaign import noisy, perform, write_study, write_truth
+from spacerobot.proof.campaign import noisy, perform, seal, write_study
 from spacerobot.proof.engine.missing import Missing
 from spacerobot.proof.engine.sensors import Channel, Reading, Stream, spoil
 from spacerobot.recordings.study import load_study
@@ -27,7 +27,7 @@ def test_a_labelled_campaign_loads(tmp_path: Path) -> None:
     campaign = air_bed(np.random.default_rng(3), per_mass=1, spinning=True).with_missing(hidden)
     readings = noisy(campaign, perform(campaign))
     write_study(tmp_path / "open", campaign, readings)
-    write_truth(tmp_path / "sealed", campaign, {"kind": "unlabelled"})
+    sealed = seal(campaign, {"kind": "unlabelled"})
     study = load_study(tmp_path / "open")
     assert len(study.trials) == 3
     assert len(study.conditions()) == 3
@@ -40,7 +40,7 @@ def test_a_labelled_campaign_loads(tmp_path: Path) -> None:
             reading = readings[trial.id]["force" if name == "contact.force" else "mocap"]
             kept = reading.value[name][~reading.lost]
             np.testing.assert_allclose(series.value[series.valid], kept[~np.isnan(kept)], atol=1e-9)
-    truth = json.loads((tmp_path / "sealed" / "truth.json").read_text())
+    truth = json.loads(sealed)
     assert truth["effects"] == [{"effect": "coulomb_friction", "where": "wrist", "force_N": 0.3}]
     text = (tmp_path / "open" / "study.toml").read_text()
     assert "coulomb" not in text
