@@ -53,14 +53,20 @@ finally:
 """
 
 
-def command(arguments: list[str], folder: Path, fault: str = "none", at: int = 0) -> subprocess.CompletedProcess[str]:
-    """Run a command; at its `at`-th step in `folder` (a file opened to write, renamed, removed) the fault happens."""
+def command(
+    arguments: list[str], folder: Path, fault: str = "none", at: int = 0, temporary: Path | None = None
+) -> subprocess.CompletedProcess[str]:
+    """Run a command; at its `at`-th step in `folder` (a file opened to write, renamed, removed) the fault happens.
+
+    `temporary` stands for the system's temporary folder.
+    """
+    elsewhere = {} if temporary is None else {"TMPDIR": str(temporary)}
     return subprocess.run(
         [sys.executable, "-c", _CHILD, str(folder), fault, str(at), *arguments],
         cwd=ROOT,
         capture_output=True,
         text=True,
-        env={**os.environ, "MPLBACKEND": "Agg"},
+        env={**os.environ, "MPLBACKEND": "Agg", **elsewhere},
         timeout=900,
     )
 

@@ -11,7 +11,8 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
@@ -27,60 +28,105 @@ PROVE = ["prove", "--quick", "--kinds", "nothing_missing", "--share", "0.1", "--
 EXPECTED = {KILL: -signal.SIGKILL, INTERRUPT: 130, DISK_FULL: 1, READ_ERROR: 2}
 
 
-def survives(arguments: list[str], tmp_path: Path, parts: tuple[float, ...], faults: tuple[str, ...]) -> None:
-    """Each fault at some of the steps: whole or absent, nothing half-written looks finished, and again gets there."""
-    reference = tmp_path / "reference"
-    first = command([*arguments, "--out", str(reference)], reference)
-    assert first.returncode == 0, first.stderr[-2000:]
-    steps, wanted = steps_of(first), outputs(reference)
-    assert command([*arguments, "--out", str(reference)], reference).stdout, "a finished run answers at once"
-    for fault in faults:
-        folder = tmp_path / fault.replace(" ", "-")
-        for part in parts:  # the same folder again and again: each fault meets what the one before has left
-            at = max(1, round(part * steps))
-            done = command([*arguments, "--out", str(folder)], folder, fault, at)
-            said = state(folder)
-            whole(folder, wanted)
-            if "fault" in done.stderr and done.returncode != 0:
-                assert "Traceback" not in done.stderr, done.stderr[-3000:]
-                assert done.returncode in (EXPECTED[fault], 1, 2), (fault, part, done.stderr[-500:])
-                assert done.stdout == "", "no answer before the files are there"
-                assert said != "finished"
-        done = command([*arguments, "--out", str(folder)], folder)
-        assert done.returncode == 0, done.stderr[-2000:]
-        assert state(folder) == "finished"
-        found = outputs(folder)
-        assert found.keys() == wanted.keys()
-        assert not list(folder.rglob(".*.part"))
-        assert not (folder / "partial").exists()
+FAULTS = (KILL, INTERRUPT, DISK_FULL, READ_ERROR)
+
+
+@dataclass(frozen=True)
+class Undisturbed:
+    """A run that nothing happened to: how many steps it took, what it left, and where the others find their input."""
+
+    arguments: list[str]
+    steps: int
+    outputs: dict[str, bytes]
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Callable[[list[str]], Undisturbed]:
+    """Runs a command once for all its faults."""
+    known: dict[tuple[str, ...], Undisturbed] = {}
+
+    def run(arguments: list[str]) -> Undisturbed:
+        key = tuple(arguments)
+        if key not in known:
+            folder = tmp_path_factory.mktemp("undisturbed")
+            first = command([*arguments, "--out", str(folder / "out")], folder / "out")
+            assert first.returncode == 0, first.stderr[-2000:]
+            assert command([*arguments, "--out", str(folder / "out")], folder / "out").stdout, "a finished run answers"
+            known[key] = Undisturbed(arguments, steps_of(first), outputs(folder / "out"))
+        return known[key]
+
+    return run
+
+
+def survives(usual: Undisturbed, fault: str, parts: tuple[float, ...], tmp_path: Path) -> None:
+    """The fault at some of the steps: whole or absent, nothing half-written looks finished, and again gets there."""
+    folder, temporary = tmp_path / "out", tmp_path / "temporary"
+    temporary.mkdir()
+    line = [*usual.arguments, "--out", str(folder)]
+    met = 0
+    for part in parts:  # the same folder again and again: each fault meets what the one before has left
+        at = max(1, round(part * usual.steps))
+        done = command(line, folder, fault, at, temporary)
+        said = state(folder)
+        whole(folder, usual.outputs)
+        if "fault" in done.stderr and done.returncode != 0:
+            met += 1
+            assert "Traceback" not in done.stderr, done.stderr[-3000:]
+            assert done.returncode in (EXPECTED[fault], 1, 2), (fault, part, done.stderr[-500:])
+            assert done.stdout == "", "no answer before the files are there"
+            assert said != "finished"
+    assert met, "it did happen"
+    done = command(line, folder, temporary=temporary)
+    assert done.returncode == 0, done.stderr[-2000:]
+    assert state(folder) == "finished"
+    assert outputs(folder).keys() == usual.outputs.keys()
+    assert not list(folder.rglob(".*.part"))
+    assert not (folder / "partial").exists()
+    assert not [p.name for p in temporary.iterdir() if "numba" not in p.name], "scratch is left lying about"
+
+
+Usual = Callable[[list[str]], Undisturbed]
 
 
 @pytest.mark.slow
-def test_overlay(tmp_path: Path) -> None:
-    survives(OVERLAY, tmp_path, (0.0, 0.25, 0.5, 0.75, 0.9, 1.0), (KILL, INTERRUPT, DISK_FULL, READ_ERROR))
+@pytest.mark.parametrize("fault", FAULTS)
+def test_overlay(undisturbed: Usual, fault: str, tmp_path: Path) -> None:
+    survives(undisturbed(OVERLAY), fault, (0.0, 0.25, 0.5, 0.75, 0.9, 1.0), tmp_path)
+
+
+@pytest.fixture(scope="module")
+def sweep_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A small sweep."""
+    path = tmp_path_factory.mktemp("sweep") / "sweep.toml"
+    path.write_text(SWEEP, encoding="utf-8")
+    return path
 
 
 @pytest.mark.slow
-def test_sweep(tmp_path: Path) -> None:
+@pytest.mark.parametrize("fault", FAULTS)
+def test_sweep(undisturbed: Usual, sweep_file: Path, fault: str, tmp_path: Path) -> None:
     pytest.importorskip("pyarrow")
-    (tmp_path / "sweep.toml").write_text(SWEEP, encoding="utf-8")
-    arguments = ["sweep", str(tmp_path / "sweep.toml"), "--jobs", "1"]
-    survives(arguments, tmp_path, (0.0, 0.3, 0.6, 0.9, 1.0), (KILL, INTERRUPT, DISK_FULL, READ_ERROR))
+    usual = undisturbed(["sweep", str(sweep_file), "--jobs", "1"])
+    survives(usual, fault, (0.0, 0.3, 0.6, 0.9, 1.0), tmp_path)
 
 
 @pytest.mark.slow
-def test_paper(tmp_path: Path) -> None:
-    survives(PAPER, tmp_path, (0.3, 0.8), (KILL, INTERRUPT, DISK_FULL, READ_ERROR))
+@pytest.mark.parametrize("fault", FAULTS)
+def test_paper(undisturbed: Usual, fault: str, tmp_path: Path) -> None:
+    survives(undisturbed(PAPER), fault, (0.3, 0.8), tmp_path)
 
 
 @pytest.mark.slow
-def test_diagnose(tmp_path: Path) -> None:
-    survives(DIAGNOSE, tmp_path, (0.5,), (KILL, INTERRUPT, DISK_FULL, READ_ERROR))
+@pytest.mark.parametrize("fault", FAULTS)
+def test_diagnose(undisturbed: Usual, fault: str, tmp_path: Path) -> None:
+    survives(undisturbed(DIAGNOSE), fault, (0.5, 0.9), tmp_path)
 
 
 @pytest.mark.slow
-def test_prove(tmp_path: Path) -> None:
-    survives(PROVE, tmp_path, (0.3, 0.7), (KILL, INTERRUPT, DISK_FULL, READ_ERROR))
+@pytest.mark.parametrize("fault", FAULTS)
+def test_prove(undisturbed: Usual, fault: str, tmp_path: Path) -> None:
+    pytest.importorskip("mujoco")
+    survives(undisturbed(PROVE), fault, (0.3, 0.7), tmp_path)
 
 
 def begun(arguments: list[str]) -> subprocess.Popen[str]:

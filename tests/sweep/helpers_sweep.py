@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import pyarrow.dataset as ds
-
 from spacerobot.cli.main import main
 
 SWEEP = """\
@@ -50,4 +48,6 @@ def files(out: Path) -> dict[str, bytes]:
 
 
 def table(out: Path):
+    import pyarrow.dataset as ds  # here, since SWEEP is of use where it is not installed
+
     return ds.dataset(out / "collisions", format="parquet").to_table().sort_by("collision").to_pydict()
