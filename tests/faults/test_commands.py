@@ -25,6 +25,15 @@ DIAGNOSE = ["diagnose", "guide-friction", "--jobs", "1"]
 PAPER = ["paper"]
 PROVE = ["prove", "--quick", "--kinds", "nothing_missing", "--share", "0.1", "--seed", "1", "--no-rivals"]
 
+POINTS: dict[str, tuple[float, ...]] = {
+    "overlay": (0.0, 0.25, 0.5, 0.75, 0.9, 1.0),
+    "sweep": (0.0, 0.3, 0.6, 0.9, 1.0),
+    "paper": (0.3, 0.8),
+    "diagnose": (0.5, 0.9),
+    "prove": (0.3, 0.7),
+}
+"""At which parts of a command's steps the fault happens; docs/trust.md says how many."""
+
 EXPECTED = {KILL: -signal.SIGKILL, INTERRUPT: 130, DISK_FULL: 1, READ_ERROR: 2}
 
 
@@ -91,7 +100,7 @@ Usual = Callable[[list[str]], Undisturbed]
 @pytest.mark.slow
 @pytest.mark.parametrize("fault", FAULTS)
 def test_overlay(undisturbed: Usual, fault: str, tmp_path: Path) -> None:
-    survives(undisturbed(OVERLAY), fault, (0.0, 0.25, 0.5, 0.75, 0.9, 1.0), tmp_path)
+    survives(undisturbed(OVERLAY), fault, POINTS["overlay"], tmp_path)
 
 
 @pytest.fixture(scope="module")
@@ -107,26 +116,32 @@ def sweep_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_sweep(undisturbed: Usual, sweep_file: Path, fault: str, tmp_path: Path) -> None:
     pytest.importorskip("pyarrow")
     usual = undisturbed(["sweep", str(sweep_file), "--jobs", "1"])
-    survives(usual, fault, (0.0, 0.3, 0.6, 0.9, 1.0), tmp_path)
+    survives(usual, fault, POINTS["sweep"], tmp_path)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("fault", FAULTS)
 def test_paper(undisturbed: Usual, fault: str, tmp_path: Path) -> None:
-    survives(undisturbed(PAPER), fault, (0.3, 0.8), tmp_path)
+    survives(undisturbed(PAPER), fault, POINTS["paper"], tmp_path)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("fault", FAULTS)
 def test_diagnose(undisturbed: Usual, fault: str, tmp_path: Path) -> None:
-    survives(undisturbed(DIAGNOSE), fault, (0.5, 0.9), tmp_path)
+    survives(undisturbed(DIAGNOSE), fault, POINTS["diagnose"], tmp_path)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("fault", FAULTS)
 def test_prove(undisturbed: Usual, fault: str, tmp_path: Path) -> None:
     pytest.importorskip("mujoco")
-    survives(undisturbed(PROVE), fault, (0.3, 0.7), tmp_path)
+    survives(undisturbed(PROVE), fault, POINTS["prove"], tmp_path)
+
+
+def test_the_page_tells_the_points() -> None:
+    page = (ROOT / "docs" / "trust.md").read_text(encoding="utf-8")
+    for name, parts in POINTS.items():
+        assert f"| `{name}` |" + f" {len(parts)} |" * len(FAULTS) in page
 
 
 def begun(arguments: list[str]) -> subprocess.Popen[str]:
