@@ -9,7 +9,7 @@ import numpy as np
 from spacerobot.diagnosis.data import TrialData
 from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.pool import Workshop
-from spacerobot.diagnosis.rig_model import onset_masks
+from spacerobot.diagnosis.rig_model import counted
 from spacerobot.diagnosis.scene_out import scene_of
 from spacerobot.simulation.multibody.run import integrate_scene
 from spacerobot.simulation.sensors import read_channels
@@ -50,15 +50,16 @@ def difference(workshop: Workshop, chosen: Fit, trial: TrialData) -> float:
     run = integrate_scene(scene, trial.end - trial.start, tolerance=TOLERANCE)
     mechanism = workshop.model.trial_mechanism(chosen.hypothesis, chosen.z, trial)
     reduced = workshop.model.predict(mechanism, trial, chosen.trials[trial.id].initial)
-    masks = onset_masks(mechanism, trial, reduced.touches)
-    total, count = 0.0, 0
-    for block, shown, mask in zip(trial.blocks, reduced.blocks, masks, strict=True):
+    keep = counted(mechanism, trial, reduced.touches)
+    total, count, row = 0.0, 0, 0
+    for block, shown in zip(trial.blocks, reduced.blocks, strict=True):
         whole = read_channels(run, run.mechanism, block.channels, block.time - trial.start)
         for c, channel in enumerate(block.channels):
             apart = whole[channel] - shown[c]
             if channel in COUNTED_FROM:
                 apart = apart - apart[0]
-            good = mask[c] & (block.weight[c] > 0.0)
+            good = keep[row : row + block.time.size]
+            row += block.time.size
             total += float(np.square(apart[good] * block.weight[c][good]).sum())
             count += int(good.sum())
     return float(np.sqrt(total / max(count, 1)))

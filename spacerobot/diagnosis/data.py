@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -32,15 +33,20 @@ class TrialData:
     start: float
     end: float
 
-    @property
+    @functools.cached_property
     def channels(self) -> tuple[str, ...]:
         """All channels, in block order."""
         return tuple(c for b in self.blocks for c in b.channels)
 
+    @functools.cached_property
+    def valid(self) -> np.ndarray:
+        """Which samples are, of all blocks and channels in a row, shape (S,) bool."""
+        return np.concatenate([(b.weight > 0.0).ravel() for b in self.blocks])
+
     @property
     def samples(self) -> int:
         """Number of valid samples."""
-        return int(sum((b.weight > 0.0).sum() for b in self.blocks))
+        return int(self.valid.sum())
 
     def channel(self, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Times, values and weights of one channel, valid samples only."""

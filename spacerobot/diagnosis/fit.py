@@ -12,7 +12,7 @@ from spacerobot.diagnosis.data import TrialData
 from spacerobot.diagnosis.fitted import Fit, State, TrialFit
 from spacerobot.diagnosis.hypothesis import Hypothesis
 from spacerobot.diagnosis.normal import Normal
-from spacerobot.diagnosis.rig_model import RigModel, onset_masks
+from spacerobot.diagnosis.rig_model import RigModel, counted
 from spacerobot.support.errors import SimulationError
 
 DIFFERENCE = 0.02
@@ -62,9 +62,7 @@ class Fitter:
         mechanism = self.model.trial_mechanism(hypothesis, z, trial)
         prediction = self.model.predict(mechanism, trial, initial)
         parts = [((p - b.value) * b.weight).ravel() for p, b in zip(prediction.blocks, trial.blocks, strict=True)]
-        masks = onset_masks(mechanism, trial, prediction.touches)
-        keep = [(m & (b.weight > 0.0)).ravel() for m, b in zip(masks, trial.blocks, strict=True)]
-        return np.concatenate(parts), np.concatenate(keep)
+        return np.concatenate(parts), counted(mechanism, trial, prediction.touches)
 
     def guess(self) -> dict[str, np.ndarray]:
         """First initial values of every trial, from its free approach."""

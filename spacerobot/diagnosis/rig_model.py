@@ -10,6 +10,7 @@ import numpy as np
 
 from spacerobot.diagnosis.data import TrialData
 from spacerobot.diagnosis.hypothesis import Believed, Hypothesis
+from spacerobot.diagnosis.lately import Lately
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.recordings.study import Study
 from spacerobot.simulation.reduced.run import ReducedRun, simulate
@@ -88,6 +89,7 @@ class RigModel:
         self.believed = Believed(known, sigma, scatter, tuple(study.conditions()), unknown, ABSORBING)
         self.tolerance = tolerance
         self.sensors = _sensors(study)
+        self._lately = Lately()
         self._trials = {t.id: t for t in trials}
         self._touch = {t.id: _touch_time(t) for t in trials}
         self._motion = {t.id: _nuisances(t, self.turning, self.sideways) for t in trials}
@@ -136,8 +138,12 @@ class RigModel:
 
     def trial_mechanism(self, hypothesis: Hypothesis, z: np.ndarray, trial: TrialData) -> Mechanism:
         """The edited mechanism of one trial."""
-        values = hypothesis.trial_values(z, {**self.base}, trial.condition, trial.overrides)
-        return hypothesis.edit(self.mechanism(values), hypothesis.values(z))
+
+        def make() -> Mechanism:
+            values = hypothesis.trial_values(z, self.base, trial.condition, trial.overrides)
+            return hypothesis.edit(self.mechanism(values), hypothesis.values(z))
+
+        return self._lately.mechanism(hypothesis, z, trial, make)
 
     def predict(self, mechanism: Mechanism, trial: TrialData, initial: np.ndarray) -> Prediction:
         """Simulate a trial from its initial values, shape (len(nuisances),), and read its channels."""
@@ -151,7 +157,7 @@ class RigModel:
                 position[name] = position.get(coordinate.carrier, 0.0)
                 velocity[name] = velocity.get(coordinate.carrier, 0.0)
         run = simulate(
-            mechanism,
+            self._lately.prepared(mechanism),
             position=position,
             velocity=velocity,
             start=trial.start,
@@ -164,20 +170,23 @@ class RigModel:
         return Prediction(blocks, touches, run)
 
 
-def onset_masks(mechanism: Mechanism, trial: TrialData, touches: tuple[float, ...]) -> tuple[np.ndarray, ...]:
-    """Samples to keep, per block, shape (C, T) bool: forces are left out around each touch as their sensor sees it."""
-    keep = []
+def counted(mechanism: Mechanism, trial: TrialData, touches: tuple[float, ...]) -> np.ndarray:
+    """Samples that count, shape (S,) bool: forces are left out around each touch as their sensor sees it."""
+    keep = trial.valid
+    if not touches or "contact.force" not in trial.channels:
+        return keep
+    keep = keep.copy()
+    late = sum(m.value for m in mechanism.maps if m.channel == "contact.force" and m.kind == "delay")
+    at = np.array(touches) + late
+    row = 0
     for block in trial.blocks:
-        mask = np.ones(block.value.shape, dtype=bool)
-        for c, channel in enumerate(block.channels):
-            if channel != "contact.force":
-                continue
-            late = sum(m.value for m in mechanism.maps if m.channel == channel and m.kind == "delay")
-            for touch in touches:
-                first, last = np.searchsorted(block.time, [touch + late - ONSET_MASK, touch + late + ONSET_MASK])
-                mask[c, first:last] = False
-        keep.append(mask)
-    return tuple(keep)
+        for channel in block.channels:
+            if channel == "contact.force":
+                first, last = np.searchsorted(block.time, [at - ONSET_MASK, at + ONSET_MASK])
+                for a, b in zip(first.tolist(), last.tolist(), strict=True):
+                    keep[row + a : row + b] = False
+            row += block.time.size
+    return keep
 
 
 def _sensors(study: Study) -> dict[str, tuple[str, ...]]:

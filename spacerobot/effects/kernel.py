@@ -28,21 +28,29 @@ def no_energy(d: float, v: float, aux: float, p: Any) -> float:
     return 0.0
 
 
+def no_slope(d: float, v: float, aux: float, p: Any) -> float:
+    """Slope of a force that is constant."""
+    return 0.0
+
+
 @dataclass(frozen=True)
 class Kernel:
     """A scalar force law in plain Python that Numba can compile.
 
-    The four callables share the signature `(d, v, aux, p)`. They are written with `math` and plain arithmetic only.
+    The callables share the signature `(d, v, aux, p)`. They are written with `math` and plain arithmetic only.
 
     Attributes:
         force: force along the positive direction of the port [N or N m]; a restoring law returns -k d.
         edge: a function that changes sign where the law has a kink; the integrators stop there.
         energy: stored energy [J], whose negative gradient in d is the conservative part of `force`.
+        slope: for a law of d alone that is continuous, and straight between its edges, -df/dd [N/m or N m/rad];
+            its `aux` is the sign of `edge` on the side that is meant. Such laws are integrated much faster.
     """
 
     force: ScalarLaw
     edge: ScalarLaw = no_edge
     energy: ScalarLaw = no_energy
+    slope: ScalarLaw | None = None
 
     @property
     def has_edge(self) -> bool:

@@ -108,6 +108,7 @@ class Friction:
             that of the sliding, +-1e-300 at rest; `normal` is the normal load [N] where `normal` names a contact.
         p: parameters of the level.
         normal: name of the contact that presses, or None.
+        steady: whether the level depends on nothing but the direction of sliding; such friction is integrated faster.
     """
 
     name: str
@@ -115,6 +116,7 @@ class Friction:
     level: ScalarLaw
     p: tuple[float, ...]
     normal: str | None = None
+    steady: bool = False
 
     def __post_init__(self) -> None:
         _finite(f"parameter of {self.name}", *self.p)

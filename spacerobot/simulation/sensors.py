@@ -25,6 +25,9 @@ class Run(Protocol):
     def states(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Coordinates' positions and velocities, shape (T, n) each."""
 
+    def positions(self, times: np.ndarray) -> np.ndarray:
+        """Coordinates' positions alone, shape (T, n)."""
+
     def sample(self, times: np.ndarray) -> Any:
         """States and accelerations."""
 
@@ -69,8 +72,12 @@ class _Taken:
     times: np.ndarray
 
     @functools.cached_property
-    def states(self) -> tuple[np.ndarray, np.ndarray]:
-        return self.run.states(self.times)
+    def position(self) -> np.ndarray:
+        return self.run.positions(self.times)
+
+    @functools.cached_property
+    def velocity(self) -> np.ndarray:
+        return self.run.states(self.times)[1]
 
     @functools.cached_property
     def acceleration(self) -> np.ndarray:
@@ -78,7 +85,7 @@ class _Taken:
 
     def of(self, kind: str) -> np.ndarray:
         """Coordinates' positions, velocities or accelerations, shape (T, n)."""
-        return self.acceleration if kind == "acceleration" else self.states[kind == "velocity"]
+        return np.asarray(getattr(self, kind))
 
 
 def _read(

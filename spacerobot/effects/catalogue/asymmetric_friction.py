@@ -35,4 +35,4 @@ class AsymmetricFriction(Effect):
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
         """Friction whose level depends on the direction."""
         p = (values["force_plus_N"], values["force_minus_N"])
-        return mechanism.with_friction(Friction(f"{self.name} at {where}", where, level, p))
+        return mechanism.with_friction(Friction(f"{self.name} at {where}", where, level, p, steady=True))

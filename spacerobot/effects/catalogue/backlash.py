@@ -32,7 +32,12 @@ def energy(d: float, v: float, aux: float, p: Any) -> float:
     return 0.5 * p[0] * over * over
 
 
-KERNEL = Kernel(force, edge, energy)
+def slope(d: float, v: float, aux: float, p: Any) -> float:
+    """None within the gap."""
+    return p[0] if aux > 0.0 else 0.0
+
+
+KERNEL = Kernel(force, edge, energy, slope)
 
 
 class Backlash(Effect):

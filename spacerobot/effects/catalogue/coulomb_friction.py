@@ -32,4 +32,5 @@ class CoulombFriction(Effect):
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
         """Friction of constant level at the port."""
-        return mechanism.with_friction(Friction(f"{self.name} at {where}", where, level, (values["force_N"],)))
+        p = (values["force_N"],)
+        return mechanism.with_friction(Friction(f"{self.name} at {where}", where, level, p, steady=True))

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from spacerobot.effects.effect import Effect, Parameter, positions
-from spacerobot.effects.kernel import Kernel
+from spacerobot.effects.kernel import Kernel, no_slope
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Force
 
@@ -21,7 +21,7 @@ def energy(d: float, v: float, aux: float, p: Any) -> float:
     return -p[0] * d
 
 
-KERNEL = Kernel(force, energy=energy)
+KERNEL = Kernel(force, energy=energy, slope=no_slope)
 
 
 class Preload(Effect):

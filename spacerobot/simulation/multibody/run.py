@@ -165,6 +165,10 @@ class MultibodyRun:
         taken = self.sample(times)
         return taken.position, taken.velocity
 
+    def positions(self, times: np.ndarray) -> np.ndarray:
+        """Positions alone at `times`."""
+        return self.sample(times).position
+
     def contact_at(self, times: np.ndarray) -> np.ndarray:
         """Contact force, positive in compression, at `times`, shape (T,) [N]."""
         return self.contact_force(self.sample(times))

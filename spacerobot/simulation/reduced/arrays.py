@@ -26,11 +26,13 @@ class System(NamedTuple):
     force_aux: np.ndarray  # (F,) int: port whose rate is aux, or NONE
     force_law: np.ndarray  # (F,) int into the table of laws
     force_edge: np.ndarray  # (F,) int into the table of laws, or NONE
+    force_slope: np.ndarray  # (F,) int into the table of laws, or NONE
     parameters: np.ndarray  # (F, PARAMETERS)
     contact: np.ndarray  # (2,) hold [N], bilateral (0 or 1)
     friction_port: np.ndarray  # (R,) int
     friction_law: np.ndarray  # (R,) int
     friction_normal: np.ndarray  # (R,) int: 1 if pressed by the contact
+    friction_steady: np.ndarray  # (R,) int: 1 if its level does not change while it slides one way
     friction_parameters: np.ndarray  # (R, PARAMETERS)
     constant: np.ndarray  # (n,) generalised force of the fields
     input_port: np.ndarray  # (U,) int
@@ -44,11 +46,11 @@ class System(NamedTuple):
 N, PORTS, FORCES, FRICTIONS, INPUTS, KICKS, PRESS, SLIDE, YAW, CONTACT_FORCE = range(10)
 MASS, ROWS, GEOMETRY, PARAMETER, FRICTION_PARAMETER, CONSTANT, GAIN, KICK_TIME, KICK = range(10, 19)
 LINEAR = 19
-PORT, SENSE, AUX, LAW, EDGE, FRICTION_PORT, FRICTION_LAW, FRICTION_NORMAL, INPUT_PORT = range(20, 29)
-FORCE_ORDER, PORT_ORDER = 29, 30
-D, V, BIAS, W_ROWS, TAU, RAW, FORCE, FRICTION, MATRIX, VECTOR, STUCK, WORK_SIZE = range(31, 43)
-LIVE_FORCES, LIVE_PORTS = 43, 44
-HEADER = 45
+PORT, SENSE, AUX, LAW, EDGE, SLOPE, FRICTION_PORT, FRICTION_LAW, FRICTION_NORMAL, FRICTION_STEADY = range(20, 30)
+INPUT_PORT, FORCE_ORDER, PORT_ORDER = 30, 31, 32
+D, V, BIAS, W_ROWS, TAU, RAW, FORCE, FRICTION, MATRIX, VECTOR, STUCK, WORK_SIZE = range(33, 45)
+LIVE_FORCES, LIVE_PORTS = 45, 46
+HEADER = 47
 
 
 class Packed(NamedTuple):
@@ -116,9 +118,11 @@ def packed_ints(s: System, order: Folding) -> np.ndarray:
         s.force_aux,
         s.force_law,
         s.force_edge,
+        s.force_slope,
         s.friction_port,
         s.friction_law,
         s.friction_normal,
+        s.friction_steady,
         s.input_port,
         order.forces,
         order.ports,

@@ -49,11 +49,12 @@ class Layout:
 
 
 @functools.lru_cache(maxsize=4096)
-def _law_pair(kernel: Kernel) -> tuple[int, int]:
+def _laws(kernel: Kernel) -> tuple[int, int, int]:
     native = _NATIVE.get(kernel)
     if native is not None:
-        return native, NONE
-    return LAWS.index(kernel.force), LAWS.index(kernel.edge) if kernel.has_edge else NONE
+        return native, NONE, NONE
+    edge = LAWS.index(kernel.edge) if kernel.has_edge else NONE
+    return LAWS.index(kernel.force), edge, NONE if kernel.slope is None else LAWS.index(kernel.slope)
 
 
 class Shape(NamedTuple):
@@ -63,7 +64,7 @@ class Shape(NamedTuple):
     ports: tuple[tuple[str, tuple[tuple[str, float], ...]], ...]
     contact: tuple[str, Kernel] | None
     forces: tuple[tuple[str, str, str, str | None, Kernel], ...]  # name, port, sensed port, aux port, law
-    frictions: tuple[tuple[str, str, Any, bool], ...]  # name, port, law, pressed by the contact
+    frictions: tuple[tuple[str, str, Any, bool, bool], ...]  # name, port, law, pressed by the contact, steady
     inputs: tuple[tuple[str, str], ...]  # name, port
 
 
@@ -86,7 +87,7 @@ def shape(m: Mechanism) -> Shape:
         tuple((port, tuple(row.items())) for port, row in m.ports.items()),
         None if m.contact is None else (m.contact.name, m.contact.kernel),
         tuple((f.name, f.port, f.sense or f.port, f.aux, f.kernel) for f in m.forces),
-        tuple((f.name, f.port, f.level, f.normal is not None) for f in m.frictions),
+        tuple((f.name, f.port, f.level, f.normal is not None, f.steady) for f in m.frictions),
         tuple((i.name, i.port) for i in m.inputs),
     )
 
@@ -114,7 +115,7 @@ def template(of: Shape) -> Template:
     laws: list[tuple[str, str, str, str | None, Kernel]] = [*of.forces]
     if of.contact is not None:
         laws.insert(0, (of.contact[0], "contact", "contact", None, of.contact[1]))
-    pairs = [_law_pair(kernel) for *_, kernel in laws]
+    found = [_laws(kernel) for *_, kernel in laws]
     blank = System(
         inverse_mass=np.zeros(len(names)),
         rows=rows,
@@ -123,13 +124,15 @@ def template(of: Shape) -> Template:
         force_port=np.array([place[port] for _, port, *_ in laws], dtype=np.int64),
         force_sense=np.array([place[sensed] for _, _, sensed, *_ in laws], dtype=np.int64),
         force_aux=np.array([NONE if aux is None else place[aux] for *_, aux, _ in laws], dtype=np.int64),
-        force_law=np.array([law for law, _ in pairs], dtype=np.int64),
-        force_edge=np.array([edge for _, edge in pairs], dtype=np.int64),
+        force_law=np.array([law for law, _, _ in found], dtype=np.int64),
+        force_edge=np.array([edge for _, edge, _ in found], dtype=np.int64),
+        force_slope=np.array([slope for _, _, slope in found], dtype=np.int64),
         parameters=np.zeros((len(laws), PARAMETERS)),
         contact=np.zeros(2),
         friction_port=np.array([place[port] for _, port, *_ in of.frictions], dtype=np.int64),
-        friction_law=np.array([LAWS.index(level) for *_, level, _ in of.frictions], dtype=np.int64),
-        friction_normal=np.array([normal for *_, normal in of.frictions], dtype=np.int64),
+        friction_law=np.array([LAWS.index(level) for _, _, level, _, _ in of.frictions], dtype=np.int64),
+        friction_normal=np.array([normal for *_, normal, _ in of.frictions], dtype=np.int64),
+        friction_steady=np.array([steady for *_, steady in of.frictions], dtype=np.int64),
         friction_parameters=np.zeros((len(of.frictions), PARAMETERS)),
         constant=np.zeros(len(names)),
         input_port=np.array([place[port] for _, port in of.inputs], dtype=np.int64),

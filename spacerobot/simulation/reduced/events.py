@@ -35,7 +35,11 @@ from spacerobot.simulation.reduced.ports import kinematics
 from spacerobot.simulation.reduced.stepper import interpolate
 from spacerobot.support.jit import jit, lean
 
-SUBSAMPLES = 5
+AT = (0.0, 0.01, 0.2, 0.4, 0.6, 0.8, 0.99, 1.0)
+"""Where in a step guards are looked at; close to its ends, so that a dip between two steps is seen by one of them."""
+SUBSAMPLES = len(AT) - 1
+LOW = 0.2
+"""A dip is looked into where its parabola falls below so much of the lowest sample."""
 
 
 @lean
@@ -47,6 +51,7 @@ def guard_at(
     y: Any,
     h: float,
     q: Any,
+    order: int,
     theta: float,
     modes: Any,
     u: Any,
@@ -56,7 +61,7 @@ def guard_at(
     g: Any,
 ) -> None:
     """Guards at t + theta h, into g."""
-    interpolate(y, h, q, theta, temp)
+    interpolate(y, h, q, order, theta, temp)
     sense(x, c, laws, t + theta * h, temp, modes, u, w, slope)
     guards(x, c, laws, modes, w, g)
 
@@ -70,6 +75,7 @@ def find_event(
     y: Any,
     h: float,
     q: Any,
+    order: int,
     modes: Any,
     u: Any,
     w: Any,
@@ -80,13 +86,13 @@ def find_event(
 ) -> Any:
     """First guard to fall below zero inside the step: (index, theta), or (-1, 1.0).
 
-    Guards are sampled at SUBSAMPLES points; a dip between samples is caught by the sign of the contact's rate
-    (an extremum of the gap) and, for the others, by the vertex of the parabola through three samples.
+    Guards are sampled at the points AT; a dip between samples is caught by the sign of the contact's rate (an extremum
+    of the gap) and, for the others, by the vertices of parabolas through the three points around the lowest.
     """
     count = samples.shape[1]
     press = c[PRESS]
     for j in range(SUBSAMPLES + 1):
-        guard_at(x, c, laws, t, y, h, q, j / SUBSAMPLES, modes, u, w, temp, slope, samples[j])
+        guard_at(x, c, laws, t, y, h, q, order, AT[j], modes, u, w, temp, slope, samples[j])
         rates[j] = w[c[V] + press] if press >= 0 else 0.0
     best_theta = 2.0
     best = -1
@@ -95,7 +101,7 @@ def find_event(
         above, below = 0.0, 0.0
         for j in range(1, SUBSAMPLES + 1):
             if samples[j, i] < 0.0:
-                lo, hi = (j - 1) / SUBSAMPLES, j / SUBSAMPLES
+                lo, hi = AT[j - 1], AT[j]
                 above, below = samples[j - 1, i], samples[j, i]
                 break
             dip = -1.0
@@ -109,27 +115,47 @@ def find_event(
                         y,
                         h,
                         q,
-                        (j - 1) / SUBSAMPLES,
-                        j / SUBSAMPLES,
+                        order,
+                        AT[j - 1],
+                        AT[j],
                         modes,
                         u,
                         w,
                         temp,
                         slope,
                     )
-            elif 0 < j < SUBSAMPLES and samples[j, i] <= samples[j - 1, i] and samples[j, i] <= samples[j + 1, i]:
-                curve = samples[j - 1, i] - 2.0 * samples[j, i] + samples[j + 1, i]
-                if curve > 0.0:
-                    shift = 0.5 * (samples[j - 1, i] - samples[j + 1, i]) / curve
-                    low = samples[j, i] - 0.25 * (samples[j - 1, i] - samples[j + 1, i]) * shift
-                    if low < 0.2 * samples[j, i]:
-                        dip = (j + shift) / SUBSAMPLES
-            if dip > 0.0:
-                guard_at(x, c, laws, t, y, h, q, dip, modes, u, w, temp, slope, samples[SUBSAMPLES + 1])
-                if samples[SUBSAMPLES + 1, i] < 0.0:
-                    lo, hi = (j - 1) / SUBSAMPLES, dip
-                    above, below = samples[j - 1, i], samples[SUBSAMPLES + 1, i]
-                    break
+                    guard_at(x, c, laws, t, y, h, q, order, dip, modes, u, w, temp, slope, samples[SUBSAMPLES + 1])
+            elif j < SUBSAMPLES and samples[j, i] <= samples[j - 1, i] and samples[j, i] <= samples[j + 1, i]:
+                p0, p1, p2 = AT[j - 1], AT[j], AT[j + 1]
+                g0, g1, g2 = samples[j - 1, i], samples[j, i], samples[j + 1, i]
+                for _ in range(6):  # parabolas, each through the three points around the lowest so far
+                    left, right = (g1 - g0) / (p1 - p0), (g2 - g1) / (p2 - p1)
+                    curve = (right - left) / (p2 - p0)
+                    if not curve > 0.0:
+                        break
+                    at = 0.5 * (p0 + p1 - left / curve)
+                    low = g1 - curve * (at - p1) * (at - p1)
+                    if low >= LOW * g1 or abs(at - p1) < 1e-6 or not p0 < at < p2:
+                        break
+                    guard_at(x, c, laws, t, y, h, q, order, at, modes, u, w, temp, slope, samples[SUBSAMPLES + 1])
+                    new = samples[SUBSAMPLES + 1, i]
+                    if new < 0.0:
+                        dip = at
+                        break
+                    if new < g1:
+                        if at < p1:
+                            p2, g2 = p1, g1
+                        else:
+                            p0, g0 = p1, g1
+                        p1, g1 = at, new
+                    elif at < p1:
+                        p0, g0 = at, new
+                    else:
+                        p2, g2 = at, new
+            if dip > 0.0 and samples[SUBSAMPLES + 1, i] < 0.0:
+                lo, hi = AT[j - 1], dip
+                above, below = samples[j - 1, i], samples[SUBSAMPLES + 1, i]
+                break
         if hi < 0.0 or lo >= best_theta:
             continue
         # Illinois, with a bisection every third time; ends on the far side of the root
@@ -138,7 +164,7 @@ def find_event(
         for n in range(90):
             part = above / (above - below) if above > 0.0 else 0.0
             mid = lo + (hi - lo) * part if n % 3 < 2 and 0.0 < part < 1.0 else 0.5 * (lo + hi)
-            guard_at(x, c, laws, t, y, h, q, mid, modes, u, w, temp, slope, samples[SUBSAMPLES + 1])
+            guard_at(x, c, laws, t, y, h, q, order, mid, modes, u, w, temp, slope, samples[SUBSAMPLES + 1])
             value = samples[SUBSAMPLES + 1, i]
             if value < 0.0:
                 hi, below = mid, value
@@ -170,6 +196,7 @@ def _extremum(
     y: Any,
     h: float,
     q: Any,
+    order: int,
     lo: float,
     hi: float,
     modes: Any,
@@ -182,7 +209,7 @@ def _extremum(
     press = c[PRESS]
     for _ in range(40):
         mid = 0.5 * (lo + hi)
-        interpolate(y, h, q, mid, temp)
+        interpolate(y, h, q, order, mid, temp)
         kinematics(x, c, temp, w, c[LIVE_PORTS])
         if w[c[V] + press] > 0.0:
             lo = mid

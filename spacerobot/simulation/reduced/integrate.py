@@ -6,10 +6,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from spacerobot.simulation.reduced.affine import DEGREE, advance, series, shorten, straight, system
 from spacerobot.simulation.reduced.arrays import (
     EDGE,
     FORCES,
     FRICTIONS,
+    INPUTS,
     KICK,
     KICK_TIME,
     KICKS,
@@ -17,6 +19,7 @@ from spacerobot.simulation.reduced.arrays import (
     PRESS,
     N,
 )
+from spacerobot.simulation.reduced.crossings import first_fall, linear_guards
 from spacerobot.simulation.reduced.events import (
     SUBSAMPLES,
     find_event,
@@ -26,7 +29,7 @@ from spacerobot.simulation.reduced.events import (
 )
 from spacerobot.simulation.reduced.guards import guards
 from spacerobot.simulation.reduced.motion import accelerate
-from spacerobot.simulation.reduced.stepper import dense, error_norm, stages
+from spacerobot.simulation.reduced.stepper import ORDER, dense, error_norm, stages
 from spacerobot.support.jit import jit
 
 OK, TOO_MANY_STEPS, TOO_MANY_EVENTS, NOT_FINITE = 0, 1, 2, 3
@@ -42,7 +45,8 @@ class Steps(NamedTuple):
     time: np.ndarray  # (m,)
     length: np.ndarray  # (m,)
     state: np.ndarray  # (m, N) at the start of the step
-    dense: np.ndarray  # (m, N, 4)
+    dense: np.ndarray  # (m, N, 4 or DEGREE)
+    order: np.ndarray  # (m,) int, how many of the dense coefficients are the step's own
     modes: np.ndarray  # (m, G) int
 
 
@@ -74,15 +78,20 @@ def integrate(
     y = y0.copy()
     new, temp, slope = np.empty(size), np.empty(size), np.empty(size)
     k = np.zeros((7, size))
-    q = np.empty((size, 4))
+    wide = DEGREE if c[INPUTS] == 0 else ORDER
+    q = np.empty((size, wide))
+    a = np.empty((size // 2, size + 1))
+    held = np.empty((c[FRICTIONS], size + 1))
+    guarding = 2 + 2 * c[FRICTIONS]
+    rows, owner, p = np.empty((guarding, size + 1)), np.empty(guarding, dtype=np.int64), np.empty(wide + 1)
     modes = start_modes(x, c, laws, t0, y, u, w, slope)
     count = modes.size
     samples = np.empty((SUBSAMPLES + 2, count))
     rates = np.empty(SUBSAMPLES + 1)
     cap = 512
     times, lengths = np.empty(cap), np.empty(cap)
-    states, denses = np.empty((cap, size)), np.empty((cap, size, 4))
-    kept = np.empty((cap, count), dtype=np.int64)
+    states, denses = np.empty((cap, size)), np.empty((cap, size, wide))
+    kept, orders = np.empty((cap, count), dtype=np.int64), np.empty(cap, dtype=np.int64)
     ecap = 64
     etime, eindex, emode = np.empty(ecap), np.empty(ecap, dtype=np.int64), np.empty(ecap, dtype=np.int64)
     m, e, kick = 0, 0, 0
@@ -95,7 +104,8 @@ def integrate(
             watched = True
     while kick < c[KICKS] and x[c[KICK_TIME] + kick] < t0:
         kick += 1
-    accelerate(x, c, laws, t, y, modes, u, w, k[0])
+    fresh, even, known = True, False, False  # modes just changed; straight; k[0] is dy/dt
+    reach, linear = 0.0, -1  # longest step of a straight mode; how many guards, where all are linear
     while t < t1:
         stop = t1
         if kick < c[KICKS] and x[c[KICK_TIME] + kick] <= t1:
@@ -107,32 +117,59 @@ def integrate(
             contact_mode = modes[0]
             modes = start_modes(x, c, laws, t, y, u, w, slope)
             modes[0] = contact_mode
-            accelerate(x, c, laws, t, y, modes, u, w, k[0])
+            fresh = True
             continue
-        full = min(h, h_max)
+        if fresh:
+            even = straight(x, c, modes)
+            if even:
+                reach = system(x, c, laws, y, modes, w, a, held)
+            linear = linear_guards(x, c, laws, modes, w, even, held, rows, owner)
+            fresh, known = False, False
+        full = min(reach if even else h, h_max)
         final = False
         if full >= (stop - t) * (1.0 - 1e-12):
             full, final = stop - t, True
-        stages(x, c, laws, t, y, full, modes, u, w, k, new)
-        norm = error_norm(y, new, full, k, rtol, atol)
-        if not np.isfinite(norm):
-            if full < 1e-14:
+        order = DEGREE if even else ORDER
+        grow = 1.0
+        if even:
+            part = series(y, a, full, rtol, atol, q)
+            if part < full:
+                full, final = part, False
+            if not full > 0.0:
                 status = NOT_FINITE
                 break
-            h = 0.1 * full
-            continue
-        if norm > 1.0:
-            h = full * max(0.2, 0.9 * norm**-0.2)
-            if h < 1e-15 * max(1.0, abs(t)):
-                status = TOO_MANY_STEPS
-                break
-            continue
-        grow = 5.0 if norm < 1e-10 else min(5.0, 0.9 * norm**-0.2)
-        dense(k, q)
+            advance(y, full, q, new)
+        else:
+            if not known:
+                accelerate(x, c, laws, t, y, modes, u, w, k[0])
+                known = True
+            stages(x, c, laws, t, y, full, modes, u, w, k, new)
+            norm = error_norm(y, new, full, k, rtol, atol)
+            if not np.isfinite(norm):
+                if full < 1e-14:
+                    status = NOT_FINITE
+                    break
+                h = 0.1 * full
+                continue
+            if norm > 1.0:
+                h = full * max(0.2, 0.9 * norm**-0.2)
+                if h < 1e-15 * max(1.0, abs(t)):
+                    status = TOO_MANY_STEPS
+                    break
+                continue
+            grow = 5.0 if norm < 1e-10 else min(5.0, 0.9 * norm**-0.2)
+            dense(k, q)
         hit = -1
-        if watched:
-            hit, theta = find_event(x, c, laws, t, y, full, q, modes, u, w, temp, slope, samples, rates)
-        if hit >= 0:
+        if linear >= 0:
+            hit, theta = first_fall(rows, owner, linear, y, full, q, order, p)
+        elif watched:
+            hit, theta = find_event(x, c, laws, t, y, full, q, order, modes, u, w, temp, slope, samples, rates)
+        part = full
+        if hit >= 0 and even:
+            shorten(q, theta)
+            part = theta * full
+            advance(y, part, q, new)
+        elif hit >= 0:
             # the interpolant is less accurate than the step: redo the step to the event and polish its length
             part = max(theta * full, 0.0)
             for _ in range(4):
@@ -156,15 +193,14 @@ def integrate(
                     break
             stages(x, c, laws, t, y, part, modes, u, w, k, new)
             dense(k, q)
-        else:
-            part = full
         if m == times.size:
             times, lengths, states = _grow(times, m), _grow(lengths, m), _grow(states, m)
             denses, kept = _grow(denses, m), _grow(kept, m)
-        times[m], lengths[m] = t, part
+            orders = _grow(orders, m)
+        times[m], lengths[m], orders[m] = t, part, order
         for i in range(size):
             states[m, i] = y[i]
-            for power in range(4):
+            for power in range(order):
                 denses[m, i, power] = q[i, power]
         for i in range(count):
             kept[m, i] = modes[i]
@@ -175,6 +211,7 @@ def integrate(
         if hit >= 0:
             switch(x, c, laws, hit, t, y, modes, u, w, slope)
             settle(x, c, laws, t, y, modes, u, w, slope)
+            fresh = True
             if e == etime.size:
                 etime, eindex, emode = _grow(etime, e), _grow(eindex, e), _grow(emode, e)
             etime[e], eindex[e], emode[e] = t, hit, modes[hit]
@@ -182,9 +219,10 @@ def integrate(
             if e >= MAX_EVENTS:
                 status = TOO_MANY_EVENTS
                 break
-        else:
+        elif not even:
             h = full * grow if not final else max(h, full * grow)
-        accelerate(x, c, laws, t, y, modes, u, w, k[0])
+            for i in range(size):
+                k[0, i] = k[6, i]
         if m >= most:
             status = TOO_MANY_STEPS
             break
@@ -193,6 +231,7 @@ def integrate(
         lengths[:m],
         states[:m],
         denses[:m],
+        orders[:m],
         kept[:m],
         etime[:e],
         eindex[:e],

@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -73,10 +74,14 @@ class ReducedRun:
 
     def states(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Positions and velocities at `times`, shape (T,), ascending; shape (T, n) each."""
-        time, length, state, dense, _ = self.steps
-        y = sample_states(time, length, state, dense, np.ascontiguousarray(times, dtype=float))
         n = len(self.layout.coordinates)
+        y = sample_states(*self.steps[:5], np.ascontiguousarray(times, dtype=float), 2 * n)
         return y[:, :n], y[:, n:]
+
+    def positions(self, times: np.ndarray) -> np.ndarray:
+        """Positions alone at `times`, shape (T,), ascending; shape (T, n)."""
+        at = np.ascontiguousarray(times, dtype=float)
+        return np.asarray(sample_states(*self.steps[:5], at, len(self.layout.coordinates)))
 
     def contact_at(self, times: np.ndarray) -> np.ndarray:
         """Contact force, positive in compression, at `times`, shape (T,), ascending [N]."""
@@ -113,8 +118,22 @@ class ReducedRun:
         return np.append(self.steps.time, self.end)
 
 
+class Prepared(NamedTuple):
+    """A mechanism and its arrays."""
+
+    mechanism: Mechanism
+    system: System
+    layout: Layout
+    packed: Packed
+
+
+def prepare(mechanism: Mechanism) -> Prepared:
+    """A mechanism made ready to run, for callers that run it more than once."""
+    return Prepared(mechanism, *assemble_packed(mechanism))
+
+
 def simulate(
-    mechanism: Mechanism,
+    of: Mechanism | Prepared,
     *,
     position: Mapping[str, float] | None = None,
     velocity: Mapping[str, float] | None = None,
@@ -129,7 +148,7 @@ def simulate(
     """Integrate a mechanism from `start` to `end` [s].
 
     Args:
-        mechanism: what there is.
+        of: what there is.
         position, velocity: initial values by coordinate [m, rad, m/s, rad/s]; zero where absent.
         tolerance: relative error per step; absolute errors are 1e-3 of it in metres, 1e-1 in m/s.
         inputs: times shape (T,) and recorded drives by channel, shape (T,) each, for the mechanism's inputs.
@@ -145,7 +164,7 @@ def simulate(
         raise InputError("a simulation must end after it starts", given=(start, end))
     if not 1e-13 <= tolerance <= 1e-1:
         raise InputError("tolerance out of range", given=tolerance, valid="1e-13 to 0.1")
-    system, layout, packed = assemble_packed(mechanism)
+    mechanism, system, layout, packed = of if isinstance(of, Prepared) else prepare(of)
     y0 = np.concatenate([initial_vector(layout, position or {}), initial_vector(layout, velocity or {})])
     n = y0.size // 2
     if inputs is None:
@@ -156,15 +175,15 @@ def simulate(
         drives = np.array([inputs[0], *(inputs[1][i.channel] for i in mechanism.inputs)], dtype=float)
     atol = scale * np.concatenate([np.full(n, 1e-3 * tolerance), np.full(n, 1e-1 * tolerance)])
     first = min(1e-4, max_step, end - start)
-    time, length, state, dense, modes, etime, eindex, emode, _, status = integrate(
+    *taken, etime, eindex, emode, _, status = integrate(
         *packed, LAWS.laws, packed.work(), y0, start, end, tolerance, atol, first, max_step, drives, step_limit
     )
+    steps = Steps(*taken)
     if status != OK:
-        reached = float(time[-1]) if time.size else start
+        reached = float(steps.time[-1]) if steps.time.size else start
         if status == NOT_FINITE:
             raise SimulationError(f"reduced model: the state stopped being finite at t = {reached:.6g} s")
         raise too_many("reduced", "events" if status == TOO_MANY_EVENTS else "steps", reached, end)
-    steps = Steps(time, length, state, dense, modes)
     return ReducedRun(mechanism, system, layout, steps, (etime, eindex, emode), start, end, packed, drives)
 
 

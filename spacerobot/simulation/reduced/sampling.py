@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from spacerobot.effects.kernel import PARAMETERS
+from spacerobot.simulation.reduced.affine import DEGREE
 from spacerobot.simulation.reduced.arrays import (
     CONSTANT,
     CONTACT_FORCE,
@@ -15,18 +17,29 @@ from spacerobot.simulation.reduced.arrays import (
     FRICTION_PORT,
     FRICTIONS,
     LIVE_PORTS,
+    PARAMETER,
     PORT,
+    PRESS,
     TAU,
+    W_ROWS,
+    N,
     V,
 )
+from spacerobot.simulation.reduced.crossings import value
 from spacerobot.simulation.reduced.forces import PRESSED, say
 from spacerobot.simulation.reduced.motion import evaluate
 from spacerobot.simulation.reduced.ports import kinematics
-from spacerobot.simulation.reduced.stepper import interpolate
+from spacerobot.simulation.reduced.stepper import ORDER, interpolate
 from spacerobot.support.jit import jit, lean
 
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(5)
-_NODES, _WEIGHTS = 0.5 * (_NODES + 1.0), 0.5 * _WEIGHTS
+
+def _gauss(count: int) -> tuple[np.ndarray, np.ndarray]:
+    nodes, weights = np.polynomial.legendre.leggauss(count)
+    return 0.5 * (nodes + 1.0), 0.5 * weights
+
+
+_NODES, _WEIGHTS = _gauss(5)
+_MANY_NODES, _MANY_WEIGHTS = _gauss(12)  # straight steps are long
 
 
 @lean
@@ -44,30 +57,47 @@ def _step_at(time: Any, length: Any, step: int, t: float) -> Any:
 
 
 @jit
-def sample_states(time: Any, length: Any, state: Any, dense: Any, at: Any) -> Any:
-    """States at the times `at`, shape (T, 2n), without any force."""
-    out = np.empty((at.size, state.shape[1]))
+def sample_states(time: Any, length: Any, state: Any, dense: Any, order: Any, at: Any, count: int) -> Any:
+    """The first `count` numbers of the states at the times `at`, shape (T, count), without any force."""
+    out = np.empty((at.size, count))
     step = 0
     for i in range(at.size):
         step, theta = _step_at(time, length, step, at[i])
-        interpolate(state[step], length[step], dense[step], theta, out[i])
+        interpolate(state[step, :count], length[step], dense[step], order[step], theta, out[i])
     return out
 
 
 @jit
 def sample_contact(
-    x: Any, c: Any, laws: Any, w: Any, time: Any, length: Any, state: Any, dense: Any, modes: Any, at: Any
+    x: Any, c: Any, laws: Any, w: Any, time: Any, length: Any, state: Any, dense: Any, order: Any, modes: Any, at: Any
 ) -> Any:
     """Contact force, positive in compression, at the times `at`, shape (T,); nothing is evaluated while apart."""
     out = np.zeros(at.size)
-    y = np.empty(state.shape[1])
-    step = 0
-    for i in range(at.size):
-        step, theta = _step_at(time, length, step, at[i])
-        if modes[step, 0] == PRESSED:
-            interpolate(state[step], length[step], dense[step], theta, y)
-            kinematics(x, c, y, w, c[LIVE_PORTS])
-            out[i] = -say(x, c, laws, modes[step], w, c[CONTACT_FORCE])
+    y, p = np.empty(state.shape[1]), np.empty(DEGREE + 1)
+    last = time.size - 1
+    force, row, n = c[CONTACT_FORCE], c[W_ROWS] + c[PRESS] * c[N], c[N]
+    first_of = c[PARAMETER] + PARAMETERS * force
+    for step in range(time.size):
+        if modes[step, 0] != PRESSED:
+            continue
+        h, q = length[step], dense[step]
+        first = 0 if step == 0 else np.searchsorted(at, time[step])
+        end = at.size if step == last else np.searchsorted(at, time[step + 1])
+        if order[step] == DEGREE:  # then the contact is linear too, and its force one polynomial
+            stiffness, damping = x[first_of], x[first_of + 1]
+            p[:] = 0.0
+            for i in range(n):
+                p[0] += w[row + i] * (stiffness * state[step, i] + damping * state[step, n + i])
+                for k in range(DEGREE):
+                    p[k + 1] += h * w[row + i] * (stiffness * q[i, k] + damping * q[n + i, k])
+        for i in range(first, end):
+            theta = min(max((at[i] - time[step]) / h, 0.0), 1.0) if h > 0.0 else 0.0
+            if order[step] == DEGREE:
+                out[i] = value(p, DEGREE, theta)
+            else:
+                interpolate(state[step], h, q, order[step], theta, y)
+                kinematics(x, c, y, w, c[LIVE_PORTS])
+                out[i] = -say(x, c, laws, modes[step], w, force)
     return out
 
 
@@ -81,6 +111,7 @@ def sample(
     length: Any,
     state: Any,
     dense: Any,
+    order: Any,
     modes: Any,
     at: Any,
     u: Any,
@@ -95,7 +126,7 @@ def sample(
     step = 0
     for i in range(at.size):
         step, theta = _step_at(time, length, step, at[i])
-        interpolate(state[step], length[step], dense[step], theta, out[i])
+        interpolate(state[step], length[step], dense[step], order[step], theta, out[i])
         evaluate(x, c, laws, at[i], out[i], modes[step], u, w, rate[i])
         for j in range(c[FORCES]):
             force[i, j] = w[c[FORCE] + j]
@@ -106,7 +137,7 @@ def sample(
 
 @jit
 def work_done(
-    x: Any, c: Any, laws: Any, w: Any, time: Any, length: Any, state: Any, dense: Any, modes: Any, u: Any
+    x: Any, c: Any, laws: Any, w: Any, time: Any, length: Any, state: Any, dense: Any, order: Any, modes: Any, u: Any
 ) -> Any:
     """Work [J] that each force and friction did up to the end of every step, shape (m + 1, F + R + n + 1).
 
@@ -120,11 +151,12 @@ def work_done(
     for m in range(time.size):
         for column in range(total.shape[1]):
             total[m + 1, column] = total[m, column]
-        for g in range(_NODES.size):
-            interpolate(state[m], length[m], dense[m], _NODES[g], y)
-            t = time[m] + _NODES[g] * length[m]
+        nodes, weights = (_NODES, _WEIGHTS) if order[m] == ORDER else (_MANY_NODES, _MANY_WEIGHTS)
+        for g in range(nodes.size):
+            interpolate(state[m], length[m], dense[m], order[m], nodes[g], y)
+            t = time[m] + nodes[g] * length[m]
             evaluate(x, c, laws, t, y, modes[m], u, w, rate)
-            dt = _WEIGHTS[g] * length[m]
+            dt = weights[g] * length[m]
             power = 0.0
             for i in range(n):
                 power += w[c[TAU] + i] * y[n + i]

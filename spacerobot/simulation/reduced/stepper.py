@@ -75,19 +75,25 @@ def error_norm(y: Any, new: Any, h: float, k: Any, rtol: float, atol: Any) -> fl
     return worst
 
 
+ORDER = 4
+"""Coefficients of the interpolant."""
+
+
 @lean
-def interpolate(y: Any, h: float, q: Any, theta: float, out: Any) -> None:
-    """State at t + theta h from the step's dense coefficients q, shape (2n, 4)."""
+def interpolate(y: Any, h: float, q: Any, order: int, theta: float, out: Any) -> None:
+    """State at t + theta h from the first `order` of the step's dense coefficients q, shape (2n, at least order)."""
     for i in range(y.size):
-        c = q[i]
-        out[i] = y[i] + h * theta * (c[0] + theta * (c[1] + theta * (c[2] + theta * c[3])))
+        total = q[i, order - 1]
+        for k in range(1, order):
+            total = total * theta + q[i, order - 1 - k]
+        out[i] = y[i] + h * theta * total
 
 
 @lean
 def dense(k: Any, q: Any) -> None:
-    """Coefficients of the interpolant, q shape (N, 4), from the stages k shape (7, N)."""
+    """Coefficients of the interpolant, the first ORDER of q, shape (N, .), from the stages k shape (7, N)."""
     for i in range(q.shape[0]):
-        for c in range(4):
+        for c in range(ORDER):
             total = 0.0
             for j in range(7):
                 total += k[j, i] * _P[j, c]

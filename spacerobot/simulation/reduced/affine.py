@@ -1,0 +1,240 @@
+"""Modes in which everything that acts is straight: v' = A (q, v) + b, stepped by its Taylor series. Compiled.
+
+Between events most mechanisms are such: linear springs, dampers and contact, friction of a steady level, sticking. A
+step of degree DEGREE then reaches as far as ten of the general method, and its own series is the dense output.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from spacerobot.effects.kernel import PARAMETERS
+from spacerobot.simulation.reduced.arrays import (
+    CONSTANT,
+    CONTACT_FORCE,
+    FORCE_ORDER,
+    FORCES,
+    FRICTION_NORMAL,
+    FRICTION_PORT,
+    FRICTION_STEADY,
+    FRICTIONS,
+    INPUTS,
+    LAW,
+    LINEAR,
+    LIVE_FORCES,
+    LIVE_PORTS,
+    MASS,
+    NATIVE_CONTACT,
+    PARAMETER,
+    PORT,
+    PRESS,
+    ROWS,
+    SENSE,
+    SLIDE,
+    SLOPE,
+    W_ROWS,
+    YAW,
+    D,
+    N,
+    V,
+)
+from spacerobot.simulation.reduced.forces import PRESSED, STICK, TINY, call_law, level
+from spacerobot.simulation.reduced.ports import kinematics
+from spacerobot.support.jit import lean
+
+DEGREE = 16
+"""Of the series; 1/17! is 3e-15."""
+
+REACH = 3.5
+"""Longest step times the bound of the mode's fastest rate."""
+
+SHARE = 1e-2
+"""The last term of the series is held to this share of the tolerance: it costs a third more steps."""
+
+
+@lean
+def straight(x: Any, c: Any, modes: Any) -> bool:
+    """Whether everything that acts in these modes is straight in the state."""
+    if c[INPUTS] > 0:
+        return False
+    pressed = c[PRESS] >= 0 and modes[0] == PRESSED
+    turning = c[YAW] >= 0
+    if pressed and turning:
+        return False
+    for k in range(c[LIVE_FORCES]):
+        j = c[c[FORCE_ORDER] + k]
+        if j == c[CONTACT_FORCE]:
+            first = c[PARAMETER] + PARAMETERS * j
+            plain = c[c[LAW] + j] == NATIVE_CONTACT and x[first + 2] == 1.0 and x[first + 3] == 0.0
+            if pressed and not plain:
+                return False
+        elif c[c[SLOPE] + j] < 0 or (turning and (_swings(c, c[c[PORT] + j]) or _swings(c, c[c[SENSE] + j]))):
+            return False
+    base = 1 + c[FORCES]
+    for r in range(c[FRICTIONS]):
+        p = c[c[FRICTION_PORT] + r]
+        if modes[base + r] == STICK:
+            if (turning and _swings(c, p)) or _coupled(x, c, modes, r):
+                return False
+        elif c[c[FRICTION_NORMAL] + r] == 1:
+            if pressed:
+                return False
+        elif c[c[FRICTION_STEADY] + r] == 0 or (turning and _swings(c, p)):
+            return False
+    return True
+
+
+@lean
+def _swings(c: Any, port: int) -> bool:
+    """Whether a port's row would turn with the target."""
+    return bool(port == c[PRESS] or port == c[SLIDE])
+
+
+@lean
+def _coupled(x: Any, c: Any, modes: Any, r: int) -> bool:
+    """Whether an earlier friction that sticks feels the force of friction r."""
+    n, base = c[N], 1 + c[FORCES]
+    own = c[ROWS] + c[c[FRICTION_PORT] + r] * n
+    for other in range(r):
+        if modes[base + other] == STICK:
+            row = c[ROWS] + c[c[FRICTION_PORT] + other] * n
+            shared = 0.0
+            for i in range(n):
+                shared += x[own + i] * x[row + i] * x[c[MASS] + i]
+            if shared != 0.0:
+                return True
+    return False
+
+
+@lean
+def system(x: Any, c: Any, laws: Any, y: Any, modes: Any, w: Any, a: Any, held: Any) -> float:
+    """Fills a, shape (n, 2n + 1), with (A, b) of these modes; returns the longest step [s].
+
+    Args:
+        y: the state, for the side of every kink.
+        held: filled for each friction that sticks with its force as a row over (q, v, 1), shape (R, 2n + 1).
+    """
+    n = c[N]
+    last = 2 * n
+    rows = c[W_ROWS]
+    for i in range(n):
+        for j in range(last):
+            a[i, j] = x[c[LINEAR] + last * i + j]
+        a[i, last] = x[c[CONSTANT] + i]
+    kinematics(x, c, y, w, c[LIVE_PORTS])
+    for k in range(c[LIVE_FORCES]):
+        j = c[c[FORCE_ORDER] + k]
+        port, sensed = c[c[PORT] + j], c[c[SENSE] + j]
+        first = c[PARAMETER] + PARAMETERS * j
+        stiffness, damping, rest = 0.0, 0.0, 0.0
+        if j == c[CONTACT_FORCE]:
+            if modes[0] != PRESSED:
+                continue
+            stiffness, damping = x[first], x[first + 1]
+        else:
+            # the slope on this side of the kink; the force itself is continuous there
+            d, v = w[c[D] + sensed], w[c[V] + sensed]
+            stiffness = call_law(laws[c[c[SLOPE] + j]], d, v, float(modes[1 + j]), x, first)
+            rest = call_law(laws[c[c[LAW] + j]], d, v, 0.0, x, first) + stiffness * d
+        for i in range(n):
+            pull = w[rows + port * n + i]
+            if pull != 0.0:
+                a[i, last] += pull * rest
+                for m in range(n):
+                    a[i, m] -= pull * stiffness * w[rows + sensed * n + m]
+                    a[i, n + m] -= pull * damping * w[rows + sensed * n + m]
+    base = 1 + c[FORCES]
+    for r in range(c[FRICTIONS]):
+        m = modes[base + r]
+        if m == STICK or c[c[FRICTION_NORMAL] + r] == 1:
+            continue
+        p = c[c[FRICTION_PORT] + r]
+        f = -m * level(x, c, laws, r, m * TINY, 0.0)
+        for i in range(n):
+            a[i, last] += w[rows + p * n + i] * f
+    _hold(x, c, modes, w, a, held)
+    stiff, damp = 0.0, 0.0
+    for i in range(n):
+        for j in range(last + 1):
+            a[i, j] *= x[c[MASS] + i]
+        for j in range(n):
+            share = x[c[MASS] + j] / x[c[MASS] + i]  # as if every coordinate were scaled by the root of its mass
+            stiff += a[i, j] * a[i, j] * share
+            damp += a[i, n + j] * a[i, n + j] * share
+    rate = stiff**0.25 + damp**0.5
+    return REACH / rate if rate > 0.0 else 1e300
+
+
+@lean
+def _hold(x: Any, c: Any, modes: Any, w: Any, a: Any, held: Any) -> None:
+    """Takes out of the generalised forces a what would move a port that sticks, none coupled to another."""
+    n, base, rows = c[N], 1 + c[FORCES], c[W_ROWS]
+    width = 2 * n + 1
+    for r in range(c[FRICTIONS]):
+        for j in range(width):
+            held[r, j] = 0.0
+        if modes[base + r] != STICK:
+            continue
+        row = rows + c[c[FRICTION_PORT] + r] * n
+        give = 0.0
+        for i in range(n):
+            give += w[row + i] * w[row + i] * x[c[MASS] + i]
+        if give <= 0.0:
+            continue
+        for j in range(width):
+            along = 0.0
+            for i in range(n):
+                along += w[row + i] * x[c[MASS] + i] * a[i, j]
+            held[r, j] = -along / give
+            for i in range(n):
+                a[i, j] += w[row + i] * held[r, j]
+
+
+@lean
+def series(y: Any, a: Any, h: float, rtol: float, atol: Any, q: Any) -> float:
+    """Fills q, shape (2n, DEGREE), with y(t + theta h) = y + h theta (q0 + theta (q1 + ...)); returns h, shortened
+    until the last term is within SHARE of the tolerance."""
+    size = y.size
+    n = size // 2
+    for i in range(n):
+        q[i, 0] = y[n + i]
+        total = a[i, size]
+        for j in range(size):
+            total += a[i, j] * y[j]
+        q[n + i, 0] = total
+    for k in range(1, DEGREE):
+        factor = h / (k + 1)
+        for i in range(n):
+            q[i, k] = factor * q[n + i, k - 1]
+            total = 0.0
+            for j in range(size):
+                total += a[i, j] * q[j, k - 1]
+            q[n + i, k] = factor * total
+    worst = 0.0
+    for i in range(size):
+        worst = max(worst, abs(h * q[i, DEGREE - 1]) / (atol[i] + rtol * abs(y[i])))
+    if worst <= SHARE:
+        return h
+    part = 0.95 * (SHARE / worst) ** (1.0 / DEGREE)
+    shorten(q, part)
+    return h * part
+
+
+@lean
+def shorten(q: Any, part: float) -> None:
+    """The same series over the first `part` of its step."""
+    factor = part
+    for k in range(1, DEGREE):
+        for i in range(q.shape[0]):
+            q[i, k] *= factor
+        factor *= part
+
+
+@lean
+def advance(y: Any, h: float, q: Any, new: Any) -> None:
+    """State at the end of the step."""
+    for i in range(y.size):
+        total = q[i, DEGREE - 1]
+        for k in range(1, DEGREE):
+            total += q[i, DEGREE - 1 - k]
+        new[i] = y[i] + h * total
