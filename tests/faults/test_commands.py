@@ -91,7 +91,7 @@ def survives(usual: Undisturbed, fault: str, parts: tuple[float, ...], tmp_path:
     assert outputs(folder).keys() == usual.outputs.keys()
     assert not list(folder.rglob(".*.part"))
     assert not (folder / "partial").exists()
-    assert not [p.name for p in temporary.iterdir() if "numba" not in p.name], "scratch is left lying about"
+    assert not lying_about(temporary)
 
 
 Usual = Callable[[list[str]], Undisturbed]
@@ -144,14 +144,16 @@ def test_the_page_tells_the_points() -> None:
         assert f"| `{name}` |" + f" {len(parts)} |" * len(FAULTS) in page
 
 
-def begun(arguments: list[str]) -> subprocess.Popen[str]:
+def begun(arguments: list[str], temporary: Path | None = None) -> subprocess.Popen[str]:
     """A command in a session of its own that hears Ctrl-C as from a terminal; a job in the background does not."""
+    elsewhere = {} if temporary is None else {"TMPDIR": str(temporary)}
     return subprocess.Popen(
         [sys.executable, "-m", "spacerobot", *arguments],
         cwd=ROOT,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
+        env={**os.environ, **elsewhere},
         start_new_session=True,
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
@@ -227,6 +229,38 @@ def test_a_lost_worker_does_not_lose_the_diagnosis(tmp_path: Path) -> None:
     out, err = process.communicate(timeout=900)
     assert process.returncode == 0, err[-2000:]
     assert [e["effect"] for e in json.loads(out)["effects"]] == ["coulomb_friction"]
+
+
+def lying_about(temporary: Path) -> set[str]:
+    """What processes left in the temporary folder, compiled code aside, which is kept on purpose."""
+    return {p.name for p in temporary.iterdir() if "numba" not in p.name}
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not Path("/proc").is_dir(), reason="reads /proc")
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGKILL])
+def test_a_proof_stopped_in_the_midst_of_a_diagnosis_goes_on_and_clears_up(tmp_path: Path, how: signal.Signals) -> None:
+    pytest.importorskip("mujoco")
+    temporary = tmp_path / "temporary"
+    temporary.mkdir()
+    process = begun([*PROVE, "--out", str(tmp_path / "out")], temporary)
+    until = time.monotonic() + 300
+    while not any("blind" in name for name in lying_about(temporary)):
+        assert time.monotonic() < until
+        assert process.poll() is None, process.communicate()[1][-1000:]
+        time.sleep(0.2)
+    workers = family(process.pid)
+    process.send_signal(how)
+    _, said = process.communicate(timeout=60)
+    assert process.returncode == (130 if how == signal.SIGINT else -signal.SIGKILL)
+    assert "Traceback" not in said
+    assert gone(workers)
+    assert state(tmp_path / "out") == "running"
+    assert bool(lying_about(temporary)) == (how == signal.SIGKILL), "who is interrupted clears up, who is killed cannot"
+    done = command([*PROVE, "--out", str(tmp_path / "out")], tmp_path / "out", temporary=temporary)
+    assert done.returncode == 0, done.stderr[-2000:]
+    assert state(tmp_path / "out") == "finished"
+    assert not lying_about(temporary)
 
 
 @pytest.fixture

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from spacerobot.support.runs import MARKER, RunFolder
-from tests.faults.harness import DISK_FULL, INTERRUPT, KILL, READ_ERROR, state
+from tests.faults.harness import DISK_FULL, INTERRUPT, KILL, READ_ERROR, ROOT, state
 
 TEXT, DATA = "a line\n" * 500, bytes(range(256)) * 20
 _MAKING = os.O_WRONLY | os.O_RDWR | os.O_CREAT
@@ -92,6 +92,7 @@ def test_the_small_run_takes_many_steps(tmp_path: Path) -> None:
     code, steps = broken(lambda: small_run(tmp_path / "run"), tmp_path, "none", 0)
     assert code == DONE
     assert steps > 30
+    assert f"at each of its {steps} steps | {steps} |" in (ROOT / "docs" / "trust.md").read_text(encoding="utf-8")
     assert state(tmp_path / "run") == "finished"
 
 

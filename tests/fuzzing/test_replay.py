@@ -12,7 +12,7 @@ import pytest
 
 from fuzz.binary.kinds import KINDS
 from fuzz.corpus import KEPT, inputs
-from fuzz.page import RESULTS, filled
+from fuzz.page import RESULTS, faults, filled, mended
 from fuzz.targets import TARGETS
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -44,6 +44,15 @@ def test_the_page_says_what_the_results_say() -> None:
     assert filled(text, found) == text, "python -m fuzz.page docs/trust.md"
     assert found["defects"] == 0
     assert found["most memory [MB]"] < 1000.0
+
+
+def test_what_the_page_counts() -> None:
+    found = "## What was found, and mended\n\nBy x:\n\n1. a;\n2. b\n   on.\n\nBy y:\n\n{}. c.\n\n## Else\n\n4. d\n"
+    assert mended(found.format(3)) == 3
+    with pytest.raises(ValueError, match="counted through"):
+        mended(found.format(4))
+    rows = "## Faults\n\n| what | x | y |\n|---|---|---|\n| a | 50 | 2 |\n| b | | 1 |\n\nwords\n\n## Else\n\n| c | 9 |\n"
+    assert faults(rows) == 53
 
 
 WATCHED = """
