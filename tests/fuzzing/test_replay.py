@@ -51,7 +51,7 @@ def test_what_the_page_counts() -> None:
     assert mended(found.format(3)) == 3
     with pytest.raises(ValueError, match="counted through"):
         mended(found.format(4))
-    rows = "## Faults\n\n| what | x | y |\n|---|---|---|\n| a | 50 | 2 |\n| b | | 1 |\n\nwords\n\n## Else\n\n| c | 9 |\n"
+    rows = "## Faults\n\n| what | x | y |\n|---|---|---|\n| a | 50 | 2 |\n| b | | 1 |\n\n## Else\n\n| c | 9 |\n"
     assert faults(rows) == 53
 
 
