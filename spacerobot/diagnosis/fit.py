@@ -38,6 +38,9 @@ SETTLED = 0.05
 WORTH = 1e-3
 """A fit has converged when a step lowers chi-squared by less than the first, or than this share of the misfit."""
 
+BAD, WORTH_IF_BAD = 0.5, 1e-2
+"""Misfit per sample above which nobody asks for the last digits, and the share of the misfit that then counts."""
+
 
 class Fitter:
     """Fits hypotheses to the trials of one model."""
@@ -224,7 +227,8 @@ class Fitter:
             rows = self._jacobians(hypothesis, state, rows)
             system = self._normal(state, rows, prior, robust)
             accepted = False
-            settled = max(SETTLED, WORTH * abs(state.chi2() - state.samples))
+            misfit = abs(state.chi2() - state.samples)
+            settled = max(SETTLED, misfit * (WORTH_IF_BAD if misfit > BAD * state.samples else WORTH))
             for _ in range(10):
                 dz, dn, promised = system.step(damping, state.z, low, high)
                 if eager and iterations == 1:

@@ -6,6 +6,8 @@ import contextlib
 import functools
 import multiprocessing
 import signal
+import sys
+import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
@@ -139,6 +141,22 @@ def _open(study: Study, make_model: Callable[[Study, Any], Any], files: tuple[st
     _workshop = Workshop(study, make_model)
 
 
+def _way(workshop: Workshop) -> str:
+    """How to begin processes: as copies of this one where that is safe, for they then load and compile nothing."""
+    if sys.platform != "linux" or threading.active_count() > 1:
+        return "spawn"
+    if isinstance(workshop.model, RigModel):  # loads the compiled code, once for all
+        fitter, believed = workshop.fitter(), hypothesis(workshop.model.believed, [])
+        with contextlib.suppress(SimulationError, InputError):
+            trial = workshop.trials[0]
+            fitter.residual(believed, believed.start(), trial, fitter.guess()[trial.id])
+    return "fork"
+
+
+def _ready() -> None:
+    """What a process does first."""
+
+
 def _run(task: Task) -> Fit | None:
     assert _workshop is not None  # the initializer ran
     return _workshop.run(task)
@@ -200,10 +218,12 @@ class Pool:
         if jobs > 1 and workers is None:
             self._executor = ProcessPoolExecutor(
                 jobs,
-                mp_context=multiprocessing.get_context("spawn"),
+                mp_context=multiprocessing.get_context(_way(workshop)),
                 initializer=_open,
                 initargs=(workshop.study, workshop.make_model, tuple(files)),
             )
+            with _without_interrupts():  # begins the processes, before there are threads
+                self._executor.submit(_ready)
 
     def __enter__(self) -> Pool:
         return self

@@ -115,6 +115,8 @@ def search(pool: Pool, sites: Sequence[Site], report: Report, *, baseline: Fit |
         for s in first.scored
     ]
     given_up = _run(pool, found, tasks, report, "single effects")
+    if not _explained(found.best):
+        _run(pool, found, _unfinished(found), report, "single effects, the best to their end", stop=True)
     if not _explained(found.best):  # then what its first step promised may have been too little to go by
         _run(pool, found, [replace(t, eager=False) for t in given_up], report, "single effects, at leisure")
     promising = [f.hypothesis.label for f in found.singles_by_cost()[:TOP_FITTED]]
@@ -137,11 +139,7 @@ def search(pool: Pool, sites: Sequence[Site], report: Report, *, baseline: Fit |
 def _starts(found: Found, labels: Sequence[Label], trials: Sequence[TrialData]) -> list[Task]:
     """From where the near fits stopped, then each from its own first start, then from its second."""
     by_label = {s.label: s for s in found.singles}
-    near = [
-        Task(label, {}, near=found.fits[label], max_iterations=30)
-        for label in labels
-        if label in found.fits and not found.fits[label].converged
-    ]
+    near = [t for t in _unfinished(found) if t.label in labels]
     cold: list[list[Task]] = [[], []]
     for label in labels:
         sites = [by_label[one] for one in label]
@@ -150,6 +148,12 @@ def _starts(found: Found, labels: Sequence[Label], trials: Sequence[TrialData]) 
             # from the free approaches: a baseline that misses much has bent the trials' starts as well
             cold[k].append(Task(label, start))
     return [*near, *cold[0], *cold[1]]
+
+
+def _unfinished(found: Found) -> list[Task]:
+    """The best near fits, from where they stopped."""
+    best = found.singles_by_cost()[:TOP_FITTED]
+    return [Task(f.hypothesis.label, {}, near=f, max_iterations=30) for f in best if not f.converged]
 
 
 def _pairs(pool: Pool, found: Found, screener: Screener, first: Screen, report: Report) -> None:

@@ -68,10 +68,18 @@ def canvas(width: float = 7.0, height: float = 4.4) -> Figure:
     return figure
 
 
+@contextlib.contextmanager
+def _laid_out(figure: Figure) -> Iterator[None]:
+    """The house's style; the layout that the first format finds serves the next, for it takes half of the time."""
+    with style():
+        yield
+    figure.set_layout_engine("none")
+
+
 def png(figure: Figure) -> bytes:
     """The figure as PNG."""
     buffer = io.BytesIO()
-    with style():
+    with _laid_out(figure):
         figure.savefig(buffer, format="png", metadata={"Software": None})
     return buffer.getvalue()
 
@@ -79,7 +87,7 @@ def png(figure: Figure) -> bytes:
 def svg(figure: Figure) -> str:
     """The figure as SVG text, the same for the same drawing."""
     buffer = io.StringIO()
-    with style():
+    with _laid_out(figure):
         figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
     return buffer.getvalue()
 

@@ -27,6 +27,9 @@ from spacerobot.support.jit import lean
 AT = (0.0, 0.01, 0.2, 0.4, 0.6, 0.8, 1.0)
 """Where in a step each polynomial and its slope are looked at."""
 
+ROUNDING = 1e-12
+"""Share of what a polynomial does within the step that is taken for zero."""
+
 
 @lean
 def linear_guards(x: Any, c: Any, laws: Any, modes: Any, w: Any, even: bool, held: Any, g: Any, owner: Any) -> int:
@@ -74,6 +77,8 @@ def linear_guards(x: Any, c: Any, laws: Any, modes: Any, w: Any, even: bool, hel
     for r in range(c[FRICTIONS]):
         m = modes[base + r]
         if m != STICK:
+            if _rests(c, modes, c[c[FRICTION_PORT] + r]):
+                continue
             row = c[W_ROWS] + c[c[FRICTION_PORT] + r] * n
             for i in range(n):
                 g[count, i], g[count, n + i] = 0.0, m * w[row + i]
@@ -90,6 +95,16 @@ def linear_guards(x: Any, c: Any, laws: Any, modes: Any, w: Any, even: bool, hel
             owner[count] = base + r
             count += 1
     return count
+
+
+@lean
+def _rests(c: Any, modes: Any, port: int) -> bool:
+    """Whether another friction holds a port, whose rate is then nothing but rounding."""
+    base = 1 + c[FORCES]
+    held = False
+    for r in range(c[FRICTIONS]):
+        held |= modes[base + r] == STICK and c[c[FRICTION_PORT] + r] == port
+    return held
 
 
 @lean
@@ -116,7 +131,7 @@ def first_fall(g: Any, owner: Any, count: int, y: Any, h: float, q: Any, order: 
             spread += abs(p[d + 1])
         if p[0] > spread:
             continue
-        found = _root(p, order, min(best, 1.0))
+        found = _root(p, order, min(best, 1.0), ROUNDING * spread)
         if found < best:
             best, mode = found, owner[k]
     return mode, min(best, 1.0)
@@ -141,8 +156,9 @@ def rate(p: Any, order: int, theta: float) -> float:
 
 
 @lean
-def _root(p: Any, order: int, end: float) -> float:
-    """First theta after 0 at which p has fallen below zero, up to `end`; 2 if it has not."""
+def _root(p: Any, order: int, end: float, rounding: float) -> float:
+    """First theta after 0 at which p has fallen below zero, up to `end`; 2 if it has not. A dip of `rounding` is none:
+    what has just begun to slide may seem to turn back at once."""
     before, falling = p[0], p[1] < 0.0
     for j in range(1, len(AT)):
         lo, hi = AT[j - 1], AT[j]
@@ -155,7 +171,7 @@ def _root(p: Any, order: int, end: float) -> float:
         if falling and slope > 0.0:
             low = _lowest(p, order, lo, hi)
             deep = value(p, order, low)
-            if deep < 0.0:
+            if deep < -rounding:
                 return _between(p, order, lo, low, before, deep)
         before, falling = now, slope < 0.0
     return 2.0
