@@ -119,7 +119,8 @@ def _show(args: argparse.Namespace, verdict: Mapping[str, Any], folder: RunFolde
     print(_WORDS[verdict["verdict"]])
     for entry in verdict["effects"]:
         part = f" ({entry['part']})" if "part" in entry and not entry["where"].endswith(entry["part"]) else ""
-        print(f"  {entry['effect']} at {entry['where']}{part}")
+        alone = f", in trial {' and '.join(entry['trials'])} alone" if "trials" in entry else ""
+        print(f"  {entry['effect']} at {entry['where']}{part}{alone}")
         for name, p in entry["parameters"].items():
             low, high = p["ci95"]
             print(f"    {name:24} {_number(p['value'])}   95 % {_number(low)} to {_number(high)} {p['unit']}")

@@ -52,7 +52,8 @@ def synthetic(workshop: Workshop, chosen: Fit, seed: int) -> list[dict[str, Any]
     state = fitter.state(chosen.hypothesis, chosen.z, {k: t.initial for k, t in chosen.trials.items()})
     start = {f.key: f.centre for f in chosen.hypothesis.free if f.kind == "effect" and f.log}
     start.update({k: v for k, v in chosen.values().items() if "@" in k and k not in start})
-    again = copy.run(Task(chosen.hypothesis.label, start))
+    only = tuple((s.label, s.trials) for s in chosen.hypothesis.sites if s.trials)
+    again = copy.run(Task(chosen.hypothesis.label, start, only=only))
     if state is None or again is None:
         return [{"name": "cost at truth", "passed": False, "detail": "a synthetic copy could not be simulated"}]
     prior = np.array([f.prior for f in chosen.hypothesis.free], dtype=float)

@@ -90,8 +90,11 @@ class Fitter:
         z, initial, base = state.z, state.own[trial.id], state.raw[trial.id]
         scales = self._scales[trial.id]
         columns = np.zeros((base.size, z.size + scales.size)) if old is None else old.copy()
+        idle = hypothesis.idle(trial.id)
         for g, free in enumerate(hypothesis.free):
             if old is not None and free.kind != "effect":
+                continue
+            if free.key in idle:
                 continue
             if free.kind == "scatter" and not free.key.startswith(f"{trial.condition}|"):
                 continue

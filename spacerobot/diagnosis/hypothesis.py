@@ -18,10 +18,16 @@ Label = tuple[tuple[str, str], ...]
 
 @dataclass(frozen=True)
 class Site:
-    """An effect at a place, its numbers free."""
+    """An effect at a place, its numbers free.
+
+    Attributes:
+        effect, where: what and where.
+        trials: the only trials in which it acts; all if empty.
+    """
 
     effect: Effect
     where: str
+    trials: tuple[str, ...] = ()
 
     @property
     def label(self) -> tuple[str, str]:
@@ -72,6 +78,16 @@ class Hypothesis:
         """Keys of the free parameters."""
         return tuple(f.key for f in self.free)
 
+    def acting(self, trial: str) -> tuple[Site, ...]:
+        """The sites whose effects act in a trial."""
+        return tuple(s for s in self.sites if not s.trials or trial in s.trials)
+
+    def idle(self, trial: str) -> frozenset[str]:
+        """Keys of effects' parameters that mean nothing in a trial."""
+        return frozenset(
+            s.key(p.name) for s in self.sites if s.trials and trial not in s.trials for p in s.effect.parameters
+        )
+
     def values(self, z: np.ndarray) -> dict[str, float]:
         """Physical values of the free parameters."""
         return {f.key: f.value(float(x)) for f, x in zip(self.free, z, strict=True)}
@@ -100,9 +116,9 @@ class Hypothesis:
             values[name] = 0.0
         return values
 
-    def edit(self, mechanism: Mechanism, free: Mapping[str, float]) -> Mechanism:
-        """The mechanism with every site's effect in it."""
-        for site in self.sites:
+    def edit(self, mechanism: Mechanism, free: Mapping[str, float], trial: str) -> Mechanism:
+        """The mechanism with every site's effect in it that acts in a trial."""
+        for site in self.acting(trial):
             inside = {p.name: free[site.key(p.name)] for p in site.effect.parameters}
             mechanism = site.effect.edit(mechanism, site.where, inside)
         return mechanism

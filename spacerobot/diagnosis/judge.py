@@ -55,6 +55,7 @@ class Judgement:
 def score(fit: Fit, inflation: float) -> float:
     """Penalised cost in units of the noise as it is."""
     count = sum(1 for f in fit.hypothesis.free if f.kind == "effect")
+    count += sum(1 for s in fit.hypothesis.sites if s.trials)  # which trial was a choice too
     return fit.cost / inflation + PENALTY * count
 
 

@@ -48,6 +48,7 @@ class Task:
         hopeless: cost above which it may be given up.
         max_iterations: of each fit.
         without: trials left out.
+        only: effects and places that act in some trials alone, and which; those of `near` are known by it.
     """
 
     label: Label
@@ -59,6 +60,13 @@ class Task:
     near: Fit | None = None
     loose: bool = False
     eager: bool = False
+    only: tuple[tuple[tuple[str, str], tuple[str, ...]], ...] = ()
+
+    def sites(self) -> list[Site]:
+        """What is to be fitted."""
+        near = () if self.near is None else self.near.hypothesis.sites
+        some = {**{s.label: s.trials for s in near}, **dict(self.only)}
+        return [Site(effect(name), where, some.get((name, where), ())) for name, where in self.label]
 
     @property
     def mode(self) -> str:
@@ -88,7 +96,7 @@ class Workshop:
 
     def run(self, task: Task) -> Fit | None:
         """Do a task; None where it cannot be simulated."""
-        sites = [Site(effect(name), where) for name, where in task.label]
+        sites = task.sites()
         try:
             if task.near is not None:
                 return fit_near(
@@ -270,8 +278,7 @@ class Pool:
         kept = None if self._store is None else self._store.load(task_name(task))
         if kept is None:
             return False, None
-        sites = [Site(effect(name), where) for name, where in task.label]
-        made = hypothesis(self.workshop.model.believed, sites, task.start)
+        made = hypothesis(self.workshop.model.believed, task.sites(), task.start)
         fit = from_json(kept, self.workshop.fitter(task.without), made)
         return fit is not None or kept["fit"] is None, fit
 

@@ -141,7 +141,7 @@ class RigModel:
 
         def make() -> Mechanism:
             values = hypothesis.trial_values(z, self.base, trial.condition, trial.overrides)
-            return hypothesis.edit(self.mechanism(values), hypothesis.values(z))
+            return hypothesis.edit(self.mechanism(values), hypothesis.values(z), trial.id)
 
         return self._lately.mechanism(hypothesis, z, trial, make)
 

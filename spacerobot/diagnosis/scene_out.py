@@ -23,16 +23,19 @@ def scene_of(study: Study, model: RigModel, fit: Fit, trial: str | None = None) 
         study: what the lab believes.
         model: that the fit was made with.
         fit: what was found.
-        trial: which; the first if none is named.
+        trial: which; if none is named, the first in which every effect acts, or the first of all.
     """
-    chosen = study.trial(trial) if trial is not None else study.trials[0]
+    if trial is None:
+        sites = fit.hypothesis.sites
+        trial = next((t.id for t in study.trials if len(fit.hypothesis.acting(t.id)) == len(sites)), study.trials[0].id)
+    chosen = study.trial(trial)
     base = {n: v for n, v in study.values().items() if n in DEFAULTS}
     overrides = {n: v for n, v in chosen.overrides.items() if n in DEFAULTS}
     values = {**DEFAULTS, **fit.hypothesis.trial_values(fit.z, base, study.condition(chosen), overrides)}
     free = fit.values()
     effects = tuple(
         EffectAt(s.effect.name, s.where, {p.name: free[s.key(p.name)] for p in s.effect.parameters})
-        for s in fit.hypothesis.sites
+        for s in fit.hypothesis.acting(chosen.id)
     )
     data = model.trial(chosen.id)
     start = {

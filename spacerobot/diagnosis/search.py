@@ -11,6 +11,7 @@ from spacerobot.diagnosis.candidates import contains, simpler
 from spacerobot.diagnosis.data import TrialData
 from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.hypothesis import Label, Site
+from spacerobot.diagnosis.one_trial import knocks
 from spacerobot.diagnosis.pool import Pool, Task
 from spacerobot.diagnosis.screen import Screen, Screened, Screener, faint
 from spacerobot.diagnosis.starts import effect_starts, informed_starts
@@ -119,6 +120,9 @@ def search(pool: Pool, sites: Sequence[Site], report: Report, *, baseline: Fit |
         _run(pool, found, _unfinished(found), report, "single effects, the best to their end", stop=True)
     if not _explained(found.best):  # then what its first step promised may have been too little to go by
         _run(pool, found, [replace(t, eager=False) for t in given_up], report, "single effects, at leisure")
+    if not _explained(found.best):
+        alone = knocks(workshop.fitter(), workshop.model.believed, found.baseline, found.singles)
+        _run(pool, found, alone, report, "knocks in one trial alone")
     promising = [f.hypothesis.label for f in found.singles_by_cost()[:TOP_FITTED]]
     # what adds little near the baseline may still fit from a start of its own
     promising += [(k,) for k in list(first.best())[:TOP_SCREENED] if (k,) not in promising]
@@ -140,6 +144,8 @@ def _starts(found: Found, labels: Sequence[Label], trials: Sequence[TrialData]) 
     """From where the near fits stopped, then each from its own first start, then from its second."""
     by_label = {s.label: s for s in found.singles}
     near = [t for t in _unfinished(found) if t.label in labels]
+    some = {f.hypothesis.label for f in found.fits.values() if any(s.trials for s in f.hypothesis.sites)}
+    labels = [label for label in labels if label not in some]  # those have begun everywhere already
     cold: list[list[Task]] = [[], []]
     for label in labels:
         sites = [by_label[one] for one in label]

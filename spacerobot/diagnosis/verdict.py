@@ -46,7 +46,10 @@ def effect_entries(fit: Fit, inflation: float, profiled: Intervals | None = None
             value, ci = interval(fit, key, inflation)
             ci = (profiled or {}).get(key, ci)
             values[parameter.name] = {"value": value, "ci95": list(ci), "unit": parameter.unit}
-        entries.append({"effect": site.effect.name, "where": site.where, "parameters": values})
+        entry: dict[str, Any] = {"effect": site.effect.name, "where": site.where, "parameters": values}
+        if site.trials:
+            entry["trials"] = list(site.trials)
+        entries.append(entry)
     return entries
 
 

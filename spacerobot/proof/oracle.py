@@ -51,17 +51,28 @@ class Bench:
         self.study = load_study(folder)
         self.trials = trial_data(self.study)
         self.model = RigModel(self.study, self.trials)
-        self._done: dict[tuple[tuple[str, str], ...], Fitted] = {}
+        self._done: dict[tuple[tuple[tuple[str, str], tuple[str, ...]], ...], Fitted] = {}
 
-    def fitted(self, labels: Labels, starts: Mapping[str, float] | None = None) -> Fitted:
+    def fitted(
+        self,
+        labels: Labels,
+        starts: Mapping[str, float] | None = None,
+        only: Mapping[tuple[str, str], tuple[str, ...]] | None = None,
+    ) -> Fitted:
         """The effects of these names and places fitted from a start; made once for each set.
+
+        Args:
+            labels: effects and places.
+            starts: start values by key.
+            only: in which trials alone an effect acts.
 
         Raises:
             SimulationError: the start cannot be simulated.
         """
-        key = tuple(sorted(labels))
+        some = only or {}
+        key = tuple((label, some.get(label, ())) for label in sorted(labels))
         if key not in self._done:
-            sites = [Site(effect(name), where) for name, where in key]
+            sites = [Site(effect(name), where, trials) for (name, where), trials in key]
             fit = self._fit(sites, dict(starts or {}))
             held_out, channels = self._held_out(fit)
             self._done[key] = Fitted(fit, held_out, channels)
@@ -115,6 +126,20 @@ class Bench:
                 good = keep[rows]
                 found[channel] = residual[rows][good] / block.weight[c][good]
         return found
+
+
+def only_of(
+    effects: Sequence[Mapping[str, object]], trials: Sequence[str]
+) -> dict[tuple[str, str], tuple[str, ...]]:
+    """In which trials alone effects act; a seal counts trials from 0, a verdict names them."""
+    found = {}
+    for item in effects:
+        some = item.get("trials")
+        if isinstance(some, Sequence) and some:
+            found[str(item["effect"]), str(item["where"])] = tuple(
+                trials[t] if isinstance(t, int) else str(t) for t in some
+            )
+    return found
 
 
 def starts_of(effects: Sequence[Mapping[str, object]]) -> dict[str, float]:

@@ -16,7 +16,7 @@ from spacerobot.proof.campaign import seal, write_study
 from spacerobot.proof.conceal import conceal
 from spacerobot.proof.engine.outsiders import OUTSIDERS
 from spacerobot.proof.judge import judge, labels
-from spacerobot.proof.oracle import Bench, Fitted, starts_of
+from spacerobot.proof.oracle import Bench, Fitted, only_of, starts_of
 from spacerobot.proof.orders import Order
 from spacerobot.support.errors import InputError, SimulationError
 from spacerobot.support.jsonio import plain
@@ -112,13 +112,15 @@ def _compared(
         out["samples"] = baseline.fit.samples
         out["channels"] = dict(baseline.channels)
         told = {n: v for n, v in truth["rig_as_built"].items() if isinstance(v, int | float)}
-        oracle = bench.fitted(hidden, {**told, **starts_of(truth["effects"])}) if known else None
+        ids = [t.id for t in bench.trials]
+        starts = {**told, **starts_of(truth["effects"])}
+        oracle = bench.fitted(hidden, starts, only_of(truth["effects"], ids)) if known else None
         if oracle is not None:
             out["oracle"] = _numbers(oracle)
         rival = _rival(favourite, verdict)
         if rival is None:
             return out
-        found = bench.fitted(labels(rival), starts_of(rival))
+        found = bench.fitted(labels(rival), starts_of(rival), only_of(rival, ids))
         out["favoured"], out["channels"] = _numbers(found), dict(found.channels)
         if oracle is None or labels(rival) == hidden:
             return out

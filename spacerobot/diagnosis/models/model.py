@@ -77,7 +77,7 @@ class Model(ABC):
     def trial_mechanism(self, hypothesis: Hypothesis, z: np.ndarray, trial: TrialData) -> Mechanism:
         """The edited mechanism of one trial."""
         values = hypothesis.trial_values(z, dict(self.base), trial.condition, trial.overrides)
-        return hypothesis.edit(self.mechanism(values, trial), hypothesis.values(z))
+        return hypothesis.edit(self.mechanism(values, trial), hypothesis.values(z), trial.id)
 
     def sites(self, effects: Iterable[Effect] | None = None) -> list[Site]:
         """Every effect at every place where it could sit, its parameters scaled to what is typical there."""

@@ -124,7 +124,9 @@ def _named(verdict: Mapping[str, Any], evidence: Evidence) -> Story:
         return _many(verdict, evidence)
     sensors = [is_sensor(str(e["effect"])) for e in effects]
     phrases = [
-        with_article(effect_phrase(e)) + (f", {parameters_text(e['parameters'])}" if e.get("parameters") else "")
+        with_article(effect_phrase(e))
+        + (f" in trial {joined([str(t) for t in e['trials']])} alone" if e.get("trials") else "")
+        + (f", {parameters_text(e['parameters'])}" if e.get("parameters") else "")
         for e in effects
     ]
     what = joined(phrases, "and also")
