@@ -32,7 +32,7 @@ REUSE = 5
 """How many steps may be taken on one set of derivatives, corrected by each step, while each keeps its promise."""
 
 HOPE = 5.0
-"""A fit that may be given up early is, when not even so many times what its first step promises would do."""
+"""A fit that may be given up early is, when not even so many times what its next step promises would do."""
 
 SETTLED = 0.05
 WORTH = 1e-3
@@ -137,7 +137,7 @@ class Fitter:
             robust: whether the robust cost may come first; not where the start is a finished fit.
             rows: derivatives at the start, by trial, that are known already but for the effects' columns.
             loose: whether it may end on old derivatives; it then does not count as converged.
-            eager: whether it may be given up on what its first step promises; needs `rows`.
+            eager: whether it may be given up on what a step promises; needs `rows`.
 
         Raises:
             SimulationError: the start cannot be simulated.
@@ -234,10 +234,8 @@ class Fitter:
             settled = max(SETTLED, misfit * (WORTH_IF_BAD if misfit > BAD * state.samples else WORTH))
             for _ in range(10):
                 dz, dn, promised = system.step(damping, state.z, low, high)
-                if eager and iterations == 1:
-                    hope = state.chi2() + float(prior @ state.z**2) - HOPE * promised
-                    if hope > hopeless:
-                        return state, 0, False, system, True
+                if eager and state.chi2() + float(prior @ state.z**2) - HOPE * promised > hopeless:
+                    return state, iterations - 1, False, system, True
                 if promised < settled:
                     converged = age == 0
                     ended = loose

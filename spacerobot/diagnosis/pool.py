@@ -44,7 +44,7 @@ class Task:
         initials: start of the trials' initial values.
         near: a finished fit to begin at instead.
         loose: whether it may end on old derivatives.
-        eager: whether it may be given up on what its first step promises.
+        eager: whether it may be given up on what a step promises.
         hopeless: cost above which it may be given up.
         max_iterations: of each fit.
         without: trials left out.

@@ -27,7 +27,7 @@ EXPLAINED = 1.02
 """chi-squared per sample below which a single effect explains the data well enough not to start others afresh."""
 
 WORTH_A_FIT = 15.0
-"""Predicted fall of the cost below which a second effect is screened only."""
+"""Fall of the cost below which an effect is screened only: far from what it would have to earn."""
 
 BATCH = 4
 
@@ -214,7 +214,9 @@ def _run(
     given_up = []
     for first in range(0, len(tasks), BATCH):
         bar = found.best.cost + CLEAR if found.fits else np.inf
-        for task, fit in pool.run([replace(t, hopeless=bar) for t in tasks[first : first + BATCH]]):
+        least = min(bar, found.baseline.cost - WORTH_A_FIT)
+        now = [replace(t, hopeless=least if t.eager else bar) for t in tasks[first : first + BATCH]]
+        for task, fit in pool.run(now):
             found.keep(fit)
             if fit is not None and fit.given_up:
                 given_up.append(task)
