@@ -155,6 +155,7 @@ STUDIES = {
     "trial twice": ('mocap = "01.csv"\n', 'mocap = "01.csv"\n[[trials]]\nid = "01"\nmocap = "01.csv"\n', "same id"),
     "trial key unknown": ("target.mass", "target.mas", "did you mean"),
     "trial mass zero": ("target.mass = 9.0", "target.mass = 0.0", "target.mass"),
+    "trial mass of nothing": ("target.mass = 9.0", "target.mass = 1e-100", "target.mass is out of range"),
     "trial file missing": ("01.csv", "02.csv", "02.csv"),
     "trial file outside": ("01.csv", "../../etc/passwd", "leaves the data folder"),
     "data elsewhere": ('title = "bad"', 'data = "${HOME}/x"', "data"),

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from spacerobot.recordings.document import Document
+from spacerobot.simulation.parts.checks import SMALLEST
 from spacerobot.support.errors import InputError, NotFoundError
 
 
@@ -153,3 +154,5 @@ def _check(name: str, number: float, found: Kind, where: str) -> None:
     if number < found.minimum or (found.strict and number == found.minimum):
         word = "above" if found.strict else "at least"
         raise InputError(f"{name} must be {word} {found.minimum:g} {found.unit}", given=number, where=where)
+    if found.strict and number < SMALLEST:
+        raise InputError(f"{name} is out of range", given=number, valid=f"from {SMALLEST:g} {found.unit}", where=where)
