@@ -193,7 +193,7 @@ def alive(process: int) -> bool:
 def with_workers(process: subprocess.Popen[str]) -> set[int]:
     """Wait until the command has processes of its own at work, and name them."""
     until = time.monotonic() + 120
-    while len(family(process.pid)) < 3:  # two workers, and what watches over their shared memory
+    while len(family(process.pid)) < 2:
         assert time.monotonic() < until
         assert process.poll() is None, process.communicate()[1][-1000:]
         time.sleep(0.2)
