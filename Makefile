@@ -89,7 +89,7 @@ real-table: $(VENV)/.test  ## diagnose the public recordings that are present, a
 
 test-oldest:  ## the tests on the oldest direct dependencies that pyproject.toml admits (needs uv)
 	$(UV) venv -q --allow-existing --python 3.11 .venv-oldest
-	$(UV) pip install -q --python .venv-oldest/bin/python --resolution lowest-direct -e '.[$(EXTRAS)]'
+	$(UV) pip install -q --upgrade --python .venv-oldest/bin/python --resolution lowest-direct -e '.[$(EXTRAS)]'
 	.venv-oldest/bin/python -m pytest -m "not slow"
 
 test-newest:  ## the tests on the newest dependencies, whatever constraints.txt says
