@@ -41,6 +41,8 @@ class Figure:
         still: channels that stay within so much in the pieces that count, in the channel's unit.
         moving: channels of which one at least changes by so much in them.
         relative: whether in units of the measured channel's own rms.
+        alone: whether the found physics is fitted anew to pieces that count, and to nothing else.
+        interleaved: whether, with `alone`, every other piece is left out instead of recordings.
         note: what must be said with it.
     """
 
@@ -57,6 +59,8 @@ class Figure:
     still: Mapping[str, float] = field(default_factory=dict)
     moving: Mapping[str, float] = field(default_factory=dict)
     relative: bool = False
+    alone: bool = False
+    interleaved: bool = False
     note: str = ""
 
 
@@ -120,7 +124,7 @@ def measured(figure: Figure, parts: Sequence[Part]) -> dict[str, list[float]]:
 
 
 def _predicted(figure: Figure, part: Part, candidate: Candidate) -> tuple[tuple[TrialData, ...], HeldOut]:
-    if figure.window is None and not figure.read_start:
+    if figure.window is None and not figure.read_start and not figure.alone:
         return part.trials, candidate.held_out[part.which]
     model: Model = part.model
     if figure.window is not None:
@@ -128,6 +132,11 @@ def _predicted(figure: Figure, part: Part, candidate: Candidate) -> tuple[tuple[
             raise InputError("this model cannot be cut anew", given=figure.what, where=part.name)
         model = model.in_windows(figure.window)
     fit = candidate.fits[part.which]
+    if figure.alone:
+        pieces = tuple(t for t in model.trials if _among(figure, t))
+        left_out = _folds(figure, part, pieces)
+        head = 0.0 if figure.read_start else HEAD
+        return pieces, predict_held_out(model, pieces, fit.hypothesis, fit.values(), left_out, head=head, trust=FAINTLY)
     return model.trials, predict_held_out(
         part.model,
         part.trials,
@@ -141,11 +150,21 @@ def _predicted(figure: Figure, part: Part, candidate: Candidate) -> tuple[tuple[
     )
 
 
+def _folds(figure: Figure, part: Part, pieces: Sequence[TrialData]) -> list[tuple[str, tuple[str, ...]]]:
+    if figure.interleaved:
+        return [(f"every other piece, from {k + 1}", tuple(t.id for t in pieces[k::2])) for k in range(2)]
+    folds = []
+    for name, ids in part.growth.benches[part.which].left_out:
+        whole = {i.split("@")[0] for i in ids}
+        inside = tuple(t.id for t in pieces if parent(t) in whole)
+        if inside:
+            folds.append((name, inside))
+    return folds
+
+
 def _squares(figure: Figure, trial: TrialData, found: HeldOut) -> list[tuple[str, float, float]]:
     """(recorded trial, sum of squares, number) of one piece, in the figure's unit before its scale."""
-    if (figure.trials and parent(trial) not in figure.trials) or trial.id not in found.residual:
-        return []
-    if not _counts(figure, trial):
+    if trial.id not in found.residual or not _among(figure, trial):
         return []
     errors, counted = (split(x[trial.id], trial) for x in (found.residual, found.counted))
     out = []
@@ -157,6 +176,10 @@ def _squares(figure: Figure, trial: TrialData, found: HeldOut) -> list[tuple[str
                 total = float(np.sum(np.square(block.value[c][good]))) if figure.relative else float(good.sum())
                 out.append((parent(trial), figure.channels[channel] ** 2 * float(error @ error), total))
     return out
+
+
+def _among(figure: Figure, trial: TrialData) -> bool:
+    return (not figure.trials or parent(trial) in figure.trials) and _counts(figure, trial)
 
 
 def _counts(figure: Figure, trial: TrialData) -> bool:
