@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
 from spacerobot.diagnosis.fit import Fitter
 from spacerobot.diagnosis.fitted import Fit
-from spacerobot.diagnosis.pool import Task, Workshop
+from spacerobot.diagnosis.pool import Only, Task, Workshop
 from spacerobot.diagnosis.search import Found
+from spacerobot.diagnosis.starts import effect_starts
 
 SLACK = 3.0
 """Cost by which a larger model may exceed a smaller one before the optimiser is blamed."""
 
+FRACTION = 0.1
+"""Share of the lead over the nearest rival by which a fit may stop short of the truth."""
 
 APART = 6.0
 """Standard errors by which a size may come back wrong from a synthetic copy before its interval is blamed."""
@@ -30,8 +34,16 @@ def nested(found: Found, chosen: Fit) -> dict[str, Any]:
     return {"name": "nested cost", "passed": not bad, "detail": detail}
 
 
-def synthetic(workshop: Workshop, chosen: Fit, seed: int) -> list[dict[str, Any]]:
-    """On a copy of the study made from the chosen model, the fit ends no worse than the truth, and near it."""
+def synthetic(workshop: Workshop, chosen: Fit, seed: int, lead: float = 0.0) -> list[dict[str, Any]]:
+    """On a copy of the study made from the chosen model, the fit ends no worse than the truth, and near it.
+
+    Args:
+        workshop: of the study.
+        chosen: the model.
+        seed: of the copy's noise.
+        lead: by how much the chosen model's cost is below its nearest rival's; a fit of the copy that stops short of
+            the truth by less than FRACTION of it, in one of the many minima that bounces make, endangers no verdict.
+    """
     from dataclasses import replace
 
     random = np.random.default_rng(seed)
@@ -52,19 +64,34 @@ def synthetic(workshop: Workshop, chosen: Fit, seed: int) -> list[dict[str, Any]
     state = fitter.state(chosen.hypothesis, chosen.z, {k: t.initial for k, t in chosen.trials.items()})
     start = {f.key: f.centre for f in chosen.hypothesis.free if f.kind == "effect" and f.log}
     start.update({k: v for k, v in chosen.values().items() if "@" in k and k not in start})
-    only = tuple((s.label, s.trials) for s in chosen.hypothesis.sites if s.trials)
+    only: Only = tuple((s.label, s.trials) for s in chosen.hypothesis.sites if s.trials)
     again = copy.run(Task(chosen.hypothesis.label, start, only=only))
     if state is None or again is None:
         return [{"name": "cost at truth", "passed": False, "detail": "a synthetic copy could not be simulated"}]
     prior = np.array([f.prior for f in chosen.hypothesis.free], dtype=float)
     truth = state.chi2() + float(prior @ state.z**2)
-    passed = again.cost <= truth + SLACK
+    for task in _other_starts(chosen, again, only):  # a search begins more than once too
+        if again.cost <= truth + SLACK:
+            break
+        other = copy.run(task)
+        if other is not None and other.cost < again.cost:
+            again = other
+    passed = again.cost <= truth + max(SLACK, FRACTION * lead)
     cost = {
         "name": "cost at truth",
         "passed": bool(passed),
         "detail": f"on a synthetic copy the fit costs {again.cost:.1f}, its truth {truth:.1f}",
     }
     return [cost, calibration(chosen, again)]
+
+
+def _other_starts(chosen: Fit, ended: Fit, only: Only) -> Iterator[Task]:
+    """Where else a fit of the copy begins: where the first one ended, the effects' own starts, their true values."""
+    label = chosen.hypothesis.label
+    yield Task(label, {}, near=ended, max_iterations=30)
+    for start in effect_starts(chosen.hypothesis.sites)[:2]:
+        yield Task(label, start, only=only)
+    yield Task(label, {k: v for k, v in chosen.values().items() if "@" in k}, only=only)
 
 
 def calibration(truth: Fit, again: Fit, name: str = "calibration") -> dict[str, Any]:

@@ -96,7 +96,7 @@ def diagnose(
         checks = [nested(found, first.chosen)]
         if first.verdict == NAMED:
             report("checking on a synthetic copy", 0, 1)
-            checks += synthetic(workshop, first.chosen, seed)
+            checks += synthetic(workshop, first.chosen, seed, first.lead)
             report("simulating with the whole robot", 0, 1)
             checks.append(confirm(workshop, first.chosen))
         judgement = judge(found, left_of, freed, [c["name"] for c in checks if not c["passed"]])

@@ -51,6 +51,12 @@ class Judgement:
     rivals: tuple[Rival, ...]
     moved: tuple[str, ...]
 
+    @property
+    def lead(self) -> float:
+        """Penalised cost of the nearest rival over the chosen fit's, sets that hold the chosen one apart."""
+        label = self.chosen.hypothesis.label
+        return min((r.score for r in self.rivals if not contains(r.fit.hypothesis.label, label)), default=0.0)
+
 
 def score(fit: Fit, inflation: float) -> float:
     """Penalised cost in units of the noise as it is."""

@@ -33,6 +33,9 @@ from spacerobot.support.runs import combined_hash
 
 WARM, COLD = "warm", "cold"
 
+Only = tuple[tuple[tuple[str, str], tuple[str, ...]], ...]
+"""Effects and places that act in some trials alone, and which."""
+
 
 @dataclass(frozen=True)
 class Task:
@@ -60,7 +63,7 @@ class Task:
     near: Fit | None = None
     loose: bool = False
     eager: bool = False
-    only: tuple[tuple[tuple[str, str], tuple[str, ...]], ...] = ()
+    only: Only = ()
 
     def sites(self) -> list[Site]:
         """What is to be fitted."""

@@ -73,6 +73,8 @@ def test_an_optimiser_that_stops_short_of_the_truth_is_noticed(
 
     monkeypatch.setattr(Workshop, "run", lazy)
     assert not checks.synthetic(shop, chosen, 0)[0]["passed"]
+    assert not checks.synthetic(shop, chosen, 0, lead=100.0)[0]["passed"]  # the rival may have won by it
+    assert checks.synthetic(shop, chosen, 0, lead=1e6)[0]["passed"]  # no rival could have
 
 
 def test_an_interval_that_claims_too_much_is_noticed(
