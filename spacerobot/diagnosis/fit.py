@@ -39,14 +39,15 @@ WORTH = 1e-3
 """A fit has converged when a step lowers chi-squared by less than the first, or than this share of the misfit."""
 
 BAD, WORTH_IF_BAD = 0.5, 1e-2
-"""Misfit per sample above which nobody asks for the last digits, and the share of the misfit that then counts."""
+"""Misfit per sample above which a hasty fitter asks for no last digits, and the share of it that then counts."""
 
 
 class Fitter:
-    """Fits hypotheses to the trials of one model."""
+    """Fits hypotheses to the trials of one model; a hasty one takes less care of those that fit badly."""
 
-    def __init__(self, model: RigModel, trials: Sequence[TrialData], *, threads: int = 1) -> None:
+    def __init__(self, model: RigModel, trials: Sequence[TrialData], *, threads: int = 1, hasty: bool = False) -> None:
         self.model = model
+        self._hasty = hasty
         self.trials = tuple(trials)
         self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
         self._left = 0
@@ -231,7 +232,8 @@ class Fitter:
             system = self._normal(state, rows, prior, robust)
             accepted = False
             misfit = abs(state.chi2() - state.samples)
-            settled = max(SETTLED, misfit * (WORTH_IF_BAD if misfit > BAD * state.samples else WORTH))
+            bad = self._hasty and misfit > BAD * state.samples
+            settled = max(SETTLED, misfit * (WORTH_IF_BAD if bad else WORTH))
             for _ in range(10):
                 dz, dn, promised = system.step(damping, state.z, low, high)
                 if eager and state.chi2() + float(prior @ state.z**2) - HOPE * promised > hopeless:

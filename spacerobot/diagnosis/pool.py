@@ -94,7 +94,7 @@ class Workshop:
         """A fitter of all trials but some."""
         if without not in self.fitters:
             kept = [t for t in self.trials if t.id not in without]
-            self.fitters[without] = Fitter(self.model, kept, threads=self.threads)
+            self.fitters[without] = Fitter(self.model, kept, threads=self.threads, hasty=True)
         return self.fitters[without]
 
     def run(self, task: Task) -> Fit | None:

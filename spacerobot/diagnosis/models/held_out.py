@@ -173,8 +173,8 @@ def predict_held_out(
         fit = Fitter(model, seen).fit(  # type: ignore[arg-type]
             made, warm=warm, initials=own, max_iterations=max_iterations, robust=False
         )
-        if shown is None or shown is model:
-            teller, unseen = model, [t for t in trials if t.id in ids]
+        if shown is None or shown is model:  # the pieces as they will be compared, with their own weights
+            teller, unseen = model, [t for t in (trials if shown is None else shown.trials) if t.id in ids]
         else:
             whole = {i.split("@")[0] for i in ids}
             teller, unseen = shown, [t for t in shown.trials if parent(t) in whole]
