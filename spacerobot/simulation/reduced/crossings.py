@@ -165,7 +165,7 @@ def _root(p: Any, order: int, end: float, rounding: float) -> float:
         if lo >= end:
             return 2.0
         now = value(p, order, hi)
-        if now < 0.0:
+        if now < (-rounding if j == 1 else 0.0):
             return _between(p, order, lo, hi, before, now)
         slope = rate(p, order, hi)
         if falling and slope > 0.0:

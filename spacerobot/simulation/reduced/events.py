@@ -35,8 +35,8 @@ from spacerobot.simulation.reduced.ports import kinematics
 from spacerobot.simulation.reduced.stepper import interpolate
 from spacerobot.support.jit import jit, lean
 
-AT = (0.0, 0.01, 0.2, 0.4, 0.6, 0.8, 0.99, 1.0)
-"""Where in a step guards are looked at; close to its ends, so that a dip between two steps is seen by one of them."""
+AT = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
+"""Where in a step guards are looked at; not just after its start, where what begins to slide may seem to turn back."""
 SUBSAMPLES = len(AT) - 1
 LOW = 0.2
 """A dip is looked into where its parabola falls below so much of the lowest sample."""
