@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import importlib
 import json
+import os
 import sys
 from collections.abc import Mapping
 from pathlib import Path
@@ -74,14 +76,18 @@ def run(args: argparse.Namespace) -> int:
             if result.model is not None:
                 folder.write("model.toml", result.model)
             write_report(verdict, evidence, folder.path("report.html"))
-            for name in write_plots(verdict, evidence, folder.folder / "plots"):
+            for name in write_plots(verdict, evidence, folder.folder / "plots", args.jobs or os.cpu_count() or 1):
                 folder.path(f"plots/{name}")
             folder.finish()
         return _show(args, verdict, folder)
 
 
+_IDLE = "single effects"
+"""The stage in which this process only waits for its workers."""
+
+
 class _Stages:
-    """Progress on standard error, a bar a stage."""
+    """Progress on standard error, a bar a stage; loads what draws the report where there is nothing else to do."""
 
     def __init__(self, verbose: bool) -> None:
         self.verbose = verbose
@@ -106,6 +112,8 @@ class _Stages:
             self._what, self._done = what, 0
             self._bar = Progress(what, total, unit="fit", verbose=self.verbose)
             self._bar.__enter__()
+            if what == _IDLE:
+                importlib.import_module("spacerobot.view.report")
         if self._bar is not None and done > self._done:
             self._bar.advance(done - self._done)
             self._done = done

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from spacerobot import __version__
 from spacerobot.cli.arguments import Parser
 from spacerobot.support.errors import NotFoundError, SpacerobotError
-from spacerobot.support.executors.base import THREAD_VARIABLES
+from spacerobot.support.workers import THREAD_VARIABLES
 
 COMMANDS: dict[str, tuple[str, str]] = {
     "demo": ("demo", "a collision, a simulation over recordings, and what the difference is made of"),

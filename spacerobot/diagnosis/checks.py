@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,7 +12,8 @@ import numpy as np
 from spacerobot.diagnosis.fit import Fitter
 from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.pool import Only, Task, Workshop
-from spacerobot.diagnosis.search import Found
+from spacerobot.diagnosis.profile import LEVEL_95, profile_interval
+from spacerobot.diagnosis.search import Found, effect_values
 from spacerobot.diagnosis.starts import effect_starts
 
 SLACK = 3.0
@@ -44,8 +47,6 @@ def synthetic(workshop: Workshop, chosen: Fit, seed: int, lead: float = 0.0) -> 
         lead: by how much the chosen model's cost is below its nearest rival's; a fit of the copy that stops short of
             the truth by less than FRACTION of it, in one of the many minima that bounces make, endangers no verdict.
     """
-    from dataclasses import replace
-
     random = np.random.default_rng(seed)
     trials = []
     for trial in workshop.trials:
@@ -57,13 +58,13 @@ def synthetic(workshop: Workshop, chosen: Fit, seed: int, lead: float = 0.0) -> 
                 sigma = np.where(block.weight > 0.0, 1.0 / block.weight, 0.0)
             blocks.append(replace(block, value=shown + sigma * random.standard_normal(shown.shape)))
         trials.append(replace(trial, blocks=tuple(blocks)))
-    copy = Workshop(workshop.study, workshop.make_model, threads=workshop.threads)
+    copy = Workshop(workshop.study, workshop.make_model)
     copy.trials = tuple(trials)
     copy.model = workshop.make_model(workshop.study, copy.trials)
     fitter: Fitter = copy.fitter()
     state = fitter.state(chosen.hypothesis, chosen.z, {k: t.initial for k, t in chosen.trials.items()})
     start = {f.key: f.centre for f in chosen.hypothesis.free if f.kind == "effect" and f.log}
-    start.update({k: v for k, v in chosen.values().items() if "@" in k and k not in start})
+    start = {**effect_values(chosen), **start}
     only: Only = tuple((s.label, s.trials) for s in chosen.hypothesis.sites if s.trials)
     again = copy.run(Task(chosen.hypothesis.label, start, only=only))
     if state is None or again is None:
@@ -82,7 +83,7 @@ def synthetic(workshop: Workshop, chosen: Fit, seed: int, lead: float = 0.0) -> 
         "passed": bool(passed),
         "detail": f"on a synthetic copy the fit costs {again.cost:.1f}, its truth {truth:.1f}",
     }
-    return [cost, calibration(chosen, again)]
+    return [cost, calibration(chosen, again, interval=lambda key: profile_interval(fitter, again, key, 1.0))]
 
 
 def _other_starts(chosen: Fit, ended: Fit, only: Only) -> Iterator[Task]:
@@ -91,16 +92,22 @@ def _other_starts(chosen: Fit, ended: Fit, only: Only) -> Iterator[Task]:
     yield Task(label, {}, near=ended, max_iterations=30)
     for start in effect_starts(chosen.hypothesis.sites)[:2]:
         yield Task(label, start, only=only)
-    yield Task(label, {k: v for k, v in chosen.values().items() if "@" in k}, only=only)
+    yield Task(label, effect_values(chosen), only=only)
 
 
-def calibration(truth: Fit, again: Fit, name: str = "calibration") -> dict[str, Any]:
+def calibration(
+    truth: Fit,
+    again: Fit,
+    name: str = "calibration",
+    interval: Callable[[str], tuple[float, float]] | None = None,
+) -> dict[str, Any]:
     """Whether the effects' sizes that a synthetic copy was made with lie where the fit of it claims.
 
     Args:
         truth: what the copy was made from.
         again: fitted to the copy.
         name: of the check.
+        interval: 95 % interval of a key, asked for where the curvature alone claims too much: a verdict states it.
     """
     sizes = truth.values()
     worst, key = 0.0, ""
@@ -108,7 +115,11 @@ def calibration(truth: Fit, again: Fit, name: str = "calibration") -> dict[str, 
     errors = np.zeros(again.z.size) if covariance is None else np.sqrt(np.maximum(np.diag(covariance), 0.0))
     for free, z, error in zip(again.hypothesis.free, again.z, errors, strict=True):
         if free.kind == "effect" and free.key in sizes and error > 0.0:
-            off = abs(z - free.z(sizes[free.key])) / error
+            wanted = free.z(sizes[free.key])
+            off = abs(z - wanted) / error
+            if off > APART and interval is not None:
+                end = max((free.z(v) for v in interval(free.key)), key=lambda e: (e - z) * (wanted - z))
+                off = abs(z - wanted) / max(error, abs(end - z) / math.sqrt(LEVEL_95))
             if off > worst:
                 worst, key = float(off), free.key
     said = f"{key} {worst:.1f} standard errors" if key else "nothing"

@@ -10,16 +10,15 @@ from dataclasses import asdict, replace
 from spacerobot import __version__
 from spacerobot.diagnosis import evidence as ev
 from spacerobot.diagnosis.adequacy import Left, left_over
+from spacerobot.diagnosis.ahead import help_compiling
 from spacerobot.diagnosis.candidates import candidate_sites
 from spacerobot.diagnosis.checks import nested, synthetic
 from spacerobot.diagnosis.confirm import confirm
 from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.held_out import hold_out
-from spacerobot.diagnosis.judge import AMBIGUOUS, NAMED, SMALL, Judgement, judge, moved
-from spacerobot.diagnosis.locate.locate import locate
-from spacerobot.diagnosis.locate.located import LEVEL
+from spacerobot.diagnosis.judge import AMBIGUOUS, NAMED, Judgement, judge, moved
+from spacerobot.diagnosis.locate.located import LEVEL, Located
 from spacerobot.diagnosis.memory import Store
-from spacerobot.diagnosis.models.diagnose_parts import diagnose_parts
 from spacerobot.diagnosis.next_experiment import next_experiment
 from spacerobot.diagnosis.pool import Pool, Workshop
 from spacerobot.diagnosis.profile import profile_interval
@@ -27,6 +26,7 @@ from spacerobot.diagnosis.result import Diagnosis
 from spacerobot.diagnosis.scene_out import scene_of
 from spacerobot.diagnosis.search import Found, Report, search
 from spacerobot.diagnosis.verdict import detectable, held_out_entry, labels_of, verdict_dict
+from spacerobot.diagnosis.weigh import SMALL
 from spacerobot.recordings.study import Study
 from spacerobot.support.errors import InputError
 from spacerobot.support.executors.base import Executor
@@ -77,38 +77,48 @@ def diagnose(
     """
     began = time.perf_counter()
     if "wrist.stiffness" not in study.values():
+        from spacerobot.diagnosis.models.diagnose_parts import diagnose_parts  # takes half a second to load
+
         return diagnose_parts(study, report=report, threads=jobs or 1, seed=seed, without=without, store=store)
     if len(study.trials) < 2:
         raise InputError("a diagnosis needs at least two trials", given=len(study.trials), where=str(study.path))
     jobs = jobs or os.cpu_count() or 1
-    workshop = Workshop(study, threads=jobs)
+    workshop = Workshop(study)
     missing = {"target.x"} - {c for t in workshop.trials for c in t.channels}
     if missing:
         raise InputError("the study lacks a channel", given=sorted(missing), where=str(study.path))
     mechanism = workshop.model.mechanism({**workshop.model.base, **workshop.trials[0].overrides})
     sites = candidate_sites(mechanism, workshop.model.believed, without)
+    if jobs > 1:
+        help_compiling(workshop)
     with Pool(workshop, jobs, effects_files, store, workers) as pool:
+        # with the believed values: a refit that lacks the physics bends them until every balance is a little wrong
+        locating = pool.aside(_located, seed)
         found = search(pool, sites, report)
         report("judging", 0, 1)
         freed = _freed(workshop, found.baseline)
         left_of = _finalists(workshop, found, freed)
+        inflation = min(left.inflation for left in left_of.values())
         first = judge(found, left_of, freed, ())
-        checks = [nested(found, first.chosen)]
-        if first.verdict == NAMED:
-            report("checking on a synthetic copy", 0, 1)
-            checks += synthetic(workshop, first.chosen, seed, first.lead)
-            report("simulating with the whole robot", 0, 1)
-            checks.append(confirm(workshop, first.chosen))
-        judgement = judge(found, left_of, freed, [c["name"] for c in checks if not c["passed"]])
+        chosen, keys = first.chosen, _stated(first)
+        checks = [nested(found, chosen)]
+        # begun together, asked for below
+        profiles = [pool.aside(_profiled, chosen, key, inflation) for key in keys]
+        copied = pool.aside(synthetic, chosen, seed, first.lead) if first.verdict == NAMED else None
+        whole = pool.aside(confirm, chosen) if first.verdict == NAMED else None
         report("predicting held-out conditions", 0, 1)
-        held = hold_out(pool, {"before": found.baseline, "after": judgement.chosen})
-    inflation = min(left.inflation for left in left_of.values())
-    report("intervals", 0, 1)
-    profiled = _profiled(workshop, judgement, inflation)
-    report("locating", 0, 1)
+        held = hold_out(pool, {"before": found.baseline, "after": chosen})
+        report("intervals", 0, 1)
+        profiled = {key: interval() for key, interval in zip(keys, profiles, strict=True)}
+        if copied is not None and whole is not None:
+            report("checking on a synthetic copy", 0, 1)
+            checks += copied()
+            report("simulating with the whole robot", 0, 1)
+            checks.append(whole())
+        judgement = judge(found, left_of, freed, [c["name"] for c in checks if not c["passed"]])
+        report("locating", 0, 1)
+        located = locating()
     base = found.baseline
-    # with the believed values: a refit that lacks the physics bends them until every balance is a little wrong
-    located = locate(workshop.model, workshop.trials, seed=seed)
     screen = next(
         (s for s in reversed(found.screens) if s.fit.hypothesis.label == judgement.chosen.hypothesis.label),
         found.screens[0],
@@ -153,13 +163,23 @@ def diagnose(
     return Diagnosis(verdict, evidence, found, judgement, left, scene=scene)
 
 
-def _profiled(workshop: Workshop, judgement: Judgement, inflation: float) -> dict[str, tuple[float, float]]:
-    """Intervals of what the verdict states: the named effects' parameters and the values that moved."""
-    chosen = judgement.chosen
-    keys = [k for k in judgement.moved if k in chosen.hypothesis.keys]
-    if judgement.verdict == NAMED:
-        keys += [f.key for f in chosen.hypothesis.free if f.kind == "effect"]
-    return {k: profile_interval(workshop.fitter(), chosen, k, inflation) for k in keys}
+def _located(workshop: Workshop, seed: int) -> Located:
+    from spacerobot.diagnosis.locate.locate import locate  # takes half a second to load, best in another process
+
+    return locate(workshop.model, workshop.trials, seed=seed)
+
+
+def _profiled(workshop: Workshop, chosen: Fit, key: str, inflation: float) -> tuple[float, float]:
+    return profile_interval(workshop.fitter(), chosen, key, inflation)
+
+
+def _stated(judgement: Judgement) -> list[str]:
+    """Keys of what the verdict gives intervals of: the values that moved, and the named effects' parameters."""
+    free = judgement.chosen.hypothesis.free
+    return [
+        *(k for k in judgement.moved if k in judgement.chosen.hypothesis.keys),
+        *(f.key for f in free if f.kind == "effect" and judgement.verdict == NAMED),
+    ]
 
 
 def _freed(workshop: Workshop, base: Fit) -> Fit | None:

@@ -90,7 +90,7 @@ class Fitter:
         low, high = hypothesis.bounds()
         z, initial, base = state.z, state.own[trial.id], state.raw[trial.id]
         scales = self._scales[trial.id]
-        columns = np.zeros((base.size, z.size + scales.size)) if old is None else old.copy()
+        columns = np.zeros((base.size, z.size + scales.size), order="F") if old is None else old.copy(order="F")
         idle = hypothesis.idle(trial.id)
         for g, free in enumerate(hypothesis.free):
             if old is not None and free.kind != "effect":
@@ -282,7 +282,7 @@ class Fitter:
             weighted = step * np.einsum("sp,sp->p", j, j)
             bottom = float(step @ weighted)
             surprise = new.raw[trial.id] - old.raw[trial.id] - j @ step
-            out[trial.id] = j + np.outer(surprise, weighted / bottom) if bottom > 1e-12 else j
+            out[trial.id] = j + np.outer(weighted / bottom, surprise).T if bottom > 1e-12 else j
         return out
 
     def rows_at(self, fit: Fit) -> dict[str, np.ndarray]:
@@ -298,7 +298,7 @@ class Fitter:
     def _normal(self, state: State, rows: Mapping[str, np.ndarray], prior: np.ndarray, robust: bool) -> Normal:
         def weighted(trial: TrialData) -> tuple[np.ndarray, np.ndarray]:
             keep = state.keep[trial.id]
-            jacobian, residual = rows[trial.id][keep], state.raw[trial.id][keep]
+            jacobian, residual = np.compress(keep, rows[trial.id].T, axis=1).T, state.raw[trial.id][keep]
             if robust:
                 weight = state.weights(trial)[keep]
                 jacobian, residual = jacobian * weight[:, None], residual * weight

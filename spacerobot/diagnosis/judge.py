@@ -11,18 +11,13 @@ from spacerobot.diagnosis.adequacy import Left
 from spacerobot.diagnosis.candidates import contains, plausible
 from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.search import Found
+from spacerobot.diagnosis.weigh import PENALTY, score, simplest
 
 NAMED, AMBIGUOUS, UNKNOWN = "named", "ambiguous", "unknown"
 NOTHING_MISSING, WRONG_PARAMETER, NOT_TRUSTED = "nothing_missing", "wrong_parameter", "not_trusted"
 
-PENALTY = 8.0
-"""Cost of one effect parameter: the look over forty effects finds a chance fall of chi-squared of this size."""
-
 EARN = 20.0
 """Fall of the penalised cost that an effect must bring, after correction for the noise's level and colour."""
-
-SMALL = 1e-3
-"""Share of what the simpler model explains that a further effect must earn."""
 
 MARGIN = 10.0
 """Lead over a rival below which the two cannot be told apart."""
@@ -58,13 +53,6 @@ class Judgement:
         return min((r.score for r in self.rivals if not contains(r.fit.hypothesis.label, label)), default=0.0)
 
 
-def score(fit: Fit, inflation: float) -> float:
-    """Penalised cost in units of the noise as it is."""
-    count = sum(1 for f in fit.hypothesis.free if f.kind == "effect")
-    count += sum(1 for s in fit.hypothesis.sites if s.trials)  # which trial was a choice too
-    return fit.cost / inflation + PENALTY * count
-
-
 def moved(fit: Fit, free: Fit | None = None) -> tuple[str, ...]:
     """Believed values that the data move beyond MOVED stated sigmas."""
     return tuple(
@@ -89,7 +77,7 @@ def judge(found: Found, left_of: dict[int, Left], freed: Fit | None, failed: Seq
         extra = PENALTY * len(moved(base))
         scores[id(base)] = min(scores[id(base)], score(freed, inflation) + extra)
     ranked = sorted(candidates, key=lambda f: scores[id(f)])
-    favourite = _simplest(ranked, scores, base)
+    favourite = simplest(ranked, scores, base)
     lead = scores[id(base)] - scores[id(favourite)]
     if favourite is base or lead < EARN:
         return _without_effect(base, freed, ranked, scores, left_of, failed)
@@ -128,21 +116,6 @@ def judge(found: Found, left_of: dict[int, Left], freed: Fit | None, failed: Seq
         tuple(rivals),
         moved(favourite),
     )
-
-
-def _simplest(ranked: Sequence[Fit], scores: dict[int, float], base: Fit) -> Fit:
-    """The best, unless a special case of it does nearly as well.
-
-    What a further effect earns is also held against what the simpler model explains: with many samples a harmless
-    defect of the first effect's law is always significant, and a second effect would be named for it.
-    """
-    best = ranked[0]
-    for fit in ranked[1:]:
-        if contains(best.hypothesis.label, fit.hypothesis.label):
-            worth = max(4.0, SMALL * (scores[id(base)] - scores[id(fit)]))
-            if scores[id(fit)] - scores[id(best)] < worth:
-                best = fit
-    return best
 
 
 def _without_effect(

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import contextlib
 import functools
-import multiprocessing
-import signal
-import sys
-import threading
+from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures import CancelledError, Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 
@@ -27,11 +24,16 @@ from spacerobot.diagnosis.starts import fit_from, fit_near
 from spacerobot.effects.registry import effect, load_file
 from spacerobot.recordings.study import Study
 from spacerobot.support.errors import InputError, SimulationError
-from spacerobot.support.executors.base import THREAD_VARIABLES, Executor
-from spacerobot.support.orphans import end_with_parent
+from spacerobot.support.executors.base import Executor
 from spacerobot.support.runs import combined_hash
+from spacerobot.support.workers import begin, context, may_fork, without_interrupts
 
 WARM, COLD = "warm", "cold"
+
+WINDOW = 8
+"""Fits that are under way at the same time, at most."""
+
+R = TypeVar("R")
 
 Only = tuple[tuple[tuple[str, str], tuple[str, ...]], ...]
 """Effects and places that act in some trials alone, and which."""
@@ -83,7 +85,6 @@ class Workshop:
 
     study: Study
     make_model: Callable[[Study, Any], Any] = RigModel
-    threads: int = 1
     fitters: dict[tuple[str, ...], Fitter] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -94,7 +95,7 @@ class Workshop:
         """A fitter of all trials but some."""
         if without not in self.fitters:
             kept = [t for t in self.trials if t.id not in without]
-            self.fitters[without] = Fitter(self.model, kept, threads=self.threads, hasty=True)
+            self.fitters[without] = Fitter(self.model, kept, hasty=True)
         return self.fitters[without]
 
     def run(self, task: Task) -> Fit | None:
@@ -126,42 +127,24 @@ class Workshop:
             return None
 
 
-@contextlib.contextmanager
-def _without_interrupts() -> Iterator[None]:
-    """Hold back Ctrl-C: it is this process's to answer, and a worker that has just begun would answer it too."""
-    held = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, held)
-
-
 _workshop: Workshop | None = None
 
 
 def _open(study: Study, make_model: Callable[[Study, Any], Any], files: tuple[str, ...]) -> None:
     global _workshop
-    import os
-
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # an interrupt is the parent's to answer
-    end_with_parent()
-    for name in THREAD_VARIABLES:
-        os.environ[name] = "1"
+    begin()
     for file in files:
         load_file(Path(file))
     _workshop = Workshop(study, make_model)
 
 
-def _way(workshop: Workshop) -> str:
-    """How to begin processes: as copies of this one where that is safe, for they then load and compile nothing."""
-    if sys.platform != "linux" or threading.active_count() > 1:
-        return "spawn"
-    if isinstance(workshop.model, RigModel):  # loads the compiled code, once for all
+def _load(workshop: Workshop) -> None:
+    """Load the compiled code, once for all copies of this process."""
+    if isinstance(workshop.model, RigModel):
         fitter, believed = workshop.fitter(), hypothesis(workshop.model.believed, [])
         with contextlib.suppress(SimulationError, InputError):
             trial = workshop.trials[0]
             fitter.residual(believed, believed.start(), trial, fitter.guess()[trial.id])
-    return "fork"
 
 
 def _ready() -> None:
@@ -171,6 +154,28 @@ def _ready() -> None:
 def _run(task: Task) -> Fit | None:
     assert _workshop is not None  # the initializer ran
     return _workshop.run(task)
+
+
+def _do(work: Callable[..., R], arguments: tuple[Any, ...]) -> R:
+    assert _workshop is not None
+    return work(_workshop, *arguments)
+
+
+@dataclass(frozen=True)
+class Waiting(Generic[R]):
+    """What is under way: called, it gives its result."""
+
+    result: Callable[[], R]
+    future: Future[R] | None = None
+
+    def __call__(self) -> R:
+        """Wait for it."""
+        return self.result()
+
+    def cancel(self) -> None:
+        """Nobody wants it; it is not begun any more, if it was not yet."""
+        if self.future is not None:
+            self.future.cancel()
 
 
 @dataclass(frozen=True)
@@ -227,13 +232,16 @@ class Pool:
         self._files = tuple(files)
         self._executor: ProcessPoolExecutor | None = None
         if jobs > 1 and workers is None:
+            fork = may_fork()
+            if fork:
+                _load(workshop)
             self._executor = ProcessPoolExecutor(
                 jobs,
-                mp_context=multiprocessing.get_context(_way(workshop)),
+                mp_context=context(fork),
                 initializer=_open,
                 initargs=(workshop.study, workshop.make_model, tuple(files)),
             )
-            with _without_interrupts():  # begins the processes, before there are threads
+            with without_interrupts():  # begins the processes, before there are threads
                 self._executor.submit(_ready)
 
     def __enter__(self) -> Pool:
@@ -252,18 +260,37 @@ class Pool:
                 process.terminate()
         self._executor = None
 
-    def run(self, tasks: Sequence[Task]) -> Iterator[tuple[Task, Fit | None]]:
-        """Results as they come; tasks begin in the order given, those that the store holds are not done again."""
-        left = []
-        for task in tasks:
-            known, fit = self._recalled(task)
-            if known:
-                yield task, fit
-            else:
-                left.append(task)
-        for task, fit in self._done(left):
-            self._keep(task, fit)
-            yield task, fit
+    def run(
+        self, tasks: Sequence[Task], prepared: Callable[[Task], Task] = lambda task: task
+    ) -> Iterator[tuple[Task, Fit | None]]:
+        """Results in the order of their tasks, WINDOW of which are under way; what the store holds is not redone.
+
+        A task is prepared when all but the last WINDOW - 1 results before it were taken, however many processes there
+        are and however fast: what `prepared` makes of earlier results is the same everywhere.
+        """
+        waiting: deque[tuple[Task, Waiting[Fit | None]]] = deque()
+        try:
+            for k in range(len(tasks) + WINDOW):
+                if k >= WINDOW and waiting:
+                    task, result = waiting.popleft()
+                    fit = result()
+                    self._keep(task, fit)
+                    yield task, fit
+                if k < len(tasks):
+                    task = prepared(tasks[k])
+                    waiting.append((task, self._begun(task)))
+        finally:
+            for _, result in waiting:  # nobody takes them any more
+                result.cancel()
+
+    def aside(self, work: Callable[..., R], *arguments: Any) -> Waiting[R]:
+        """work(workshop, *arguments) in another process where there is one, else in this one when it is asked for.
+
+        Args:
+            work: importable by name; changes nothing.
+            arguments: picklable, as the result is.
+        """
+        return self._waiting(lambda: work(self.workshop, *arguments), _do, work, arguments)
 
     def here(self, task: Task) -> Fit | None:
         """A task done in this process, with all its threads, unless the store holds it."""
@@ -285,37 +312,37 @@ class Pool:
         fit = from_json(kept, self.workshop.fitter(task.without), made)
         return fit is not None or kept["fit"] is None, fit
 
-    def _done(self, tasks: Sequence[Task]) -> Iterator[tuple[Task, Fit | None]]:
+    def _begun(self, task: Task) -> Waiting[Fit | None]:
+        known, fit = self._recalled(task)
+        if known:
+            return Waiting(lambda: fit)
         if self._workers is not None:
-            yield from self._elsewhere(self._workers, tasks)
-            return
-        left = {id(task): task for task in tasks}
-        if self._executor is not None:
+            study, make_model = self.workshop.study.unread(), self.workshop.make_model
+            shipment = Shipment(self._key, study, make_model, self._files, task)
+            return Waiting(self._workers.begin(unpacked, shipment))
+        return self._waiting(lambda: self.workshop.run(task), _run, task)
+
+    def _waiting(self, here: Callable[[], R], there: Callable[..., R], *arguments: Any) -> Waiting[R]:
+        """The result of a process that does `there`, or of `here` where there is none, or it was lost."""
+        if self._executor is None:
+            return Waiting(here)
+        try:
+            with without_interrupts():  # submitting begins processes, and they take over what is blocked
+                future = self._executor.submit(there, *arguments)
+        except BrokenProcessPool:
+            self._close(now=True)
+            return Waiting(here)
+
+        def result() -> R:
             try:
-                for task, found in self._in_processes(tasks):
-                    del left[id(task)]
-                    yield task, found
-            except BrokenProcessPool:
+                return future.result()
+            except (BrokenProcessPool, CancelledError):
                 self._close(now=True)
-        for task in left.values():
-            yield task, self.workshop.run(task)
+                return here()
+
+        return Waiting(result, future)
 
     @functools.cached_property
     def _key(self) -> str:
         contents = [Path(file).read_text(encoding="utf-8") for file in self._files]
         return combined_hash(self.workshop.study.input_hash, *contents)
-
-    def _elsewhere(self, workers: Executor, tasks: Sequence[Task]) -> Iterator[tuple[Task, Fit | None]]:
-        study, make_model = self.workshop.study.unread(), self.workshop.make_model
-        shipments = (Shipment(self._key, study, make_model, self._files, t) for t in tasks)
-        for shipment, fit in workers.run(unpacked, shipments):
-            yield shipment.task, fit
-
-    def _in_processes(self, tasks: Sequence[Task]) -> Iterator[tuple[Task, Fit | None]]:
-        assert self._executor is not None
-        with _without_interrupts():  # submitting begins processes, and they take over what is blocked
-            waiting: dict[Future[Fit | None], Task] = {self._executor.submit(_run, t): t for t in tasks}
-        while waiting:
-            done, _ = wait(waiting, return_when=FIRST_COMPLETED)
-            for future in done:
-                yield waiting.pop(future), future.result()

@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from spacerobot.diagnosis.fit import Fitter
 from spacerobot.diagnosis.fitted import Fit, State
-from spacerobot.diagnosis.hypothesis import Believed, Hypothesis, Site, hypothesis
+from spacerobot.diagnosis.hypothesis import Believed, Site, hypothesis
 from spacerobot.diagnosis.starts import effect_starts, informed_starts
 from spacerobot.support.errors import InputError, SimulationError
 
@@ -24,7 +24,10 @@ FAINT = 0.1
 
 @dataclass(frozen=True, eq=False)
 class Screened:
-    """One effect at one start, scored. The columns are weighted, masked and freed of what the fit can imitate."""
+    """One effect at one start, scored.
+
+    The column, kept of each site's best start, is weighted, masked and freed of what the fit can imitate.
+    """
 
     site: Site
     start: Mapping[str, float]
@@ -84,14 +87,14 @@ class Screener:
         state = fitter.state(fit.hypothesis, fit.z, fit.initials())
         if state is None:
             raise SimulationError("a finished fit can no longer be simulated")
-        project = _Projector(fitter, fit.hypothesis, state)
+        project = _Projector(fitter, fit, state)
         residual = project.free(project.stack(state.raw))
         scored = []
         for site in sites:
-            for start in [*effect_starts([site]), *informed_starts(site, fitter.trials)]:
-                item = self._score(fit, state, project, residual, site, start)
-                if item is not None:
-                    scored.append(item)
+            starts = [*effect_starts([site]), *informed_starts(site, fitter.trials)]
+            items = [self._score(fit, state, project, residual, site, start) for start in starts]
+            found = sorted((i for i in items if i is not None), key=lambda s: -s.gain)
+            scored += found[:1] + [replace(i, column=np.zeros(0)) for i in found[1:]]
         scored.sort(key=lambda s: -s.gain)
         return Screen(fit, tuple(scored), residual)
 
@@ -124,6 +127,13 @@ class Screener:
         return Screened(site, start, column, amplitude**2 * norm, amplitude, norm)
 
 
+def together(screens: Sequence[Screen], sites: Sequence[Site]) -> Screen:
+    """Screens of several parts of these sites at one fit as one, the same however the sites were parted."""
+    order = {site.label: k for k, site in enumerate(sites)}
+    scored = sorted((i for s in screens for i in s.scored), key=lambda i: (-i.gain, order[i.site.label]))
+    return Screen(screens[0].fit, tuple(scored), screens[0].residual)
+
+
 def faint(site: Site, start: Mapping[str, float], share: float = FAINT) -> dict[str, float]:
     """The start with its strengths cut to a share, so that the residual still moves in proportion.
 
@@ -145,16 +155,16 @@ def faint(site: Site, start: Mapping[str, float], share: float = FAINT) -> dict[
 class _Projector:
     """Takes out of a column what the free parameters, with their priors, can imitate."""
 
-    def __init__(self, fitter: Fitter, made: Hypothesis, state: State) -> None:
+    def __init__(self, fitter: Fitter, fit: Fit, state: State) -> None:
+        made, known = fit.hypothesis, fitter.rows_at(fit)
         self.fitter = fitter
-        self.state = state
         self.weights = {t.id: state.weights(t) * state.keep[t.id] for t in fitter.trials}
         count = len(made.free)
         prior = np.array([f.prior for f in made.free], dtype=float)
         self.global_rows = []
         self.own = []
         for trial in fitter.trials:
-            rows = fitter.jacobian(made, state, trial) * self.weights[trial.id][:, None]
+            rows = known[trial.id] * self.weights[trial.id][:, None]
             own, _ = np.linalg.qr(rows[:, count:])
             shared = rows[:, :count]
             self.own.append(own)

@@ -9,12 +9,14 @@ import numpy as np
 
 from spacerobot.diagnosis.candidates import contains, simpler
 from spacerobot.diagnosis.data import TrialData
+from spacerobot.diagnosis.fit import HOPE
 from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.hypothesis import Label, Site
 from spacerobot.diagnosis.one_trial import knocks
-from spacerobot.diagnosis.pool import Pool, Task
-from spacerobot.diagnosis.screen import Screen, Screened, Screener, faint
+from spacerobot.diagnosis.pool import Pool, Task, Workshop
+from spacerobot.diagnosis.screen import Screen, Screened, Screener, faint, together
 from spacerobot.diagnosis.starts import effect_starts, informed_starts
+from spacerobot.diagnosis.weigh import score, simplest, worth
 from spacerobot.effects.registry import effect
 
 TOP_SCREENED = 4
@@ -29,7 +31,8 @@ EXPLAINED = 1.02
 WORTH_A_FIT = 15.0
 """Fall of the cost below which an effect is screened only: far from what it would have to earn."""
 
-BATCH = 4
+PARTS = 4
+"""Parts of a screening, each done by one process; however many there are, the scores are the same."""
 
 CLEAR = 300.0
 """A fit whose cost is this much above the best may be given up."""
@@ -69,6 +72,11 @@ class Found:
         """The fit of least cost, the baseline included."""
         return min([self.baseline, *self.fits.values()], key=lambda f: f.cost)
 
+    def preferred(self, fits: Sequence[Fit]) -> Fit:
+        """The one of these that a verdict would prefer."""
+        scores = {id(f): score(f) for f in [self.baseline, *fits]}
+        return simplest(sorted(fits, key=lambda f: scores[id(f)]), scores, self.baseline)
+
     def singles_by_cost(self) -> list[Fit]:
         """Fits of one effect, best first."""
         return sorted((f for f in self.fits.values() if len(f.hypothesis.sites) == 1), key=lambda f: f.cost)
@@ -97,9 +105,8 @@ def search(pool: Pool, sites: Sequence[Site], report: Report, *, baseline: Fit |
         baseline = pool.here(Task((), {}))
         assert baseline is not None  # the believed rig itself can be simulated, or RigModel had refused it
     found = Found(baseline, singles=tuple(sites))
-    screener = Screener(workshop.fitter(), workshop.model.believed)
     report("screening", 0, len(sites))
-    first = screener.screen(baseline, sites)
+    first = _screen(pool, baseline, sites)
     found.screens.append(first)
     found.screened.update({(k,): v.gain for k, v in first.best().items()})
 
@@ -117,7 +124,7 @@ def search(pool: Pool, sites: Sequence[Site], report: Report, *, baseline: Fit |
     ]
     given_up = _run(pool, found, tasks, report, "single effects")
     if not _explained(found.best):
-        _run(pool, found, _unfinished(found), report, "single effects, the best to their end", stop=True)
+        _run(pool, found, _unfinished(found), report, "single effects, the best to their end")
     if not _explained(found.best):  # then what its first step promised may have been too little to go by
         _run(pool, found, [replace(t, eager=False) for t in given_up], report, "single effects, at leisure")
     if not _explained(found.best):
@@ -135,22 +142,36 @@ def search(pool: Pool, sites: Sequence[Site], report: Report, *, baseline: Fit |
         stop=True,
     )
     if found.singles_by_cost():
-        _pairs(pool, found, screener, first, report)
+        _pairs(pool, found, first, report)
         _simplify(pool, found, report)
     return found
 
 
+def _screen(pool: Pool, fit: Fit, sites: Sequence[Site]) -> Screen:
+    """Scores of adding each site to a fit, a part of the sites in each process."""
+    parts = [pool.aside(_screened, fit, sites[k::PARTS]) for k in range(min(PARTS, max(len(sites), 1)))]
+    return together([part() for part in parts], sites)
+
+
+def _screened(workshop: Workshop, fit: Fit, sites: Sequence[Site]) -> Screen:
+    return Screener(workshop.fitter(), workshop.model.believed).screen(fit, sites)
+
+
 def _starts(found: Found, labels: Sequence[Label], trials: Sequence[TrialData]) -> list[Task]:
-    """From where the near fits stopped, then each from its own first start, then from its second."""
+    """From where the near fits stopped, then each from its own first start, then from its second.
+
+    What explains the data already needs no other start.
+    """
     by_label = {s.label: s for s in found.singles}
     near = [t for t in _unfinished(found) if t.label in labels]
     some = {f.hypothesis.label for f in found.fits.values() if any(s.trials for s in f.hypothesis.sites)}
-    labels = [label for label in labels if label not in some]  # those have begun everywhere already
+    good = {label for label, f in found.fits.items() if _explained(f)}
+    labels = [label for label in labels if label not in some | good]  # the first have begun everywhere already
     cold: list[list[Task]] = [[], []]
     for label in labels:
         sites = [by_label[one] for one in label]
         starts = [s for site in sites for s in informed_starts(site, trials)] if len(sites) == 1 else []
-        for k, start in enumerate([*starts, *effect_starts(sites)][:2]):
+        for k, start in enumerate([*starts, *effect_starts(sites)][: 1 if good else 2]):
             # from the free approaches: a baseline that misses much has bent the trials' starts as well
             cold[k].append(Task(label, start))
     return [*near, *cold[0], *cold[1]]
@@ -162,20 +183,23 @@ def _unfinished(found: Found) -> list[Task]:
     return [Task(f.hypothesis.label, {}, near=f, max_iterations=30) for f in best if not f.converged]
 
 
-def _pairs(pool: Pool, found: Found, screener: Screener, first: Screen, report: Report) -> None:
-    single = found.singles_by_cost()[0]
+def _pairs(pool: Pool, found: Found, first: Screen, report: Report) -> None:
+    single = found.preferred(found.singles_by_cost())
+    explained = found.baseline.cost - single.cost
     rest = [s for s in found.singles if s.label not in single.hypothesis.label]
     report("screening pairs", 0, len(rest))
-    second = screener.screen(single, rest)
+    second = _screen(pool, single, rest)
     found.screens.append(second)
     for gain, a, b in first.pairs():
         found.screened.setdefault(tuple(sorted((a.site.label, b.site.label))), gain)
     tasks = []
     for label, item in list(second.best().items())[:TOP_PAIRS]:
         both = tuple(sorted((*single.hypothesis.label, label)))
-        found.screened[both] = max(found.screened.get(both, 0.0), found.baseline.cost - single.cost + item.gain)
-        if item.gain > WORTH_A_FIT:
-            tasks.append(Task(both, faint(item.site, item.start, _share(item)), near=single, max_iterations=20))
+        found.screened[both] = max(found.screened.get(both, 0.0), explained + item.gain)
+        if item.gain > max(WORTH_A_FIT, worth(explained) / HOPE):
+            start = faint(item.site, item.start, _share(item))
+            bar = single.cost - worth(explained)
+            tasks.append(Task(both, start, near=single, max_iterations=20, hopeless=bar, eager=True))
     for gain, a, b in first.pairs()[: 0 if _explained(single) else TOP_PAIRS]:
         both = tuple(sorted((a.site.label, b.site.label)))
         nested = contains([a.site.label], [b.site.label]) or contains([b.site.label], [a.site.label])
@@ -187,12 +211,12 @@ def _pairs(pool: Pool, found: Found, screener: Screener, first: Screen, report: 
 
 def _simplify(pool: Pool, found: Found, report: Report) -> None:
     """What the best set could do without: its special cases and subsets that nobody has fitted yet."""
-    best = found.best
+    best = found.preferred([*found.fits.values()])
     tasks = []
     for label in simpler(best.hypothesis.label):
         if label in found.fits:
             continue
-        values = {k: v for k, v in best.values().items() if "@" in k}
+        values = effect_values(best)
         sites = [Site(effect(name), where) for name, where in label]
         tasks += [Task(label, start, near=best, max_iterations=20) for start in effect_starts(sites, values)[:2]]
     _run(pool, found, tasks, report, "simpler sets of effects")
@@ -205,24 +229,25 @@ def _explained(fit: Fit) -> bool:
 def _run(
     pool: Pool, found: Found, tasks: Sequence[Task], report: Report, what: str, *, stop: bool = False
 ) -> list[Task]:
-    """Runs tasks, a few at a time so that each knows the best cost so far; with `stop`, until one explains the data.
+    """Run tasks, each with a bar of the best cost so far; with `stop`, until one explains what none explained yet.
 
     Returns:
         those that were given up on what their first step promised.
     """
-    done = 0
-    given_up = []
-    for first in range(0, len(tasks), BATCH):
+
+    def prepared(task: Task) -> Task:
         bar = found.best.cost + CLEAR if found.fits else np.inf
-        least = min(bar, found.baseline.cost - WORTH_A_FIT)
-        now = [replace(t, hopeless=least if t.eager else bar) for t in tasks[first : first + BATCH]]
-        for task, fit in pool.run(now):
-            found.keep(fit)
-            if fit is not None and fit.given_up:
-                given_up.append(task)
-            done += 1
-            report(what, done, len(tasks))
-        if stop and _explained(found.best):
+        if task.eager:
+            bar = min(bar, found.baseline.cost - WORTH_A_FIT)
+        return replace(task, hopeless=min(bar, task.hopeless))
+
+    given_up, already = [], _explained(found.best)
+    for done, (task, fit) in enumerate(pool.run(tasks, prepared), 1):
+        found.keep(fit)
+        if fit is not None and fit.given_up:
+            given_up.append(task)
+        report(what, done, len(tasks))
+        if stop and not already and _explained(found.best):
             break
     return given_up
 

@@ -130,9 +130,9 @@ def known_rows(fitter: Fitter, made: Hypothesis, near: Fit) -> dict[str, np.ndar
     out = {}
     for name, rows in fitter.rows_at(near).items():
         own = rows.shape[1] - len(keys)
-        wide = np.zeros((rows.shape[0], len(made.free) + own))
-        wide[:, target] = rows[:, source]
-        wide[:, len(made.free) :] = rows[:, len(keys) :]
+        wide = np.zeros((rows.shape[0], len(made.free) + own), order="F")
+        for to, of in [*zip(target, source, strict=True), *((len(made.free) + k, len(keys) + k) for k in range(own))]:
+            wide[:, to] = rows[:, of]
         out[name] = wide
     return out
 

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from spacerobot.support.executors.base import THREAD_VARIABLES
 from spacerobot.support.orphans import leashed
 from spacerobot.support.scratch import scratch
+from spacerobot.support.workers import THREAD_VARIABLES
 
 LIMIT = 900.0
 """Seconds after which a diagnosis counts as failed."""

@@ -128,9 +128,7 @@ class Bench:
         return found
 
 
-def only_of(
-    effects: Sequence[Mapping[str, object]], trials: Sequence[str]
-) -> dict[tuple[str, str], tuple[str, ...]]:
+def only_of(effects: Sequence[Mapping[str, object]], trials: Sequence[str]) -> dict[tuple[str, str], tuple[str, ...]]:
     """In which trials alone effects act; a seal counts trials from 0, a verdict names them."""
     found = {}
     for item in effects:

@@ -36,6 +36,11 @@ def cache_folder() -> Path:
     return folder
 
 
+def nothing_kept() -> bool:
+    """Whether nothing is compiled yet."""
+    return next(cache_folder().rglob("*.nbi"), None) is None
+
+
 @functools.cache
 def numba() -> Any:
     """The numba module, its cache pointed at `cache_folder`."""

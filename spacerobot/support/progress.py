@@ -9,6 +9,12 @@ from typing import Self
 from tqdm import tqdm
 
 
+class _Bar(tqdm):
+    """Without the thread that looks after bars that stand still: a process with threads cannot be copied safely."""
+
+    monitor_interval = 0
+
+
 class Progress:
     """A count that moves towards `total`. A context manager.
 
@@ -33,13 +39,14 @@ class Progress:
         quiet: bool = False,
     ) -> None:
         watched = sys.stderr.isatty()
-        self._bar = tqdm(
+        self._bar = _Bar(
             desc=what,
             total=total,
             unit=f" {unit}",
             file=sys.stderr,
             disable=quiet or not (watched or verbose),
             mininterval=0.2 if watched else 5.0,
+            miniters=1,
             leave=False if watched else None,
             dynamic_ncols=watched,
         )

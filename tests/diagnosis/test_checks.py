@@ -13,6 +13,7 @@ from spacerobot.diagnosis import checks, confirm
 from spacerobot.diagnosis import diagnose as whole
 from spacerobot.diagnosis.adequacy import Left
 from spacerobot.diagnosis.candidates import contains, simpler
+from spacerobot.diagnosis.fit import Fitter
 from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.hypothesis import Site
 from spacerobot.diagnosis.judge import NAMED, NOT_TRUSTED, judge
@@ -80,14 +81,23 @@ def test_an_optimiser_that_stops_short_of_the_truth_is_noticed(
 def test_an_interval_that_claims_too_much_is_noticed(
     shop: Workshop, chosen: Fit, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """As certain as if it had a hundred times the data."""
-    run = Workshop.run
+    """As certain as if it had ten thousand times the data, in the curvature and in the profile."""
+    run, interval = Workshop.run, checks.profile_interval
 
     def boastful(self: Workshop, task: Task) -> Fit | None:
         fit = run(self, task)
         return None if fit is None or fit.covariance is None else replace(fit, covariance=1e-4 * fit.covariance)
 
+    def narrow(fitter: Fitter, fit: Fit, key: str, inflation: float) -> tuple[float, float]:
+        value = fit.values()[key]
+        low, high = interval(fitter, fit, key, inflation)
+        return value + 1e-2 * (low - value), value + 1e-2 * (high - value)
+
     monkeypatch.setattr(Workshop, "run", boastful)
+    cost, sizes = checks.synthetic(shop, chosen, 0)
+    assert cost["passed"]
+    assert sizes["passed"]  # the curvature boasts, but the profile is what a verdict states
+    monkeypatch.setattr(checks, "profile_interval", narrow)
     cost, sizes = checks.synthetic(shop, chosen, 0)
     assert cost["passed"]
     assert not sizes["passed"]
@@ -117,7 +127,7 @@ def test_each_failed_check_reaches_the_verdict(tmp_path: Path) -> None:
     study = write_study(tmp_path, planted=[("coulomb_friction", "wrist", {"force_N": 0.35})], speeds=(0.08,))
     notes = Notes()
     located: list[Any] = []
-    locate = whole.locate
+    locate = whole._located
 
     def once(*args: Any, **options: Any) -> Any:
         if not located:
@@ -129,7 +139,7 @@ def test_each_failed_check_reaches_the_verdict(tmp_path: Path) -> None:
     for check in ("none", "nested", "synthetic", "confirm"):
         with pytest.MonkeyPatch.context() as patched:
             patched.setattr(whole, "candidate_sites", lambda *a: [Site(effect("coulomb_friction"), "wrist")])
-            patched.setattr(whole, "locate", once)
+            patched.setattr(whole, "_located", once)
             for name in ("nested", "synthetic", "confirm"):
                 said = failed if name == check else fine
                 patched.setattr(whole, name, _answer([said] if name == "synthetic" else said))

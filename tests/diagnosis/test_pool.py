@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ import numpy as np
 import pytest
 
 from spacerobot.diagnosis.fitted import Fit
-from spacerobot.diagnosis.pool import Pool, Task, Workshop
+from spacerobot.diagnosis.pool import WINDOW, Pool, Task, Workshop
 from spacerobot.support.executors.base import Here
 from tests.diagnosis.rigs import write_study
 
@@ -94,6 +95,52 @@ def test_a_cluster_finds_the_same_although_it_loses_a_worker(workshop: Workshop,
 
 def test_processes_find_the_same(workshop: Workshop, here: dict[Any, Fit | None]) -> None:
     assert_equal(here, fitted(Pool(workshop, 2)))
+
+
+def test_a_task_knows_the_same_results_however_many_processes_there_are(workshop: Workshop) -> None:
+    tasks = [replace(TILT, max_iterations=1, start={"table_tilt@target.angle_rad": k * 1e-6}) for k in range(1, 14)]
+
+    def noted(jobs: int) -> list[tuple[int, int]]:
+        taken: list[Task] = []
+        known: list[tuple[int, int]] = []
+
+        def prepared(task: Task) -> Task:
+            known.append((tasks.index(task), len(taken)))
+            return task
+
+        with Pool(workshop, jobs) as pool:
+            for task, _ in pool.run(tasks, prepared):
+                taken.append(task)
+        assert taken == tasks
+        return known
+
+    known = noted(1)
+    assert known == noted(2)
+    assert known == [(k, max(0, k - WINDOW + 1)) for k in range(13)]
+
+
+def test_what_nobody_takes_any_more_does_not_hold_up_the_rest(workshop: Workshop) -> None:
+    with Pool(workshop, 2) as pool:
+        for task, _ in pool.run([RUB] * 6):
+            assert task is RUB
+            break
+        assert next(iter(pool.run([TILT])))[0] is TILT
+
+
+def _where(workshop: Workshop, factor: int) -> tuple[int, int]:
+    return os.getpid(), factor * len(workshop.trials)
+
+
+def test_work_aside_is_done_elsewhere_where_there_is_an_elsewhere(workshop: Workshop) -> None:
+    count = 3 * len(workshop.trials)
+    with Pool(workshop, 1) as pool:
+        assert pool.aside(_where, 3)() == (os.getpid(), count)
+    with Pool(workshop, 2) as pool:
+        process, found = pool.aside(_where, 3)()
+        assert process != os.getpid()
+        assert found == count
+        os.kill(process, signal.SIGKILL)
+        assert pool.aside(_where, 3)() == (os.getpid(), count)  # here, where the others are lost
 
 
 def test_studies_do_not_mix_in_a_worker(workshop: Workshop, here: dict[Any, Fit | None], tmp_path: Path) -> None:

@@ -90,7 +90,7 @@ def urdf(arm: list[Part], *, stand: np.ndarray | None = None) -> str:
         )
         out.append(
             f'<link name="l{i + 1}"><inertial><origin xyz="{text(p.centre)}"/><mass value="{p.mass!r}"/>'
-            f'<inertia {moments}/></inertial></link>'
+            f"<inertia {moments}/></inertial></link>"
             f'<joint name="j{i}" type="{kind}"><parent link="l{i}"/><child link="l{i + 1}"/>'
             f'<origin xyz="{text(p.place)}" rpy="{text(p.turn)}"/><axis xyz="{text(p.axis)}"/>'
             '<limit lower="-4" upper="4" effort="1" velocity="1"/></joint>'

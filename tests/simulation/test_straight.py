@@ -80,9 +80,7 @@ def unknown(kernel: Kernel) -> Kernel:
 
 
 def run(mechanism: Mechanism, speed: float, tolerance: float, end: float = 2.0) -> ReducedRun:
-    return simulate(
-        mechanism, position={"target": -0.005}, velocity={"target": speed}, end=end, tolerance=tolerance
-    )
+    return simulate(mechanism, position={"target": -0.005}, velocity={"target": speed}, end=end, tolerance=tolerance)
 
 
 def difference(a: ReducedRun, b: ReducedRun, scale: float) -> float:

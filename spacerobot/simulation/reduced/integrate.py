@@ -49,11 +49,26 @@ class Steps(NamedTuple):
     order: np.ndarray  # (m,) int, how many of the dense coefficients are the step's own
     modes: np.ndarray  # (m, G) int
 
+    @classmethod
+    def shaped(cls, size: int, *flat: np.ndarray) -> Steps:
+        """From what `integrate` returns, for states of this size."""
+        time, length, state, dense, order, modes = flat
+        m = time.size
+        return cls(
+            time,
+            length,
+            state.reshape(m, size),
+            dense.reshape(m, size, dense.size // max(m * size, 1)),
+            order,
+            modes.reshape(m, modes.size // max(m, 1)),
+        )
+
 
 @jit
-def _grow(a: Any, used: int) -> Any:
-    out = np.empty((2 * a.shape[0], *a.shape[1:]), dtype=a.dtype)
-    out[:used] = a[:used]
+def _grow(a: Any) -> Any:
+    out = np.empty(2 * a.size, dtype=a.dtype)
+    for i in range(a.size):
+        out[i] = a[i]
     return out
 
 
@@ -73,7 +88,10 @@ def integrate(
     u: Any,
     most: int,
 ) -> Any:
-    """Integrates from t0 to t1; returns the steps, events (time, index, new mode), end state and status."""
+    """Integrates from t0 to t1; returns the steps as flat arrays, events (time, index, new mode), and status.
+
+    Arrays of one shape only are kept, because the compiler takes a second over each further kind that grows.
+    """
     size = y0.size
     y = y0.copy()
     new, temp, slope = np.empty(size), np.empty(size), np.empty(size)
@@ -90,8 +108,8 @@ def integrate(
     rates = np.empty(SUBSAMPLES + 1)
     cap = 512
     times, lengths = np.empty(cap), np.empty(cap)
-    states, denses = np.empty((cap, size)), np.empty((cap, size, wide))
-    kept, orders = np.empty((cap, count), dtype=np.int64), np.empty(cap, dtype=np.int64)
+    states, denses = np.empty(cap * size), np.empty(cap * size * wide)
+    kept, orders = np.empty(cap * count, dtype=np.int64), np.empty(cap, dtype=np.int64)
     ecap = 64
     etime, eindex, emode = np.empty(ecap), np.empty(ecap, dtype=np.int64), np.empty(ecap, dtype=np.int64)
     m, e, kick = 0, 0, 0
@@ -194,16 +212,15 @@ def integrate(
             stages(x, c, laws, t, y, part, modes, u, w, k, new)
             dense(k, q)
         if m == times.size:
-            times, lengths, states = _grow(times, m), _grow(lengths, m), _grow(states, m)
-            denses, kept = _grow(denses, m), _grow(kept, m)
-            orders = _grow(orders, m)
+            times, lengths, states, denses = _grow(times), _grow(lengths), _grow(states), _grow(denses)
+            kept, orders = _grow(kept), _grow(orders)
         times[m], lengths[m], orders[m] = t, part, order
         for i in range(size):
-            states[m, i] = y[i]
+            states[m * size + i] = y[i]
             for power in range(order):
-                denses[m, i, power] = q[i, power]
+                denses[(m * size + i) * wide + power] = q[i, power]
         for i in range(count):
-            kept[m, i] = modes[i]
+            kept[m * count + i] = modes[i]
         m += 1
         for i in range(size):
             y[i] = new[i]
@@ -213,7 +230,7 @@ def integrate(
             settle(x, c, laws, t, y, modes, u, w, slope)
             fresh = True
             if e == etime.size:
-                etime, eindex, emode = _grow(etime, e), _grow(eindex, e), _grow(emode, e)
+                etime, eindex, emode = _grow(etime), _grow(eindex), _grow(emode)
             etime[e], eindex[e], emode[e] = t, hit, modes[hit]
             e += 1
             if e >= MAX_EVENTS:
@@ -229,13 +246,12 @@ def integrate(
     return (
         times[:m],
         lengths[:m],
-        states[:m],
-        denses[:m],
+        states[: m * size],
+        denses[: m * size * wide],
         orders[:m],
-        kept[:m],
+        kept[: m * count],
         etime[:e],
         eindex[:e],
         emode[:e],
-        y,
         status,
     )

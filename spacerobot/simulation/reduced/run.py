@@ -175,10 +175,10 @@ def simulate(
         drives = np.array([inputs[0], *(inputs[1][i.channel] for i in mechanism.inputs)], dtype=float)
     atol = scale * np.concatenate([np.full(n, 1e-3 * tolerance), np.full(n, 1e-1 * tolerance)])
     first = min(1e-4, max_step, end - start)
-    *taken, etime, eindex, emode, _, status = integrate(
+    *taken, etime, eindex, emode, status = integrate(
         *packed, LAWS.laws, packed.work(), y0, start, end, tolerance, atol, first, max_step, drives, step_limit
     )
-    steps = Steps(*taken)
+    steps = Steps.shaped(y0.size, *taken)
     if status != OK:
         reached = float(steps.time[-1]) if steps.time.size else start
         if status == NOT_FINITE:

@@ -12,9 +12,6 @@ from spacerobot.support.errors import SpacerobotError
 T = TypeVar("T")
 R = TypeVar("R")
 
-THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-"""Set to 1 in workers: sums of linear algebra then do not depend on how many cores a machine has."""
-
 
 class WorkersLostError(SpacerobotError):
     """Workers that die again and again over the same tasks."""
@@ -38,6 +35,10 @@ class Executor(ABC):
             function: importable by name in another process.
             tasks: picklable; taken one by one.
         """
+
+    def begin(self, function: Callable[[T], R], task: T) -> Callable[[], R]:
+        """Begin one task; what comes back waits for its result. Here it begins no sooner than that is called."""
+        return lambda: next(iter(self.run(function, [task])))[1]
 
     @abstractmethod
     def close(self) -> None:

@@ -10,7 +10,8 @@ from typing import Any
 
 from spacerobot import __version__
 from spacerobot.support.errors import InputError
-from spacerobot.support.executors.base import THREAD_VARIABLES, Executor, R, T, WorkersLostError
+from spacerobot.support.executors.base import Executor, R, T, WorkersLostError
+from spacerobot.support.workers import THREAD_VARIABLES
 
 PATIENCE = 10.0
 """How long [s] the scheduler may take to answer, and workers to come."""
@@ -53,8 +54,7 @@ class DaskWorkers(Executor):
 
     def run(self, function: Callable[[T], R], tasks: Iterable[T]) -> Iterator[tuple[T, R]]:
         """See `Executor.run`."""
-        from distributed import CancelledError, as_completed
-        from distributed.scheduler import KilledWorker
+        from distributed import as_completed
 
         waiting, coming = iter(tasks), as_completed(loop=self._client.loop)
 
@@ -71,15 +71,20 @@ class DaskWorkers(Executor):
                 break
         for future in coming:
             task = self._futures.pop(future)
-            try:
-                result = future.result()
-            except KilledWorker as error:
-                raise WorkersLostError(f"workers died again and again: {error}") from None
-            except CancelledError:
-                raise WorkersLostError("the Dask scheduler went away; what is done stays") from None
-            future.release()
+            result = _result(future)
             give()
             yield task, result
+
+    def begin(self, function: Callable[[T], R], task: T) -> Callable[[], R]:
+        """See `Executor.begin`; it begins at once."""
+        future = self._client.submit(function, task, pure=False)
+        self._futures[future] = task
+
+        def wait() -> R:
+            del self._futures[future]
+            return _result(future)
+
+        return wait
 
     def everywhere(self, function: Callable[..., R], *arguments: Any) -> dict[str, R]:
         """function(*arguments) once on every worker, by the worker's address."""
@@ -118,6 +123,21 @@ class DaskWorkers(Executor):
                     valid=__version__,
                     where="--dask",
                 )
+
+
+def _result(future: Any) -> Any:
+    """What a worker made of a task; its memory there is released."""
+    from distributed import CancelledError
+    from distributed.scheduler import KilledWorker
+
+    try:
+        result = future.result()
+    except KilledWorker as error:
+        raise WorkersLostError(f"workers died again and again: {error}") from None
+    except CancelledError:
+        raise WorkersLostError("the Dask scheduler went away; what is done stays") from None
+    future.release()
+    return result
 
 
 def version_here() -> str:

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import multiprocessing
-import os
-import signal
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from typing import Any
 
-from spacerobot.support.executors.base import THREAD_VARIABLES, Executor, R, T, WorkersLostError
-from spacerobot.support.orphans import end_with_parent
+from spacerobot.support.executors.base import Executor, R, T, WorkersLostError
+from spacerobot.support.workers import begin, context
 
 MOST_DEATHS = 3
 """Deaths in a row, without a task done between them, after which it is given up."""
@@ -84,19 +80,10 @@ class LocalPool(Executor):
 
     def _opened(self) -> ProcessPoolExecutor:
         if self._pool is None:
-            context = multiprocessing.get_context("spawn")
-            self._pool = ProcessPoolExecutor(self.workers, mp_context=context, initializer=_begin)
+            self._pool = ProcessPoolExecutor(self.workers, mp_context=context(fork=False), initializer=begin)
         return self._pool
 
     def _drop(self) -> None:
         if self._pool is not None:
             self._pool.shutdown(wait=True, cancel_futures=True)
             self._pool = None
-
-
-def _begin(*_: Any) -> None:
-    """In a worker: an interrupt is the parent's to answer, and one thread of linear algebra is enough."""
-    end_with_parent()
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    for name in THREAD_VARIABLES:
-        os.environ[name] = "1"

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,22 +15,17 @@ from spacerobot.view.report.evidence import Evidence, Surface, Trace
 from spacerobot.view.report.words import effects_phrase, finite, unit_text
 
 
-def figures(verdict: Mapping[str, Any], evidence: Evidence) -> dict[str, Figure]:
-    """Name of the file, without its ending -> figure; only those for which there is something to show."""
-    found: dict[str, Figure] = {}
-    with plotting.style():
-        for channel in dict.fromkeys(t.channel for t in evidence.shown):
-            traces = [t for t in evidence.shown if t.channel == channel]
-            found[f"held_out_{_file(channel)}"] = _channel(traces)
-        for i, surface in enumerate(evidence.surfaces):
-            found[f"residual_{i + 1:02d}_{_file(surface.balance)}_{_file(surface.quantity)}"] = _surface(surface)
-        rivals = _rivals(evidence)
-        if rivals is not None:
-            found["rivals"] = rivals
-        error = _error(verdict.get("held_out") or {})
-        if error is not None:
-            found["held_out_error"] = error
-    return found
+def drawings(verdict: Mapping[str, Any], evidence: Evidence) -> dict[str, Callable[[], Figure | None]]:
+    """Name of the file, without its ending -> what draws its figure, None where there is nothing to show."""
+    found: dict[str, Callable[[], Figure | None]] = {}
+    for channel in dict.fromkeys(t.channel for t in evidence.shown):
+        traces = [t for t in evidence.shown if t.channel == channel]
+        found[f"held_out_{_file(channel)}"] = partial(_channel, traces)
+    for i, surface in enumerate(evidence.surfaces):
+        found[f"residual_{i + 1:02d}_{_file(surface.balance)}_{_file(surface.quantity)}"] = partial(_surface, surface)
+    found["rivals"] = partial(_rivals, evidence)
+    found["held_out_error"] = partial(_error, verdict.get("held_out") or {})
+    return {name: plotting.styled(draw) for name, draw in found.items()}
 
 
 def _file(name: str) -> str:

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from functools import partial
 from pathlib import Path
 from typing import Any
 
+from matplotlib.figure import Figure
+
 from spacerobot.support.files import atomic, write_text
 from spacerobot.support.jsonio import plain
+from spacerobot.support.workers import begin, context, may_fork, without_interrupts
 from spacerobot.view import plotting
 from spacerobot.view.report.evidence import read_evidence
 from spacerobot.view.report.page import page
-from spacerobot.view.report.plots import figures
+from spacerobot.view.report.plots import drawings
 
 
 def write_report(verdict: Mapping[str, Any], evidence: Mapping[str, Any], path: Path) -> None:
@@ -28,21 +34,47 @@ def write_report(verdict: Mapping[str, Any], evidence: Mapping[str, Any], path: 
     write_text(Path(path), page(plain(dict(verdict)), read_evidence(plain(dict(evidence)))))
 
 
-def write_plots(verdict: Mapping[str, Any], evidence: Mapping[str, Any], folder: Path) -> list[str]:
+_drawings: dict[str, Callable[[], Figure | None]] = {}
+"""Of the report that is being written: processes that begin meanwhile have them too."""
+
+
+def write_plots(verdict: Mapping[str, Any], evidence: Mapping[str, Any], folder: Path, jobs: int = 1) -> list[str]:
     """Write the report's pictures as PNG and SVG.
 
     Args:
         verdict: as for `write_report`.
         evidence: as for `write_report`.
         folder: where they go; made if it is missing.
+        jobs: processes.
 
     Returns:
         Names of the files written.
     """
-    written = []
-    for name, figure in figures(plain(dict(verdict)), read_evidence(plain(dict(evidence)))).items():
-        with atomic(Path(folder) / f"{name}.png", "wb") as stream:
-            stream.write(plotting.png(figure))
-        write_text(Path(folder) / f"{name}.svg", plotting.svg(figure))
-        written += [f"{name}.png", f"{name}.svg"]
-    return written
+    _drawings.update(drawings(plain(dict(verdict)), read_evidence(plain(dict(evidence)))))
+    write = partial(_write, folder)
+    try:
+        return _spread(write, [*_drawings], jobs)
+    finally:
+        _drawings.clear()
+
+
+def _spread(write: Callable[[str], list[str]], names: Sequence[str], jobs: int) -> list[str]:
+    if jobs > 1 and may_fork():
+        try:
+            with ProcessPoolExecutor(jobs, mp_context=context(fork=True), initializer=begin) as pool:
+                with without_interrupts():  # submitting begins processes
+                    waiting = [pool.submit(write, name) for name in names]
+                return [file for future in waiting for file in future.result()]
+        except BrokenProcessPool:  # one was lost: all of them here, then
+            pass
+    return [file for name in names for file in write(name)]
+
+
+def _write(folder: Path, name: str) -> list[str]:
+    figure = _drawings[name]()
+    if figure is None:
+        return []
+    with atomic(Path(folder) / f"{name}.png", "wb") as stream:
+        stream.write(plotting.png(figure))
+    write_text(Path(folder) / f"{name}.svg", plotting.svg(figure))
+    return [f"{name}.png", f"{name}.svg"]
