@@ -59,7 +59,7 @@ def eliminate(
     Returns:
         H_c, shape (n-k, n-k); J_c, shape (m, n-k); J_p H_pp^-1 J_p^T, shape (m, m).
     """
-    kept = np.setdiff1d(np.arange(inertia.shape[0]), released)
+    kept = np.delete(np.arange(inertia.shape[0]), released)  # setdiff1d loads numpy.ma
     factor = cholesky(inertia[np.ix_(released, released)])
     coupling = np.linalg.solve(factor, inertia[np.ix_(released, kept)])
     rows = np.linalg.solve(factor, jacobian[:, released].T)
