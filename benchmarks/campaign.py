@@ -11,36 +11,14 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.swept import RIGS, engine_of, on_workers, workers_table
 from benchmarks.timing import as_json, costs
 from spacerobot.simulation.exact.batch import collide
 from spacerobot.support.executors.base import Executor
 from spacerobot.support.executors.local import LocalPool
-from spacerobot.sweep.engine import Engine
 from spacerobot.sweep.parts import write_part
-from spacerobot.sweep.sweep_file import plan_from_text
 
 NAME, TITLE = "campaign", "Sweeps, and 10^9 collisions"
-SWEEP = """
-repeats = 1_000_000
-seed = 1
-[scene]
-robot = "{robot}"
-joints = "{joints}"
-[scene.wrist]
-equivalent_damping = 9.69
-[poses]
-count = 20
-spread_deg = 15.0
-[grid]
-target.mass = [5.0, 20.0, 100.0]
-target.speed = [0.03, 0.07]
-wrist.stiffness = [530.0, 1020.0]
-[scatter]
-"target.speed" = {{ normal = 0.05 }}
-"contact.stiffness" = {{ uniform = 0.2 }}
-"wrist.stiffness" = {{ uniform = 0.05 }}
-"""
-RIGS = {"held arm": ("pa10_wrist", "locked"), "free chaser": ("chaser_pa10_wrist", "free")}
 BILLION, ROWS = 10**9, 100_000
 CORES = (1, 8, 64, 512)
 
@@ -53,14 +31,15 @@ def measure(quick: bool) -> dict[str, Any]:
     dask = _dask(50 if quick else 2000)
     return {
         "rows": rows,
+        "workers": on_workers(quick),
         "per_task": {"local pool": local, "Dask": dask},
         "estimate": _estimate(rows, dask or local),
     }
 
 
 def _rig(label: str, robot: str, joints: str, *, quick: bool) -> dict[str, Any]:
-    plan = plan_from_text(SWEEP.format(robot=robot, joints=joints), Path("."))
-    engine = Engine(plan)
+    engine = engine_of(robot, joints)
+    plan = engine.plan
     count = 500 if quick else 10_000
     columns = engine.columns(0, count)
     _, values = plan.columns(0, count)
@@ -160,6 +139,8 @@ def page(found: dict[str, Any]) -> str:
             f"| {r['rig']} | {r['touches']:.1f} | {r['us_per_collision']:.0f} | {r['us_in_a_part']:.0f} "
             f"| {r['per_second']:,.0f} | {r['ms_per_pose']:.0f} | {r['bytes_per_collision']:.0f} |"
         )
+    if "workers" in found:
+        lines += workers_table(found["workers"])
     tasks = found["per_task"]
     dask = "not installed" if tasks["Dask"] is None else f"{1e3 * tasks['Dask']:.2f} ms"
     lines += [

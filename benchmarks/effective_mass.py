@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import time
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
 
-from benchmarks.timing import as_json, costs
+from benchmarks.timing import all_cores, as_json, costs, on_cores, with_quartiles
 from spacerobot.dynamics.batch import effective_mass_batch
 from spacerobot.model.library import load
 
@@ -50,9 +49,14 @@ def measure(quick: bool) -> dict[str, Any]:
     million = 2_000 if quick else 1_000_000
     robot = load(ROBOTS[0])
     poses = np.random.default_rng(2).uniform(-1.0, 1.0, (million, len(robot.chain)))
-    begun = time.process_time()
-    effective_mass_batch(robot, poses)
-    return {"rows": rows, "all": {"poses": million, "seconds": time.process_time() - begun, "robot": ROBOTS[0]}}
+    with all_cores() as available:
+        calls = {
+            threads: lambda threads=threads: effective_mass_batch(robot, poses, threads=threads)
+            for threads in sorted({1, 2, available})
+            if threads <= available
+        }
+        cores = on_cores(calls, repeats=2 if quick else 7)
+    return {"rows": rows, "cores": {"robot": ROBOTS[0], "poses": million, "rows": cores}}
 
 
 def page(found: dict[str, Any]) -> str:
@@ -65,9 +69,27 @@ def page(found: dict[str, Any]) -> str:
         "|---|---|---|---|---|",
     ]
     for row in found["rows"]:
+        own, bare = (with_quartiles(row["seconds"][side], 1e6 / row["poses"]) for side in ("spacerobot", "pinocchio"))
+        lines.append(f"| {row['robot']} | {row['poses']} | {own} | {bare} | {row['ratio']:.2f} |")
+    return "\n".join([*lines, *(_cores(found["cores"]) if "cores" in found else [])])
+
+
+def _cores(found: dict[str, Any]) -> list[str]:
+    one = found["rows"][0]
+    lines = [
+        "",
+        f"{found['poses']:,} poses of {found['robot']}, wall time, by `threads`: the poses are cut into as many blocks, and",
+        "results are equal to the last bit. Target: linear in cores. Other work on the machine takes cores away, so the least",
+        "counts; the processor time of all threads together would grow if they were in each other's way.",
+        "",
+        "| threads | wall, s | least, s | speed-up | of the least | processor, s |",
+        "|---|---|---|---|---|---|",
+    ]
+    for row in found["rows"]:
         lines.append(
-            f"| {row['robot']} | {row['poses']} | {row['us_per_pose']:.2f} | {row['us_bare']:.2f} | {row['ratio']:.2f} |"
+            f"| {row['cores']} | {with_quartiles(row['wall'])} | {row['least_wall']:.3g} "
+            f"| {one['wall']['median'] / row['wall']['median']:.2f} | {one['least_wall'] / row['least_wall']:.2f} "
+            f"| {with_quartiles(row['processor'])} |"
         )
-    whole = found["all"]
-    lines += ["", f"{whole['poses']:,} poses of {whole['robot']}: {whole['seconds']:.2f} s of one core."]
+    return lines
     return "\n".join(lines)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from benchmarks.timing import as_json, costs
+from benchmarks.timing import as_json, costs, with_quartiles
 from spacerobot.model.library import load
 from spacerobot.simulation.multibody.assembly import assemble_bodies
 from spacerobot.simulation.multibody.dynamics import Dynamics
@@ -64,7 +64,7 @@ def page(found: dict[str, Any]) -> str:
     for row in found["rows"]:
         own, bare = row["seconds"]["spacerobot"], row["seconds"]["pin.aba"]
         lines.append(
-            f"| {row['scene']} | {row['degrees_of_freedom']} | {1e6 * own['median']:.1f} "
-            f"| {1e6 * bare['median']:.2f} | {row['ratio']:.1f} |"
+            f"| {row['scene']} | {row['degrees_of_freedom']} | {with_quartiles(own, 1e6)} "
+            f"| {with_quartiles(bare, 1e6)} | {row['ratio']:.1f} |"
         )
     return "\n".join(lines)

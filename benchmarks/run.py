@@ -24,8 +24,8 @@ _INTRODUCTION = """\
 Written by `make bench`; the numbers, with the versions of everything that took part, lie in `benchmarks/results/`.
 
 All ratios are taken within one run: both sides on the same core (`os.sched_setaffinity`), in turns, repeated; given are
-medians (and quartiles). The machine was busy with other work, so times are **processor time** of a single thread unless a
-line says wall time: what others do on the machine is not in them.
+medians, and in brackets the quartiles. The machine may be busy with other work, so times are **processor time** of a
+single thread unless a line says wall time: what others do on the machine is not in them.
 """
 
 

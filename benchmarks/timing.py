@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import platform
 import statistics
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass
 from importlib.metadata import PackageNotFoundError, version
+from typing import Any
 
 LIBRARIES = (
     "spacerobot", "numpy", "scipy", "numba", "pin", "mujoco", "drake", "dask", "distributed", "pyarrow",
@@ -31,6 +33,47 @@ def pin_to_one_core() -> int:
     core = max(os.sched_getaffinity(0))
     os.sched_setaffinity(0, {core})
     return core
+
+
+@contextlib.contextmanager
+def all_cores() -> Iterator[int]:
+    """Lift the pin for a measurement of several cores; gives how many there are."""
+    before = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, range(os.cpu_count() or 1))  # the kernel leaves out those that are not ours to use
+    try:
+        yield len(os.sched_getaffinity(0))
+    finally:
+        os.sched_setaffinity(0, before)
+
+
+def on_cores(calls: Mapping[int, Callable[[], object]], *, repeats: int) -> list[dict[str, Any]]:
+    """Wall time and this process's processor time of calls that use several cores, in turns, as rows for the results.
+
+    A first round, which loads and compiles, is left out.
+
+    Args:
+        calls: cores that it may use -> what is measured.
+        repeats: rounds.
+    """
+    taken: dict[int, list[tuple[float, float]]] = {cores: [] for cores in calls}
+    for round_ in range(repeats + 1):
+        for cores, call in calls.items():
+            begun = time.monotonic(), time.process_time()
+            call()
+            if round_:
+                taken[cores].append((time.monotonic() - begun[0], time.process_time() - begun[1]))
+    rows = []
+    for cores, pairs in taken.items():
+        walls = [w for w, _ in pairs]
+        rows.append(
+            {
+                "cores": cores,
+                "wall": asdict(spread(walls)),
+                "least_wall": min(walls),
+                "processor": asdict(spread([p for _, p in pairs])),
+            }
+        )
+    return rows
 
 
 def costs(calls: Mapping[str, Callable[[], object]], *, repeats: int = 7, least: float = 0.05) -> dict[str, Cost]:
@@ -67,6 +110,12 @@ def spread(values: list[float]) -> Cost:
         return Cost(values[0], values[0], values[0])
     low, _, high = statistics.quantiles(values, n=4, method="inclusive")
     return Cost(statistics.median(values), low, high)
+
+
+def with_quartiles(found: Mapping[str, float], scale: float = 1.0, digits: str = ".3g") -> str:
+    """A cost out of the results' file as the tables have it: median, and in brackets the quartiles where known."""
+    median, low, high = (f"{scale * found.get(key, found['median']):{digits}}" for key in ("median", "low", "high"))
+    return median if low == high == median else f"{median} ({low} to {high})"
 
 
 def as_json(found: Mapping[str, Cost]) -> dict[str, dict[str, float]]:
