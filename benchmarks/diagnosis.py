@@ -4,54 +4,95 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from dataclasses import asdict, replace
 from typing import Any
 
+from benchmarks.diagnosis_page import page as page
+from benchmarks.timing import spread
 from spacerobot.diagnosis.candidates import candidate_sites
+from spacerobot.diagnosis.data import TrialData
+from spacerobot.diagnosis.fitted import Fit
+from spacerobot.diagnosis.hypothesis import Label
 from spacerobot.diagnosis.pool import Pool, Task, Workshop
-from spacerobot.diagnosis.search import Found, search
-from spacerobot.recordings.study import load_study, resolve_study
+from spacerobot.diagnosis.search import search
+from spacerobot.recordings.study import Study, load_study, resolve_study
 
 NAME, TITLE = "diagnosis", "Diagnosis"
 STUDY = "guide-friction"
-PLAIN = (("coulomb_friction", "wrist"),)
+PLAIN, START = (("coulomb_friction", "wrist"),), {"coulomb_friction@wrist.force_N": 0.1}
 
 
 def measure(quick: bool) -> dict[str, Any]:
     """Search with the full catalogue, its growth, and the rival."""
     study = load_study(resolve_study(STUDY))
-    workshop = Workshop(study)
-    mechanism = workshop.model.mechanism({**workshop.model.base, **workshop.trials[0].overrides})
-    sites = candidate_sites(mechanism, workshop.model.believed)
-    with Pool(workshop, 1) as pool:
-        pool.here(Task((), {}))  # compiles
-        baseline, base_seconds = _spent(lambda: pool.here(Task((), {})))
-        assert baseline is not None
-
-        def searched(count: int) -> Found:
-            return search(pool, sites[:count], lambda *_: None, baseline=baseline)
-
-        catalogue = []
-        for count in [2] if quick else [len(sites) // 4, len(sites) // 2, len(sites)]:
-            found, seconds = _spent(lambda count=count: searched(count))
-            tried = len({*found.screened, *found.fits})
-            catalogue.append({"sites": count, "hypotheses": tried, "fitted": len(found.fits), "seconds": seconds})
-        ids = [t.id for t in workshop.trials]
-        trials = []
-        for count in [2] if quick else [3, 6, 12]:
-            without = tuple(ids[count:])
-            bare = pool.here(Task((), {}, without=without))
-            assert bare is not None
-            task = Task(PLAIN, {"coulomb_friction@wrist.force_N": 0.1}, near=None, without=without)
-            _, seconds = _spent(lambda task=task: pool.here(task))
-            trials.append({"trials": count, "seconds": seconds})
+    whole = _Bench(study)
+    trials, places, repeats = len(whole.workshop.trials), len(whole.sites), 1 if quick else 5
+    catalogue = [2] if quick else [places // 4, places // 2, places]
+    counts = [2, trials] if quick else [3, 6, trials]
+    thinned = [4] if quick else [4, 2, 1]
+    searches = [whole.searched(n, min(repeats, 3)) for n in catalogue]
+    fewer = [{**_Bench(study, n).searched(catalogue[0], min(repeats, 3)), "trials": n} for n in counts[:-1]]
     return {
         "study": STUDY,
-        "trials_in_study": len(ids),
-        "baseline_seconds": base_seconds,
-        "catalogue": catalogue,
-        "trials": trials,
+        "trials_in_study": trials,
+        "baseline": _repeated(lambda: whole.fitted((), {}), repeats),
+        "catalogue": searches,
+        "trials": [{**_Bench(study, n).one_fit(repeats), "trials": n} for n in counts],
+        "samples": [_Bench(study, every=n).one_fit(repeats) for n in thinned],
+        "search_of_trials": [*fewer, {**searches[0], "trials": trials}],
         "sysid": None if quick else _sysid(study),
     }
+
+
+class _Bench:
+    """The first trials of the study, every so many samples of them, ready to be fitted by this process."""
+
+    def __init__(self, study: Study, count: int | None = None, every: int = 1) -> None:
+        self._of = study, count, every
+        self.workshop = self._opened()
+        model = self.workshop.model
+        mechanism = model.mechanism({**model.base, **self.workshop.trials[0].overrides})
+        self.sites = candidate_sites(mechanism, model.believed)
+        self.fitted((), {})  # compiles
+
+    def _opened(self) -> Workshop:
+        study, count, every = self._of
+        workshop = Workshop(study)
+        workshop.trials = tuple(_thinned(t, every) for t in workshop.trials[:count])
+        workshop.model = workshop.make_model(study, workshop.trials)
+        return workshop
+
+    def fitted(self, label: Label, start: dict[str, float]) -> Fit:
+        found = self.workshop.run(Task(label, start))
+        assert found is not None
+        return found
+
+    def one_fit(self, repeats: int) -> dict[str, Any]:
+        """Of Coulomb friction, from a cold start."""
+        fit = self.fitted(PLAIN, START)
+        samples = sum(t.samples for t in self.workshop.trials)
+        seconds = _repeated(lambda: self.fitted(PLAIN, START), repeats)
+        return {"samples": samples, "iterations": fit.iterations, "seconds": seconds}
+
+    def searched(self, places: int, repeats: int) -> dict[str, Any]:
+        """The search among the first places of the catalogue, the baseline's fit given."""
+        baseline, found, taken = self.fitted((), {}), None, []
+        for _ in range(repeats):
+            with Pool(self._opened(), 1) as pool:  # anew each time: fitters remember derivatives
+                found, seconds = _spent(
+                    lambda pool=pool: search(pool, self.sites[:places], lambda *_: None, baseline=baseline)
+                )
+            taken.append(seconds)
+        assert found is not None
+        tried = len({*found.screened, *found.fits})
+        return {"sites": places, "hypotheses": tried, "fitted": len(found.fits), "seconds": asdict(spread(taken))}
+
+
+def _thinned(trial: TrialData, every: int) -> TrialData:
+    blocks = (
+        replace(b, time=b.time[::every], value=b.value[:, ::every], weight=b.weight[:, ::every]) for b in trial.blocks
+    )
+    return replace(trial, blocks=tuple(blocks))
 
 
 def _sysid(study: Any) -> dict[str, Any] | None:
@@ -72,35 +113,5 @@ def _spent(work: Callable[[], Any]) -> tuple[Any, float]:
     return found, time.process_time() - begun
 
 
-def page(found: dict[str, Any]) -> str:
-    """Markdown."""
-    full = found["catalogue"][-1]
-    each = full["seconds"] / full["hypotheses"]
-    lines = [
-        f"`{found['study']}`, {found['trials_in_study']} trials, one core. A hypothesis is a set of effects and places that was",
-        "screened or fitted; all its values are free in a fit, the trials' own starts too. Each number is one run.",
-        "",
-        f"Refit of the baseline alone: {found['baseline_seconds']:.2f} s.",
-        "",
-        "| places in the catalogue | hypotheses | of them fitted | search, s | s per hypothesis | s per place |",
-        "|---|---|---|---|---|---|",
-    ]
-    for row in found["catalogue"]:
-        lines.append(
-            f"| {row['sites']} | {row['hypotheses']} | {row['fitted']} | {row['seconds']:.1f} "
-            f"| {row['seconds'] / row['hypotheses']:.3f} | {row['seconds'] / row['sites']:.2f} |"
-        )
-    lines += ["", "| trials | fit of Coulomb friction from a cold start, s | s per trial |", "|---|---|---|"]
-    lines += [
-        f"| {row['trials']} | {row['seconds']:.2f} | {row['seconds'] / row['trials']:.3f} |" for row in found["trials"]
-    ]
-    rival = found["sysid"]
-    if rival is not None:
-        lines += [
-            "",
-            f"One fit of mujoco.sysid on the same files (four values, {rival['iterations']} iterations, step "
-            f"{rival['step']:g} s) takes {rival['seconds']:.1f} s: as long as {rival['seconds'] / each:.0f} hypotheses of "
-            f"the full search, most of which are screened only, or {rival['seconds'] / (full['seconds'] / full['fitted']):.0f} "
-            "of its fitted ones (target: 10).",
-        ]
-    return "\n".join(lines)
+def _repeated(work: Callable[[], object], repeats: int) -> dict[str, float]:
+    return asdict(spread([_spent(work)[1] for _ in range(repeats)]))
