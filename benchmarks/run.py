@@ -15,7 +15,7 @@ from typing import Any
 from benchmarks.timing import THREADS, pin_to_one_core, processor, versions
 
 ROOT = Path(__file__).resolve().parent
-BENCHMARKS = ("collision", "right_hand_side", "effective_mass", "trials", "diagnosis", "campaign", "startup")
+BENCHMARKS = ("collision", "right_hand_side", "effective_mass", "trials", "diagnosis", "campaign", "startup", "where")
 """Modules with NAME, TITLE, `measure(quick) -> dict` and `page(found) -> str`, in the order of the page."""
 
 _INTRODUCTION = """\

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks import collision, run, timing
+from benchmarks import collision, diagnosis_page, run, timing
 from benchmarks.engines.meeting import SCENES, Outcome, read
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -45,6 +45,28 @@ def test_a_small_run_writes_numbers_and_page(tmp_path: Path) -> None:
     about = json.loads((tmp_path / "effective_mass.json").read_text())
     assert about["versions"]["numpy"] == np.__version__
     assert all(0.1 < row["ratio"] < 100.0 for row in about["found"]["rows"])
+
+
+def test_quartiles_stand_beside_the_median_where_they_differ() -> None:
+    assert timing.with_quartiles(vars(timing.spread([1.0, 2.0, 3.0])), 1e3) == "2e+03 (1.5e+03 to 2.5e+03)"
+    assert timing.with_quartiles({"median": 0.25}) == "0.25"
+
+
+def test_several_cores_are_lent_and_given_back() -> None:
+    cores = os.sched_getaffinity(0)
+    try:
+        timing.pin_to_one_core()
+        with timing.all_cores() as available:
+            assert available == len(os.sched_getaffinity(0)) >= len(cores)
+        assert len(os.sched_getaffinity(0)) == 1
+    finally:
+        os.sched_setaffinity(0, cores)
+
+
+def test_growth_is_the_exponent() -> None:
+    size = [3.0, 6.0, 12.0]
+    assert diagnosis_page.exponent(size, [0.1 * s**1.5 for s in size]) == pytest.approx(1.5)
+    assert math.isnan(diagnosis_page.exponent([1.0], [1.0]))
 
 
 def test_an_unknown_benchmark_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
