@@ -21,6 +21,13 @@ def _grows(rows: list[dict[str, Any]], key: str) -> float:
     return exponent([r[key] for r in rows], [r["seconds"]["median"] for r in rows])
 
 
+def _last(rows: list[dict[str, Any]]) -> str:
+    if len(rows) < 2:
+        return "-"
+    a, b = rows[-2:]
+    return f"{b['seconds']['median'] / a['seconds']['median']:.1f} times from {a['trials']} to {b['trials']} trials"
+
+
 def page(found: dict[str, Any]) -> str:
     """Markdown."""
     catalogue, trials, samples, of_trials = (
@@ -61,7 +68,7 @@ def page(found: dict[str, Any]) -> str:
     lines += [
         "",
         f"With trials the search grows as p = {_grows(of_trials, 'trials'):.2f}, the fit, from a cold start, as "
-        f"p = {_grows(trials, 'trials'):.2f} (target: 1).",
+        f"p = {_grows(trials, 'trials'):.2f} (target: 1); the last step of the search costs {_last(of_trials)}.",
         "",
         "| samples, all trials | fit of Coulomb friction, s | us per sample | iterations |",
         "|---|---|---|---|",
