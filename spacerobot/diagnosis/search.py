@@ -210,15 +210,16 @@ def _pairs(pool: Pool, found: Found, first: Screen, report: Report) -> None:
 
 
 def _simplify(pool: Pool, found: Found, report: Report) -> None:
-    """What the best set could do without: its special cases and subsets that nobody has fitted yet."""
+    """What the best set could do without: its special cases and subsets, from where it ended.
+
+    Those that were fitted already too: contact makes many minima, and what is left out may have led to a better one.
+    """
     best = found.preferred([*found.fits.values()])
     tasks = []
     for label in simpler(best.hypothesis.label):
-        if label in found.fits:
-            continue
-        values = effect_values(best)
         sites = [Site(effect(name), where) for name, where in label]
-        tasks += [Task(label, start, near=best, max_iterations=20) for start in effect_starts(sites, values)[:2]]
+        starts = effect_starts(sites, effect_values(best))[: 1 if label in found.fits else 2]
+        tasks += [Task(label, start, near=best, max_iterations=20) for start in starts]
     _run(pool, found, tasks, report, "simpler sets of effects")
 
 

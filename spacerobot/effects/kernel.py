@@ -44,7 +44,8 @@ class Kernel:
         edge: a function that changes sign where the law has a kink; the integrators stop there.
         energy: stored energy [J], whose negative gradient in d is the conservative part of `force`.
         slope: for a law of d alone that is continuous, and straight between its edges, -df/dd [N/m or N m/rad];
-            its `aux` is the sign of `edge` on the side that is meant. Such laws are integrated much faster.
+            its `aux` is the sign of `edge` on the side that is meant. `edge` then is of d alone too, and changes sign
+            at most once above d = 0 and once below. Such laws are integrated much faster.
     """
 
     force: ScalarLaw

@@ -10,7 +10,7 @@ import pytest
 from spacerobot.diagnosis.fit import Fitter
 from spacerobot.diagnosis.hypothesis import Site
 from spacerobot.diagnosis.pool import Task, Workshop
-from spacerobot.diagnosis.screen import Screener
+from spacerobot.diagnosis.screen import Screener, together
 from spacerobot.effects.registry import effect
 from tests.diagnosis.rigs import write_study
 
@@ -76,6 +76,19 @@ def test_screening_puts_the_planted_effect_first(rubbing: Workshop) -> None:
     screen = Screener(rubbing.fitter(), rubbing.model.believed).screen(base, sites)
     assert screen.scored[0].site.label == ("coulomb_friction", "wrist")
     assert screen.pairs()[0][0] >= screen.scored[0].gain - 1e-6  # a pair never explains less than its best half
+
+
+def test_scores_do_not_depend_on_how_the_sites_are_parted(rubbing: Workshop) -> None:
+    base = rubbing.run(Task((), {}))
+    assert base is not None
+    sites = [Site(effect(n), "wrist") for n in ("coulomb_friction", "cubic_stiffness", "backlash")]
+    screener = Screener(rubbing.fitter(), rubbing.model.believed)
+    whole = together([screener.screen(base, sites)], sites)
+    parts = together([screener.screen(base, sites[k::2]) for k in (1, 0)], sites)
+    assert [(s.site.label, s.start, s.gain) for s in whole.scored] == [
+        (s.site.label, s.start, s.gain) for s in parts.scored
+    ]
+    assert [p[0] for p in whole.pairs()] == [p[0] for p in parts.pairs()]
 
 
 def test_trials_order_changes_nothing(tmp_path: Path) -> None:

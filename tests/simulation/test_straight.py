@@ -125,6 +125,27 @@ def test_error_follows_the_tolerance(tolerance: float) -> None:
     assert difference(run(mechanism, 0.05, tolerance), run(mechanism, 0.05, 1e-12), 0.01) < 3.0 * tolerance
 
 
+@settings(max_examples=30, deadline=None)
+@given(st.floats(-6.0, -3.0), st.floats(0.03, 0.12))
+def test_no_gap_is_jumped_over(exponent: float, speed: float) -> None:
+    """However small, and however long a step: a long one may enter and leave it."""
+    mechanism = effect("backlash").apply(rig(PLAIN), "wrist", {"half_gap_m": 10.0**exponent})
+    rough, fine = (run(mechanism, speed, tolerance) for tolerance in (1e-6, 1e-11))
+    assert (rough.steps.order == DEGREE).any()
+    kinks = [[e.time for e in r.events if e.kind == "edge"][:8] for r in (rough, fine)]
+    assert len(kinks[1]) > 4
+    assert kinks[0] == pytest.approx(kinks[1], abs=1e-6)
+    reference = simulate(
+        general(mechanism),
+        position={"target": -0.005},
+        velocity={"target": speed},
+        end=kinks[1][4] + 1e-4,
+        tolerance=1e-9,
+        max_step=min(1e-3, 10.0**exponent / speed),
+    )
+    assert [e.time for e in reference.events if e.kind == "edge"][:5] == pytest.approx(kinks[1][:5], abs=1e-7)
+
+
 def test_a_wrong_slope_is_seen() -> None:
     """The comparison above has teeth: a kernel that says a wrong slope ends elsewhere."""
     mechanism = made("backlash")

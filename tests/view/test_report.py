@@ -265,6 +265,14 @@ def test_plots_are_written_twice(tmp_path: Path) -> None:
     }
 
 
+def test_plots_are_the_same_from_two_processes(tmp_path: Path) -> None:
+    one = write_plots(verdict("named"), evidence(), tmp_path / "one")
+    two = write_plots(verdict("named"), evidence(), tmp_path / "two", jobs=2)
+    assert one == two
+    for name in one:
+        assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes()
+
+
 def test_no_text_decides_where_a_plot_goes_or_breaks_it(tmp_path: Path) -> None:
     shown = _poisoned(evidence())
     shown["traces"][0]["channel"] = "../../up"

@@ -13,6 +13,7 @@ import numpy as np
 
 from spacerobot.simulation.reduced.affine import advance, series, shorten, straight, system
 from spacerobot.simulation.reduced.crossings import first_fall, linear_guards
+from spacerobot.simulation.reduced.edges import first_edge
 from spacerobot.simulation.reduced.events import find_event, switch
 from spacerobot.simulation.reduced.law_table import LAWS
 from spacerobot.simulation.reduced.sampling import sample_contact, sample_states
@@ -21,7 +22,7 @@ from spacerobot.support.jit import numba
 
 LATER: tuple[Any, ...] = (
     straight, system, series, shorten, advance, error_norm, dense, linear_guards, find_event, switch, stages,
-    first_fall, sample_states, sample_contact,
+    first_fall, first_edge, sample_states, sample_contact,
 )  # fmt: skip
 """What `integrate` and its callers need after `start_modes`, which it meets first and compiles itself."""
 
@@ -31,8 +32,8 @@ LIKE: dict[str, Any] = {
     **dict.fromkeys(("x", "y", "w", "atol", "new", "temp", "slope", "p", "rates", "time", "length", "at"), FLOATS),
     **dict.fromkeys(("c", "modes", "owner"), INTS),
     **dict.fromkeys(("a", "held", "q", "k", "u", "g", "samples", "state"), MATRIX),
-    **dict.fromkeys(("t", "h", "rtol", "part"), 1.0),
-    **dict.fromkeys(("i", "count"), 1),
+    **dict.fromkeys(("t", "h", "rtol", "part", "theta"), 1.0),
+    **dict.fromkeys(("i", "count", "mode"), 1),
     "even": True,
     "laws": LAWS.laws,
 }
@@ -45,6 +46,7 @@ OTHERS: dict[tuple[str, str], Any] = {
     ("sample_contact", "order"): INTS,
     ("sample_contact", "modes"): np.zeros((1, 1), dtype=np.int64),
     ("first_fall", "order"): 1,
+    ("first_edge", "order"): 1,
     ("find_event", "order"): 1,
 }
 """By function and parameter, where the name alone does not say."""

@@ -48,7 +48,7 @@ def linear_guards(x: Any, c: Any, laws: Any, modes: Any, w: Any, even: bool, hel
     if c[YAW] >= 0:
         return -1
     for j in range(c[FORCES]):
-        if c[c[EDGE] + j] >= 0:
+        if c[c[EDGE] + j] >= 0 and not even:  # of straight laws `edges` takes care
             return -1
     if c[PRESS] >= 0:
         row = c[W_ROWS] + c[PRESS] * n

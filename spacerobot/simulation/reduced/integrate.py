@@ -20,6 +20,7 @@ from spacerobot.simulation.reduced.arrays import (
     N,
 )
 from spacerobot.simulation.reduced.crossings import first_fall, linear_guards
+from spacerobot.simulation.reduced.edges import first_edge
 from spacerobot.simulation.reduced.events import (
     SUBSAMPLES,
     find_event,
@@ -116,10 +117,10 @@ def integrate(
     t = t0
     h = min(h_first, h_max)
     status = OK
-    watched = c[PRESS] >= 0 or c[FRICTIONS] > 0
+    edged = False
     for j in range(c[FORCES]):
-        if c[c[EDGE] + j] >= 0:
-            watched = True
+        edged |= c[c[EDGE] + j] >= 0
+    watched = edged or c[PRESS] >= 0 or c[FRICTIONS] > 0
     while kick < c[KICKS] and x[c[KICK_TIME] + kick] < t0:
         kick += 1
     fresh, even, known = True, False, False  # modes just changed; straight; k[0] is dy/dt
@@ -180,6 +181,8 @@ def integrate(
         hit = -1
         if linear >= 0:
             hit, theta = first_fall(rows, owner, linear, y, full, q, order, p)
+            if edged:
+                hit, theta = first_edge(x, c, laws, modes, w, y, full, q, order, p, hit, theta)
         elif watched:
             hit, theta = find_event(x, c, laws, t, y, full, q, order, modes, u, w, temp, slope, samples, rates)
         part = full
