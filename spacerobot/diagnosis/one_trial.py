@@ -9,6 +9,7 @@ from spacerobot.diagnosis.fit import Fitter
 from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.hypothesis import Believed, Site, hypothesis
 from spacerobot.diagnosis.pool import Task
+from spacerobot.diagnosis.screen import FAINT
 from spacerobot.support.errors import SimulationError
 
 MOMENTARY = ("external_impulse",)
@@ -23,22 +24,19 @@ STANDS_OUT = 8.0
 MOMENTS, TRIED = 40, 3
 """Moments that are looked at, and starts that are fitted."""
 
-FAINT = 0.1
-"""Share of an effect's first start at which its sensitivity is taken."""
-
 
 def odd_one_out(fit: Fit, trials: tuple[TrialData, ...]) -> TrialData | None:
     """The trial that fits far worse than all others, if there is one such."""
-    level, excess = {}, {}
+    level, counts = {}, {}
     for trial in trials:
         count = max(int((fit.trials[trial.id].residual != 0.0).sum()), 1)
         level[trial.id] = float(np.square(fit.trials[trial.id].residual).sum()) / count
-        excess[trial.id] = count
+        counts[trial.id] = count
     usual = float(np.median(list(level.values())))
-    over = {t: (level[t] - usual) * excess[t] for t in level}
+    over = {t: (level[t] - usual) * counts[t] for t in level}
     total = sum(max(v, 0.0) for v in over.values())
     worst = max(over, key=lambda t: over[t])
-    significant = over[worst] > STANDS_OUT * usual * np.sqrt(2.0 * excess[worst])
+    significant = over[worst] > STANDS_OUT * usual * np.sqrt(2.0 * counts[worst])
     if len(trials) < 3 or not significant or over[worst] < SHARE * total:
         return None
     return next(t for t in trials if t.id == worst)
