@@ -13,8 +13,9 @@ from spacerobot.diagnosis.candidates import candidate_sites
 from spacerobot.diagnosis.data import TrialData
 from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.hypothesis import Label
-from spacerobot.diagnosis.pool import Pool, Task, Workshop
+from spacerobot.diagnosis.pool import Pool
 from spacerobot.diagnosis.search import search
+from spacerobot.diagnosis.workshop import Task, Workshop
 from spacerobot.recordings.study import Study, load_study, resolve_study
 
 NAME, TITLE = "diagnosis", "Diagnosis"

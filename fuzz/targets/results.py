@@ -79,7 +79,14 @@ TARGET = Target(
         b"\1" + json.dumps({"name": "kept", "value": 1}).encode(),
         b"\3" + json.dumps(_VERDICT).encode(),
     ),
-    (*(f'"{key}"' for key in (*schema()["properties"], *_MARKER)), '"../precious"', "/etc/passwd", "null",
-    "NaN", "[[", "-1"),
+    (
+        *(f'"{key}"' for key in (*schema()["properties"], *_MARKER)),
+        '"../precious"',
+        "/etc/passwd",
+        "null",
+        "NaN",
+        "[[",
+        "-1",
+    ),
     cases=100_000,
 )

@@ -9,7 +9,7 @@ import numpy as np
 from spacerobot.diagnosis.confirm import difference
 from spacerobot.diagnosis.fitted import Fit, TrialFit
 from spacerobot.diagnosis.hypothesis import hypothesis
-from spacerobot.diagnosis.pool import Workshop
+from spacerobot.diagnosis.workshop import Workshop
 from spacerobot.support.errors import SpacerobotError
 from spacerobot.support.jit import nothing_kept
 from spacerobot.support.workers import begin, context, may_fork

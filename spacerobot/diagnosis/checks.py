@@ -11,10 +11,10 @@ import numpy as np
 
 from spacerobot.diagnosis.fit import Fitter
 from spacerobot.diagnosis.fitted import Fit
-from spacerobot.diagnosis.pool import Only, Task, Workshop
 from spacerobot.diagnosis.profile import LEVEL_95, profile_interval
 from spacerobot.diagnosis.search import Found, effect_values
 from spacerobot.diagnosis.starts import effect_starts
+from spacerobot.diagnosis.workshop import Only, Task, Workshop
 
 SLACK = 3.0
 """Cost by which a larger model may exceed a smaller one before the optimiser is blamed."""

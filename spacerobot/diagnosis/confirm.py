@@ -8,9 +8,9 @@ import numpy as np
 
 from spacerobot.diagnosis.data import TrialData
 from spacerobot.diagnosis.fitted import Fit
-from spacerobot.diagnosis.pool import Workshop
 from spacerobot.diagnosis.rig_model import counted
 from spacerobot.diagnosis.scene_out import scene_of
+from spacerobot.diagnosis.workshop import Workshop
 from spacerobot.simulation.multibody.run import integrate_scene
 from spacerobot.simulation.sensors import read_channels
 from spacerobot.support.errors import InputError, NotFoundError, SimulationError

@@ -20,13 +20,14 @@ from spacerobot.diagnosis.judge import AMBIGUOUS, NAMED, Judgement, judge, moved
 from spacerobot.diagnosis.locate.located import LEVEL, Located
 from spacerobot.diagnosis.memory import Store
 from spacerobot.diagnosis.next_experiment import next_experiment
-from spacerobot.diagnosis.pool import Pool, Workshop
+from spacerobot.diagnosis.pool import Pool
 from spacerobot.diagnosis.profile import profile_interval
 from spacerobot.diagnosis.result import Diagnosis
 from spacerobot.diagnosis.scene_out import scene_of
 from spacerobot.diagnosis.search import Found, Report, search
 from spacerobot.diagnosis.verdict import detectable, held_out_entry, labels_of, verdict_dict
 from spacerobot.diagnosis.weigh import SMALL
+from spacerobot.diagnosis.workshop import Workshop
 from spacerobot.recordings.study import Study
 from spacerobot.support.errors import InputError
 from spacerobot.support.executors.base import Executor

@@ -11,7 +11,8 @@ from spacerobot.diagnosis.data import TrialData
 from spacerobot.diagnosis.fit import Fitter
 from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.hypothesis import Hypothesis
-from spacerobot.diagnosis.pool import Pool, Task, Workshop
+from spacerobot.diagnosis.pool import Pool
+from spacerobot.diagnosis.workshop import Task, Workshop
 from spacerobot.support.errors import SimulationError
 
 MOST_FOLDS = 6

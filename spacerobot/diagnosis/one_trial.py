@@ -8,8 +8,8 @@ from spacerobot.diagnosis.data import TrialData
 from spacerobot.diagnosis.fit import Fitter
 from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.hypothesis import Believed, Site, hypothesis
-from spacerobot.diagnosis.pool import Task
 from spacerobot.diagnosis.screen import FAINT
+from spacerobot.diagnosis.workshop import Task
 from spacerobot.support.errors import SimulationError
 
 MOMENTARY = ("external_impulse",)

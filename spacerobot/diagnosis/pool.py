@@ -5,127 +5,29 @@ from __future__ import annotations
 import contextlib
 import functools
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import CancelledError, Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
-import numpy as np
-
-from spacerobot.diagnosis.data import trial_data
-from spacerobot.diagnosis.fit import Fitter
 from spacerobot.diagnosis.fitted import Fit
-from spacerobot.diagnosis.hypothesis import Label, Site, hypothesis
+from spacerobot.diagnosis.hypothesis import hypothesis
 from spacerobot.diagnosis.memory import Store, as_json, from_json, task_name
 from spacerobot.diagnosis.rig_model import RigModel
-from spacerobot.diagnosis.starts import fit_from, fit_near
-from spacerobot.effects.registry import effect, load_file
+from spacerobot.diagnosis.workshop import Task, Workshop
+from spacerobot.effects.registry import load_file
 from spacerobot.recordings.study import Study
 from spacerobot.support.errors import InputError, SimulationError
 from spacerobot.support.executors.base import Executor
 from spacerobot.support.runs import combined_hash
 from spacerobot.support.workers import begin, context, may_fork, without_interrupts
 
-WARM, COLD = "warm", "cold"
-
 WINDOW = 8
 """Fits that are under way at the same time, at most."""
 
 R = TypeVar("R")
-
-Only = tuple[tuple[tuple[str, str], tuple[str, ...]], ...]
-"""Effects and places that act in some trials alone, and which."""
-
-
-@dataclass(frozen=True)
-class Task:
-    """One fit to make.
-
-    Attributes:
-        label: effects and places.
-        start: start values by key.
-        initials: start of the trials' initial values.
-        near: a finished fit to begin at instead.
-        loose: whether it may end on old derivatives.
-        eager: whether it may be given up on what a step promises.
-        hopeless: cost above which it may be given up.
-        max_iterations: of each fit.
-        without: trials left out.
-        only: effects and places that act in some trials alone, and which; those of `near` are known by it.
-    """
-
-    label: Label
-    start: Mapping[str, float]
-    initials: Mapping[str, np.ndarray] | None = None
-    hopeless: float = np.inf
-    max_iterations: int = 40
-    without: tuple[str, ...] = ()
-    near: Fit | None = None
-    loose: bool = False
-    eager: bool = False
-    only: Only = ()
-
-    def sites(self) -> list[Site]:
-        """What is to be fitted."""
-        near = () if self.near is None else self.near.hypothesis.sites
-        some = {**{s.label: s.trials for s in near}, **dict(self.only)}
-        return [Site(effect(name), where, some.get((name, where), ())) for name, where in self.label]
-
-    @property
-    def mode(self) -> str:
-        """WARM where it begins at a finished fit, else COLD."""
-        return COLD if self.near is None else WARM
-
-
-@dataclass
-class Workshop:
-    """What a worker needs: the model, its trials, and a fitter."""
-
-    study: Study
-    make_model: Callable[[Study, Any], Any] = RigModel
-    fitters: dict[tuple[str, ...], Fitter] = field(default_factory=dict)
-
-    def __post_init__(self) -> None:
-        self.trials = trial_data(self.study)
-        self.model = self.make_model(self.study, self.trials)
-
-    def fitter(self, without: tuple[str, ...] = ()) -> Fitter:
-        """A fitter of all trials but some."""
-        if without not in self.fitters:
-            kept = [t for t in self.trials if t.id not in without]
-            self.fitters[without] = Fitter(self.model, kept, hasty=True)
-        return self.fitters[without]
-
-    def run(self, task: Task) -> Fit | None:
-        """Do a task; None where it cannot be simulated."""
-        sites = task.sites()
-        try:
-            if task.near is not None:
-                return fit_near(
-                    self.fitter(task.without),
-                    self.model.believed,
-                    sites,
-                    task.near,
-                    task.start,
-                    task.max_iterations,
-                    task.hopeless,
-                    task.loose,
-                    task.eager,
-                )
-            return fit_from(
-                self.fitter(task.without),
-                self.model.believed,
-                sites,
-                task.start,
-                task.initials,
-                task.max_iterations,
-                task.hopeless,
-            )
-        except (SimulationError, InputError):  # a start outside what the rig can be
-            return None
-
 
 _workshop: Workshop | None = None
 

@@ -13,10 +13,11 @@ from spacerobot.diagnosis.fit import HOPE
 from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.hypothesis import Label, Site
 from spacerobot.diagnosis.one_trial import knocks
-from spacerobot.diagnosis.pool import Pool, Task, Workshop
+from spacerobot.diagnosis.pool import Pool
 from spacerobot.diagnosis.screen import Screen, Screened, Screener, faint, together
 from spacerobot.diagnosis.starts import effect_starts, informed_starts
 from spacerobot.diagnosis.weigh import score, simplest, worth
+from spacerobot.diagnosis.workshop import Task, Workshop
 from spacerobot.effects.registry import effect
 
 TOP_SCREENED = 4

@@ -11,8 +11,8 @@ import pytest
 
 from spacerobot.diagnosis.diagnose import diagnose
 from spacerobot.diagnosis.held_out import frozen
-from spacerobot.diagnosis.pool import Workshop
 from spacerobot.diagnosis.result import Diagnosis
+from spacerobot.diagnosis.workshop import Workshop
 from spacerobot.recordings.study import load_study
 from tests.overlay.studies import DATA
 

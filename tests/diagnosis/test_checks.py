@@ -17,8 +17,8 @@ from spacerobot.diagnosis.fit import Fitter
 from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.hypothesis import Site
 from spacerobot.diagnosis.judge import NAMED, NOT_TRUSTED, judge
-from spacerobot.diagnosis.pool import Task, Workshop
 from spacerobot.diagnosis.search import Found
+from spacerobot.diagnosis.workshop import Task, Workshop
 from spacerobot.effects.registry import effect
 from spacerobot.support.jsonio import plain
 from tests.diagnosis.rigs import write_study

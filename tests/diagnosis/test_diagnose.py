@@ -10,11 +10,11 @@ import pytest
 
 from spacerobot.diagnosis import pool as pools
 from spacerobot.diagnosis.diagnose import diagnose
-from spacerobot.diagnosis.pool import Workshop
 from spacerobot.diagnosis.profile import profile_interval
 from spacerobot.diagnosis.result import Diagnosis
 from spacerobot.diagnosis.schema import validate
 from spacerobot.diagnosis.verdict import interval
+from spacerobot.diagnosis.workshop import Workshop
 from spacerobot.support.jsonio import plain
 from tests.diagnosis.rigs import write_study
 

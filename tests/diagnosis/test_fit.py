@@ -9,8 +9,8 @@ import pytest
 
 from spacerobot.diagnosis.fit import Fitter
 from spacerobot.diagnosis.hypothesis import Site
-from spacerobot.diagnosis.pool import Task, Workshop
 from spacerobot.diagnosis.screen import Screener, together
+from spacerobot.diagnosis.workshop import Task, Workshop
 from spacerobot.effects.registry import effect
 from tests.diagnosis.rigs import write_study
 

@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 
 from spacerobot.diagnosis.fitted import Fit
-from spacerobot.diagnosis.pool import WINDOW, Pool, Task, Workshop
+from spacerobot.diagnosis.pool import WINDOW, Pool
+from spacerobot.diagnosis.workshop import Task, Workshop
 from spacerobot.support.executors.base import Here
 from tests.diagnosis.rigs import write_study
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from spacerobot.diagnosis.hypothesis import Site
-from spacerobot.diagnosis.pool import Workshop
 from spacerobot.diagnosis.starts import effect_starts, informed_starts
+from spacerobot.diagnosis.workshop import Workshop
 from spacerobot.effects.registry import effect
 from tests.diagnosis.rigs import write_study
 
