@@ -22,8 +22,9 @@ from spacerobot.simulation.exact.modes import (
     open_mode,
     slot_of,
 )
-from spacerobot.simulation.exact.propagator import DEGREE, at, exponential, projected, series, step, value
-from spacerobot.simulation.exact.roots import extremum, first_fall
+from spacerobot.simulation.exact.propagator import DEGREE, at, exponential, projected, series, step
+from spacerobot.simulation.exact.roots import first_fall
+from spacerobot.simulation.polynomial import turn, value
 from spacerobot.support.jit import jit, lean
 
 (
@@ -159,7 +160,7 @@ def collide(header: Any, rows: Any, numbers: Any, ends: Any, out: Any) -> None:
                         series(a[slot], h, z, coefficients)
                         expanded = True
                     projected(coefficients, g[slot, f], polynomial)
-                    top = value(polynomial, extremum(polynomial, 0.0, part))
+                    top = value(polynomial, DEGREE, turn(polynomial, DEGREE, 0.0, part))
                     if f == PUSH:
                         o[PEAK_FORCE] = max(o[PEAK_FORCE], top)
                     else:

@@ -150,22 +150,3 @@ def projected(c: Any, g: Any, p: Any) -> None:
         for i in range(g.size):
             total += g[i] * c[k, i]
         p[k] = total
-
-
-@lean
-def value(p: Any, theta: float) -> float:
-    """p(theta)."""
-    total = p[DEGREE]
-    for k in range(DEGREE):
-        total = total * theta + p[DEGREE - 1 - k]
-    return total
-
-
-@lean
-def slope(p: Any, theta: float) -> float:
-    """p'(theta)."""
-    total = DEGREE * p[DEGREE]
-    for k in range(DEGREE - 1):
-        degree = DEGREE - 1 - k
-        total = total * theta + degree * p[degree]
-    return total

@@ -1,10 +1,11 @@
-"""First fall of a polynomial below zero, and its maximum, inside a step. Compiled."""
+"""First fall of a polynomial below zero inside a step. Compiled."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from spacerobot.simulation.exact.propagator import slope, value
+from spacerobot.simulation.exact.propagator import DEGREE
+from spacerobot.simulation.polynomial import rate, turn, value
 from spacerobot.support.jit import lean
 
 PIECES = 6
@@ -12,38 +13,16 @@ PIECES = 6
 
 
 @lean
-def extremum(p: Any, lo: float, hi: float) -> float:
-    """Where the slope changes sign between lo and hi, to 1e-10: a value there is exact to rounding. Illinois method."""
-    low, high = slope(p, lo), slope(p, hi)
-    if low * high > 0.0:
-        return lo if abs(low) < abs(high) else hi
-    x = lo
-    for _ in range(60):
-        if low == high:
-            break
-        x = (lo * high - hi * low) / (high - low)
-        middle = slope(p, x)
-        if middle * high <= 0.0:
-            lo, low = hi, high
-        else:
-            low *= 0.5
-        hi, high = x, middle
-        if abs(hi - lo) < 1e-10 or middle == 0.0:
-            break
-    return x
-
-
-@lean
 def _between(p: Any, lo: float, hi: float) -> float:
     """Root between lo (not negative) and hi (negative); Newton kept inside the bracket."""
     x = hi
     for _ in range(80):
-        f = value(p, x)
+        f = value(p, DEGREE, x)
         if f < 0.0:
             hi = x
         else:
             lo = x
-        d = slope(p, x)
+        d = rate(p, DEGREE, x)
         new = x - f / d if d < 0.0 else lo - 1.0
         if not (lo < new < hi):
             new = 0.5 * (lo + hi)
@@ -63,14 +42,14 @@ def first_fall(p: Any, end: float) -> float:
     positive = p[0] > 0.0
     for j in range(1, PIECES + 1):
         hi = end * j / PIECES
-        f = value(p, hi)
-        before, after = slope(p, lo), slope(p, hi)
+        f = value(p, DEGREE, hi)
+        before, after = rate(p, DEGREE, lo), rate(p, DEGREE, hi)
         if not positive:  # just switched: rises out of zero, or falls at once
             if before > 0.0 and f > 0.0:
                 positive = True
             elif before > 0.0:
-                top = extremum(p, lo, hi)
-                if value(p, top) > 0.0:
+                top = turn(p, DEGREE, lo, hi)
+                if value(p, DEGREE, top) > 0.0:
                     return _between(p, top, hi)
                 return lo
             elif f < 0.0:
@@ -78,8 +57,8 @@ def first_fall(p: Any, end: float) -> float:
         elif f < 0.0:
             return _between(p, lo, hi)
         elif before < 0.0 and after > 0.0:
-            bottom = extremum(p, lo, hi)
-            if value(p, bottom) < 0.0:
+            bottom = turn(p, DEGREE, lo, hi)
+            if value(p, DEGREE, bottom) < 0.0:
                 return _between(p, lo, bottom)
         lo = hi
     return 2.0

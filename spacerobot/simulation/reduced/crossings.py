@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from spacerobot.effects.kernel import PARAMETERS
+from spacerobot.simulation.polynomial import rate, turn, value
 from spacerobot.simulation.reduced.arrays import (
     CONTACT_FORCE,
     EDGE,
@@ -138,24 +139,6 @@ def first_fall(g: Any, owner: Any, count: int, y: Any, h: float, q: Any, order: 
 
 
 @lean
-def value(p: Any, order: int, theta: float) -> float:
-    """p(theta), of degree `order`."""
-    total = p[order]
-    for k in range(order):
-        total = total * theta + p[order - 1 - k]
-    return total
-
-
-@lean
-def rate(p: Any, order: int, theta: float) -> float:
-    """p'(theta)."""
-    total = order * p[order]
-    for k in range(order - 1):
-        total = total * theta + (order - 1 - k) * p[order - 1 - k]
-    return total
-
-
-@lean
 def _root(p: Any, order: int, end: float, rounding: float) -> float:
     """First theta after 0 at which p has fallen below zero, up to `end`; 2 if it has not. A dip of `rounding` is none:
     what has just begun to slide may seem to turn back at once."""
@@ -169,7 +152,7 @@ def _root(p: Any, order: int, end: float, rounding: float) -> float:
             return _between(p, order, lo, hi, before, now)
         slope = rate(p, order, hi)
         if falling and slope > 0.0:
-            low = _lowest(p, order, lo, hi)
+            low = turn(p, order, lo, hi)
             deep = value(p, order, low)
             if deep < -rounding:
                 return _between(p, order, lo, low, before, deep)
@@ -199,15 +182,3 @@ def _between(p: Any, order: int, lo: float, hi: float, above: float, below: floa
                 new = at + 2e-14 if now >= 0.0 else at - 2e-14
         at = new if lo < new < hi else 0.5 * (lo + hi)
     return hi
-
-
-@lean
-def _lowest(p: Any, order: int, lo: float, hi: float) -> float:
-    """Where the slope changes sign between lo and hi."""
-    for _ in range(30):
-        mid = 0.5 * (lo + hi)
-        if rate(p, order, mid) < 0.0:
-            lo = mid
-        else:
-            hi = mid
-    return 0.5 * (lo + hi)

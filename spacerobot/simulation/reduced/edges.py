@@ -10,8 +10,9 @@ from __future__ import annotations
 from typing import Any
 
 from spacerobot.effects.kernel import PARAMETERS
+from spacerobot.simulation.polynomial import rate, turn, value
 from spacerobot.simulation.reduced.arrays import EDGE, FORCES, PARAMETER, SENSE, W_ROWS, N
-from spacerobot.simulation.reduced.crossings import AT, rate, value
+from spacerobot.simulation.reduced.crossings import AT
 from spacerobot.simulation.reduced.forces import call_law
 from spacerobot.support.jit import lean
 
@@ -58,19 +59,10 @@ def _crossed(edge: int, x: Any, first: int, side: float, p: Any, order: int, end
         if hi <= lo:
             break
         now = rate(p, order, hi)
-        turn = hi
-        if was * now < 0.0:
-            inner, outer = lo, hi
-            for _ in range(HALVINGS):
-                mid = 0.5 * (inner + outer)
-                if rate(p, order, mid) * was > 0.0:
-                    inner = mid
-                else:
-                    outer = mid
-            turn = outer
-        found = _one_way(edge, x, first, side, p, order, lo, turn)
-        if found > 1.0 and turn < hi:
-            found = _one_way(edge, x, first, side, p, order, turn, hi)
+        back = turn(p, order, lo, hi) if was * now < 0.0 else hi
+        found = _one_way(edge, x, first, side, p, order, lo, back)
+        if found > 1.0 and back < hi:
+            found = _one_way(edge, x, first, side, p, order, back, hi)
         if found <= 1.0:
             return found
         lo, was = hi, now

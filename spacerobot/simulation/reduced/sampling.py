@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from spacerobot.effects.kernel import PARAMETERS
+from spacerobot.simulation.polynomial import value
 from spacerobot.simulation.reduced.affine import DEGREE
 from spacerobot.simulation.reduced.arrays import (
     CONSTANT,
@@ -25,7 +26,6 @@ from spacerobot.simulation.reduced.arrays import (
     N,
     V,
 )
-from spacerobot.simulation.reduced.crossings import value
 from spacerobot.simulation.reduced.forces import PRESSED, say
 from spacerobot.simulation.reduced.motion import evaluate
 from spacerobot.simulation.reduced.ports import kinematics
