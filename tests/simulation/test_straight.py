@@ -146,6 +146,28 @@ def test_no_gap_is_jumped_over(exponent: float, speed: float) -> None:
     assert [e.time for e in reference.events if e.kind == "edge"][:5] == pytest.approx(kinks[1][:5], abs=1e-7)
 
 
+@pytest.mark.parametrize("names", [(), ("coulomb_friction", "backlash")])
+def test_a_target_hit_in_line_with_its_centre_is_straight_although_it_could_turn(names: tuple[str, ...]) -> None:
+    mechanism = rig({**PLAIN, "target.yaw_inertia": 0.3}, lateral=True)
+    for name in names:
+        where, values = EFFECTS[name]
+        mechanism = effect(name).apply(mechanism, where, values)
+
+    def hit(spin: float, mechanism: Mechanism = mechanism) -> ReducedRun:
+        velocity = {"target": 0.05, "target.y": 0.01, "target.yaw": spin}
+        return simulate(mechanism, position={"target": -0.005}, velocity=velocity, end=2.0, tolerance=1e-10)
+
+    ours, turning = hit(0.0), hit(1e-14)
+    assert (ours.steps.order == DEGREE).all()
+    assert not (turning.steps.order == DEGREE).all()
+    assert difference(ours, turning, 0.01) < 1e-8
+    contact = mechanism.contact
+    assert contact is not None
+    beside = replace(mechanism, contact=replace(contact, lateral=0.02))
+    assert not (hit(0.0, beside).steps.order == DEGREE).all()
+    assert abs(hit(0.0, beside).states(np.array([2.0]))[1]).max() > 0.01
+
+
 def test_a_wrong_slope_is_seen() -> None:
     """The comparison above has teeth: a kernel that says a wrong slope ends elsewhere."""
     mechanism = made("backlash")

@@ -17,6 +17,7 @@ from spacerobot.simulation.reduced.arrays import (
     NATIVE_DAMPER,
     NATIVE_SPRING,
     NONE,
+    YAW,
     Folding,
     Packed,
     System,
@@ -204,6 +205,26 @@ def _numbered(mechanism: Mechanism, made: Template) -> System:
         constant=constant,
         **changed,
     )
+
+
+def head_on(system: System, y0: np.ndarray) -> bool:
+    """Whether a target that could turn never will from this state, shape (2n,): it is hit in line with its centre.
+
+    Then the contact's row stays what it is, and everything may be straight.
+    """
+    _, slide, yaw, _ = system.special
+    if yaw == NONE or system.geometry[1] != 0.0 or y0[yaw] != 0.0 or y0[y0.size // 2 + yaw] != 0.0:
+        return False
+    acting = np.concatenate([system.force_port, system.friction_port, system.input_port])
+    still = not system.rows[acting, yaw].any() and slide not in acting
+    return bool(still and system.constant[yaw] == 0.0 and not system.impulse[:, yaw].any())
+
+
+def unturning(packed: Packed) -> Packed:
+    """The same system without its angle."""
+    ints = packed.ints.copy()
+    ints[YAW] = NONE
+    return Packed(packed.floats, ints)
 
 
 def initial_vector(layout: Layout, values: Mapping[str, float]) -> np.ndarray:

@@ -12,7 +12,7 @@ import numpy as np
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.simulation.events import Event
 from spacerobot.simulation.reduced.arrays import Packed, System
-from spacerobot.simulation.reduced.assemble import Layout, assemble_packed, initial_vector
+from spacerobot.simulation.reduced.assemble import Layout, assemble_packed, head_on, initial_vector, unturning
 from spacerobot.simulation.reduced.forces import APART, PRESSED, RELEASED, STICK
 from spacerobot.simulation.reduced.integrate import MAX_STEPS, NOT_FINITE, OK, TOO_MANY_EVENTS, Steps, integrate
 from spacerobot.simulation.reduced.law_table import LAWS
@@ -167,6 +167,8 @@ def simulate(
     mechanism, system, layout, packed = of if isinstance(of, Prepared) else prepare(of)
     y0 = np.concatenate([initial_vector(layout, position or {}), initial_vector(layout, velocity or {})])
     n = y0.size // 2
+    if head_on(system, y0):
+        packed = unturning(packed)
     if inputs is None:
         drives = np.zeros((1 + len(layout.inputs), 1))
         if layout.inputs:
