@@ -139,8 +139,7 @@ def page(found: dict[str, Any]) -> str:
             f"| {r['rig']} | {r['touches']:.1f} | {r['us_per_collision']:.0f} | {r['us_in_a_part']:.0f} "
             f"| {r['per_second']:,.0f} | {r['ms_per_pose']:.0f} | {r['bytes_per_collision']:.0f} |"
         )
-    if "workers" in found:
-        lines += workers_table(found["workers"])
+    lines += workers_table(found["workers"])
     tasks = found["per_task"]
     dask = "not installed" if tasks["Dask"] is None else f"{1e3 * tasks['Dask']:.2f} ms"
     lines += [

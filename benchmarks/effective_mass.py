@@ -71,7 +71,7 @@ def page(found: dict[str, Any]) -> str:
     for row in found["rows"]:
         own, bare = (with_quartiles(row["seconds"][side], 1e6 / row["poses"]) for side in ("spacerobot", "pinocchio"))
         lines.append(f"| {row['robot']} | {row['poses']} | {own} | {bare} | {row['ratio']:.2f} |")
-    return "\n".join([*lines, *(_cores(found["cores"]) if "cores" in found else [])])
+    return "\n".join([*lines, *_cores(found["cores"])])
 
 
 def _cores(found: dict[str, Any]) -> list[str]:
