@@ -12,7 +12,7 @@ from spacerobot import Scene, Target, Wrist, diagnose, load_study, simulate
 from spacerobot.effects.registry import all_effects
 from spacerobot.view.plotting import png
 from spacerobot.view.report.evidence import read_evidence
-from spacerobot.view.report.plots import drawings
+from spacerobot.view.report.plots import figures
 from spacerobot.view.scene3d.page import page
 from spacerobot.view.scene3d.trajectory_film import trajectory_film
 
@@ -55,10 +55,8 @@ def found(path: Path) -> None:
     result = diagnose(study, jobs=1, without=[name for name in all_effects() if name not in LISTED])
     if [e["effect"] for e in result.verdict["effects"]] != ["coulomb_friction"]:
         sys.exit("the friction was not found: no picture")
-    draw = drawings(dict(result.verdict), read_evidence(dict(result.evidence)))["held_out_target_x"]
-    figure = draw()
-    assert figure is not None
-    path.write_bytes(png(figure))
+    plots = figures(dict(result.verdict), read_evidence(dict(result.evidence)))
+    path.write_bytes(png(plots["held_out_target_x"]))
 
 
 if __name__ == "__main__":

@@ -15,6 +15,12 @@ from spacerobot.view.report.evidence import Evidence, Surface, Trace
 from spacerobot.view.report.words import effects_phrase, finite, unit_text
 
 
+def figures(verdict: Mapping[str, Any], evidence: Evidence) -> dict[str, Figure]:
+    """Name of the file, without its ending -> figure; only those for which there is something to show."""
+    drawn = {name: draw() for name, draw in drawings(verdict, evidence).items()}
+    return {name: figure for name, figure in drawn.items() if figure is not None}
+
+
 def drawings(verdict: Mapping[str, Any], evidence: Evidence) -> dict[str, Callable[[], Figure | None]]:
     """Name of the file, without its ending -> what draws its figure, None where there is nothing to show."""
     found: dict[str, Callable[[], Figure | None]] = {}
