@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from spacerobot.diagnosis.adequacy import Left
 from spacerobot.diagnosis.judge import Judgement
-from spacerobot.diagnosis.models.part import Part
 from spacerobot.diagnosis.search import Found
 from spacerobot.simulation.scene import Scene
+
+if TYPE_CHECKING:  # loads statistics that a wrist rig's diagnosis does without
+    from spacerobot.diagnosis.models.part import Part
 
 
 @dataclass(frozen=True, eq=False)

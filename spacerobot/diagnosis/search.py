@@ -112,18 +112,15 @@ def search(pool: Pool, sites: Sequence[Site], report: Report, *, baseline: Fit |
     found.screened.update({(k,): v.gain for k, v in first.best().items()})
 
     best = first.best()
-    tasks = [
-        Task(
-            (s.site.label,),
-            faint(s.site, s.start, _share(s)),
-            near=baseline,
-            max_iterations=NEAR_ITERATIONS if s is best[s.site.label] else OTHER_ITERATIONS,
-            loose=True,
-            eager=True,
-        )
-        for s in first.scored
-    ]
-    given_up = _run(pool, found, tasks, report, "single effects")
+    tasks: list[Task] = []
+    hopeless: list[Task] = []
+    for s in first.scored:
+        most = NEAR_ITERATIONS if s is best[s.site.label] else OTHER_ITERATIONS
+        start = faint(s.site, s.start, _share(s))
+        task = Task((s.site.label,), start, near=baseline, max_iterations=most, loose=True, eager=True)
+        # a further start of which so little is promised would be given up at its first step
+        (tasks if s is best[s.site.label] or HOPE * s.gain > WORTH_A_FIT else hopeless).append(task)
+    given_up = _run(pool, found, tasks, report, "single effects") + hopeless
     if not _explained(found.best):
         _run(pool, found, _unfinished(found), report, "single effects, the best to their end")
     if not _explained(found.best):  # then what its first step promised may have been too little to go by
