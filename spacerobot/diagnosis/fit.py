@@ -43,11 +43,27 @@ BAD, WORTH_IF_BAD = 0.5, 1e-2
 
 
 class Fitter:
-    """Fits hypotheses to the trials of one model; a hasty one takes less care of those that fit badly."""
+    """Fits hypotheses to the trials of one model.
 
-    def __init__(self, model: RigModel, trials: Sequence[TrialData], *, threads: int = 1, hasty: bool = False) -> None:
+    Args:
+        model: of the trials.
+        trials: to fit.
+        threads: that simulate trials.
+        hasty: whether it takes less care of what fits badly.
+        careful: whether it goes on to the last digit, with derivatives by differences to both sides.
+    """
+
+    def __init__(
+        self,
+        model: RigModel,
+        trials: Sequence[TrialData],
+        *,
+        threads: int = 1,
+        hasty: bool = False,
+        careful: bool = False,
+    ) -> None:
         self.model = model
-        self._hasty = hasty
+        self._hasty, self._careful = hasty, careful
         self.trials = tuple(trials)
         self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
         self._left = 0
@@ -83,7 +99,7 @@ class Fitter:
     def jacobian(
         self, hypothesis: Hypothesis, state: State, trial: TrialData, old: np.ndarray | None = None
     ) -> np.ndarray:
-        """Derivatives of one trial's residual, shape (S, G + N), by one-sided differences into the bounds.
+        """Derivatives of one trial's residual, shape (S, G + N), by differences into the bounds.
 
         With `old` derivatives only the effects' columns are taken anew: theirs is the strongest curvature.
         """
@@ -105,10 +121,18 @@ class Fitter:
             moved = z.copy()
             moved[g] += step
             columns[:, g] = (self.residual(hypothesis, moved, trial, initial)[0] - base) / step
+            if self._careful and low[g] <= z[g] - step <= high[g]:
+                moved[g] = z[g] - step
+                other = (self.residual(hypothesis, moved, trial, initial)[0] - base) / step
+                columns[:, g] = 0.5 * (columns[:, g] - other)
         for n, scale in enumerate(scales if old is None else ()):
             moved = initial.copy()
             moved[n] += DIFFERENCE * scale
             columns[:, z.size + n] = (self.residual(hypothesis, z, trial, moved)[0] - base) / DIFFERENCE
+            if self._careful:
+                moved[n] -= 2.0 * DIFFERENCE * scale
+                other = (self.residual(hypothesis, z, trial, moved)[0] - base) / DIFFERENCE
+                columns[:, z.size + n] = 0.5 * (columns[:, z.size + n] - other)
         return columns
 
     def fit(
@@ -233,7 +257,7 @@ class Fitter:
             accepted = False
             misfit = abs(state.chi2() - state.samples)
             bad = self._hasty and misfit > BAD * state.samples
-            settled = max(SETTLED, misfit * (WORTH_IF_BAD if bad else WORTH))
+            settled = SETTLED if self._careful else max(SETTLED, misfit * (WORTH_IF_BAD if bad else WORTH))
             for _ in range(10):
                 dz, dn, promised = system.step(damping, state.z, low, high)
                 if eager and state.chi2() + float(prior @ state.z**2) - HOPE * promised > hopeless:
