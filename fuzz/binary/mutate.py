@@ -5,25 +5,8 @@ from __future__ import annotations
 import random
 
 _NUMBERS = (
-    0,
-    1,
-    -1,
-    2,
-    7,
-    8,
-    255,
-    256,
-    32767,
-    32768,
-    65535,
-    2**31 - 1,
-    2**31,
-    2**32 - 1,
-    2**63 - 1,
-    2**63,
-    10**9,
-    10**12,
-)
+    0, 1, -1, 2, 7, 8, 255, 256, 32767, 32768, 65535, 2**31 - 1, 2**31, 2**32 - 1, 2**63 - 1, 2**63, 10**9, 10**12,
+)  # fmt: skip
 
 
 def damaged(data: bytes, dice: random.Random, words: tuple[bytes, ...]) -> bytes:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from spacerobot.diagnosis.data import TrialData
 from spacerobot.diagnosis.fit import Fitter
 from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.profile import LEVEL_95, profile_interval
@@ -37,6 +38,22 @@ def nested(found: Found, chosen: Fit) -> dict[str, Any]:
     return {"name": "nested cost", "passed": not bad, "detail": detail}
 
 
+def copied(model: Any, trials: Sequence[TrialData], fit: Fit, seed: int) -> tuple[TrialData, ...]:
+    """The trials as the fit shows them, with white noise as their weights state it."""
+    random = np.random.default_rng(seed)
+    out = []
+    for trial in trials:
+        mechanism = model.trial_mechanism(fit.hypothesis, fit.z, trial)
+        shown = model.predict(mechanism, trial, fit.trials[trial.id].initial)
+        blocks = []
+        for block, value in zip(trial.blocks, shown.blocks, strict=True):
+            good = block.weight > 0.0
+            sigma = np.where(good, 1.0 / np.where(good, block.weight, 1.0), 0.0)
+            blocks.append(replace(block, value=value + sigma * random.standard_normal(value.shape)))
+        out.append(replace(trial, blocks=tuple(blocks)))
+    return tuple(out)
+
+
 def synthetic(workshop: Workshop, chosen: Fit, seed: int, lead: float = 0.0) -> list[dict[str, Any]]:
     """On a copy of the study made from the chosen model, the fit ends no worse than the truth, and near it.
 
@@ -47,19 +64,8 @@ def synthetic(workshop: Workshop, chosen: Fit, seed: int, lead: float = 0.0) -> 
         lead: by how much the chosen model's cost is below its nearest rival's; a fit of the copy that stops short of
             the truth by less than FRACTION of it, in one of the many minima that bounces make, endangers no verdict.
     """
-    random = np.random.default_rng(seed)
-    trials = []
-    for trial in workshop.trials:
-        mechanism = workshop.model.trial_mechanism(chosen.hypothesis, chosen.z, trial)
-        prediction = workshop.model.predict(mechanism, trial, chosen.trials[trial.id].initial)
-        blocks = []
-        for block, shown in zip(trial.blocks, prediction.blocks, strict=True):
-            with np.errstate(divide="ignore"):
-                sigma = np.where(block.weight > 0.0, 1.0 / block.weight, 0.0)
-            blocks.append(replace(block, value=shown + sigma * random.standard_normal(shown.shape)))
-        trials.append(replace(trial, blocks=tuple(blocks)))
     copy = Workshop(workshop.study, workshop.make_model)
-    copy.trials = tuple(trials)
+    copy.trials = copied(workshop.model, workshop.trials, chosen, seed)
     copy.model = workshop.make_model(workshop.study, copy.trials)
     fitter: Fitter = copy.fitter()
     state = fitter.state(chosen.hypothesis, chosen.z, {k: t.initial for k, t in chosen.trials.items()})

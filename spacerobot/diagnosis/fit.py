@@ -118,21 +118,17 @@ class Fitter:
             step = DIFFERENCE if z[g] + DIFFERENCE <= high[g] else -DIFFERENCE
             if z[g] + step < low[g]:
                 continue
-            moved = z.copy()
-            moved[g] += step
-            columns[:, g] = (self.residual(hypothesis, moved, trial, initial)[0] - base) / step
-            if self._careful and low[g] <= z[g] - step <= high[g]:
-                moved[g] = z[g] - step
-                other = (self.residual(hypothesis, moved, trial, initial)[0] - base) / step
-                columns[:, g] = 0.5 * (columns[:, g] - other)
+
+            def with_value(by: float, g: int = g) -> np.ndarray:
+                return self.residual(hypothesis, _moved(z, g, by), trial, initial)[0]
+
+            columns[:, g] = _slope(with_value, base, step, self._careful and low[g] <= z[g] - step <= high[g])
         for n, scale in enumerate(scales if old is None else ()):
-            moved = initial.copy()
-            moved[n] += DIFFERENCE * scale
-            columns[:, z.size + n] = (self.residual(hypothesis, z, trial, moved)[0] - base) / DIFFERENCE
-            if self._careful:
-                moved[n] -= 2.0 * DIFFERENCE * scale
-                other = (self.residual(hypothesis, z, trial, moved)[0] - base) / DIFFERENCE
-                columns[:, z.size + n] = 0.5 * (columns[:, z.size + n] - other)
+
+            def with_start(by: float, n: int = n, scale: float = scale) -> np.ndarray:
+                return self.residual(hypothesis, z, trial, _moved(initial, n, by * scale))[0]
+
+            columns[:, z.size + n] = _slope(with_start, base, DIFFERENCE, self._careful)
         return columns
 
     def fit(
@@ -330,3 +326,15 @@ class Fitter:
 
         pairs = list(self._map(weighted).values())
         return Normal.build([p[0] for p in pairs], [p[1] for p in pairs], state.z, prior)
+
+
+def _moved(vector: np.ndarray, index: int, by: float) -> np.ndarray:
+    out = vector.copy()
+    out[index] += by
+    return out
+
+
+def _slope(shown: Callable[[float], np.ndarray], base: np.ndarray, step: float, both: bool) -> np.ndarray:
+    """Derivative of what is `base` at no step, by a difference to one side or to both."""
+    ahead = (shown(step) - base) / step
+    return 0.5 * (ahead - (shown(-step) - base) / step) if both else ahead

@@ -53,13 +53,8 @@ def _ready() -> None:
     """What a process does first."""
 
 
-def _run(task: Task) -> Fit | None:
-    assert _workshop is not None  # the initializer ran
-    return _workshop.run(task)
-
-
 def _do(work: Callable[..., R], arguments: tuple[Any, ...]) -> R:
-    assert _workshop is not None
+    assert _workshop is not None  # the initializer ran
     return work(_workshop, *arguments)
 
 
@@ -186,16 +181,36 @@ class Pool:
                 result.cancel()
 
     def aside(self, work: Callable[..., R], *arguments: Any) -> Waiting[R]:
-        """work(workshop, *arguments) in another process where there is one, else in this one when it is asked for.
+        """work(workshop, *arguments) in another process; where there is none or it is lost, in this one when asked for.
 
         Args:
             work: importable by name; changes nothing.
             arguments: picklable, as the result is.
         """
-        return self._waiting(lambda: work(self.workshop, *arguments), _do, work, arguments)
+
+        def here() -> R:
+            return work(self.workshop, *arguments)
+
+        if self._executor is None:
+            return Waiting(here)
+        try:
+            with without_interrupts():  # submitting begins processes, and they take over what is blocked
+                future = self._executor.submit(_do, work, arguments)
+        except BrokenProcessPool:
+            self._close(now=True)
+            return Waiting(here)
+
+        def result() -> R:
+            try:
+                return future.result()
+            except (BrokenProcessPool, CancelledError):
+                self._close(now=True)
+                return here()
+
+        return Waiting(result, future)
 
     def here(self, task: Task) -> Fit | None:
-        """A task done in this process, with all its threads, unless the store holds it."""
+        """A task done in this process, unless the store holds it."""
         known, fit = self._recalled(task)
         if not known:
             fit = self.workshop.run(task)
@@ -222,27 +237,7 @@ class Pool:
             study, make_model = self.workshop.study.unread(), self.workshop.make_model
             shipment = Shipment(self._key, study, make_model, self._files, task)
             return Waiting(self._workers.begin(unpacked, shipment))
-        return self._waiting(lambda: self.workshop.run(task), _run, task)
-
-    def _waiting(self, here: Callable[[], R], there: Callable[..., R], *arguments: Any) -> Waiting[R]:
-        """The result of a process that does `there`, or of `here` where there is none, or it was lost."""
-        if self._executor is None:
-            return Waiting(here)
-        try:
-            with without_interrupts():  # submitting begins processes, and they take over what is blocked
-                future = self._executor.submit(there, *arguments)
-        except BrokenProcessPool:
-            self._close(now=True)
-            return Waiting(here)
-
-        def result() -> R:
-            try:
-                return future.result()
-            except (BrokenProcessPool, CancelledError):
-                self._close(now=True)
-                return here()
-
-        return Waiting(result, future)
+        return self.aside(Workshop.run, task)
 
     @functools.cached_property
     def _key(self) -> str:

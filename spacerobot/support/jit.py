@@ -38,7 +38,7 @@ def cache_folder() -> Path:
 
 def nothing_kept() -> bool:
     """Whether nothing is compiled yet."""
-    return next(cache_folder().rglob("*.nbi"), None) is None
+    return next(Path(numba().config.CACHE_DIR).rglob("*.nbi"), None) is None
 
 
 @functools.cache

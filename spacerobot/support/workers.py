@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import contextlib
-import multiprocessing
 import os
 import signal
 import sys
 import threading
 from collections.abc import Iterator
-from multiprocessing.context import ForkContext, SpawnContext
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from multiprocessing.context import ForkContext, SpawnContext
 
 THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 """Set to 1 in workers: sums of linear algebra then do not depend on how many cores a machine has."""
@@ -32,6 +34,8 @@ def may_fork() -> bool:
 
 def context(fork: bool) -> ForkContext | SpawnContext:
     """Of processes that begin as copies of this one, or afresh."""
+    import multiprocessing  # every command loads this file, and few begin processes
+
     return multiprocessing.get_context("fork") if fork else multiprocessing.get_context("spawn")
 
 

@@ -9,14 +9,12 @@ from __future__ import annotations
 import base64
 import contextlib
 import io
-from collections.abc import Callable, Iterator
-from typing import Any, TypeVar
+from collections.abc import Iterator
+from typing import Any
 
 import matplotlib
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-
-R = TypeVar("R")
 
 BLACK = "#000000"
 ORANGE = "#E69F00"
@@ -61,16 +59,6 @@ def style() -> Iterator[None]:
     """The look of all figures, for the time of the block."""
     with matplotlib.rc_context(_STYLE):
         yield
-
-
-def styled(draw: Callable[[], R]) -> Callable[[], R]:
-    """The same drawing in the look of all figures."""
-
-    def drawn() -> R:
-        with style():
-            return draw()
-
-    return drawn
 
 
 def canvas(width: float = 7.0, height: float = 4.4) -> Figure:

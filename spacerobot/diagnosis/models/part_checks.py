@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import contextlib
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from spacerobot.diagnosis.checks import SLACK, calibration
+from spacerobot.diagnosis.checks import SLACK, calibration, copied
 from spacerobot.diagnosis.fit import Fitter
 from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.models.bench import STEPS
@@ -35,18 +34,8 @@ def checks_of(part: Part, seed: int) -> tuple[dict[str, Any], ...]:
 
 def synthetic(part: Part, fit: Fit, seed: int) -> tuple[dict[str, Any], ...]:
     """On a copy of the trials made from the chosen model, a fit from afar ends no worse than the truth, and near it."""
-    random = np.random.default_rng(seed)
     name = f"cost at truth, {part.name}"
-    trials = []
-    for trial in part.trials:
-        mechanism = part.model.trial_mechanism(fit.hypothesis, fit.z, trial)
-        shown = part.model.predict(mechanism, trial, fit.trials[trial.id].initial)
-        blocks = []
-        for block, value in zip(trial.blocks, shown.blocks, strict=True):
-            good = block.weight > 0.0
-            sigma = np.where(good, 1.0 / np.where(good, block.weight, 1.0), 0.0)
-            blocks.append(replace(block, value=value + sigma * random.standard_normal(value.shape)))
-        trials.append(replace(trial, blocks=tuple(blocks)))
+    trials = copied(part.model, part.trials, fit, seed)
     fitter = Fitter(part.model, trials)  # type: ignore[arg-type]
     state = fitter.state(fit.hypothesis, fit.z, fit.initials())
     try:

@@ -31,7 +31,7 @@ def drawings(verdict: Mapping[str, Any], evidence: Evidence) -> dict[str, Callab
         found[f"residual_{i + 1:02d}_{_file(surface.balance)}_{_file(surface.quantity)}"] = partial(_surface, surface)
     found["rivals"] = partial(_rivals, evidence)
     found["held_out_error"] = partial(_error, verdict.get("held_out") or {})
-    return {name: plotting.styled(draw) for name, draw in found.items()}
+    return {name: plotting.style()(draw) for name, draw in found.items()}
 
 
 def _file(name: str) -> str:
