@@ -75,6 +75,30 @@ def plausible(sites: Sequence[tuple[str, str]], values: Mapping[str, float]) -> 
     Only the difference of two streams' delays shows in a free trial, so a stream that is early is the other that is
     late; the late one is meant.
     """
-    return all(
-        not (name == "time_offset" and values.get(f"{name}@{where}.delay_s", 0.0) < 0.0) for name, where in sites
-    )
+    return not any(_early(name, where, values) for name, where in sites)
+
+
+def mirrored(
+    label: Sequence[tuple[str, str]], values: Mapping[str, float], known: Sequence[tuple[str, str]]
+) -> tuple[tuple[tuple[str, str], ...], dict[str, float]] | None:
+    """The set that is meant by one in which a stream is early: the other stream late by as much.
+
+    Args:
+        label: effects and places.
+        values: of their parameters, by key.
+        known: every effect and place there is; the other stream must be the only other one.
+
+    Returns:
+        effects and places, and their values; None where no stream is early, or none other can be late.
+    """
+    early = [(name, where) for name, where in label if _early(name, where, values)]
+    late = [(name, where) for name, where in known if name == "time_offset" and (name, where) not in early]
+    if len(early) != 1 or len(late) != 1 or late[0] in label:
+        return None
+    keys = {f"{early[0][0]}@{early[0][1]}.delay_s": f"{late[0][0]}@{late[0][1]}.delay_s"}
+    moved = {keys.get(k, k): -v if k in keys else v for k, v in values.items()}
+    return tuple(sorted([*(one for one in label if one not in early), *late])), moved
+
+
+def _early(name: str, where: str, values: Mapping[str, float]) -> bool:
+    return name == "time_offset" and values.get(f"{name}@{where}.delay_s", 0.0) < 0.0

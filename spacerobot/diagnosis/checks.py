@@ -12,8 +12,8 @@ import numpy as np
 from spacerobot.diagnosis.data import TrialData
 from spacerobot.diagnosis.fit import Fitter
 from spacerobot.diagnosis.fitted import Fit
+from spacerobot.diagnosis.found import Found, effect_values
 from spacerobot.diagnosis.profile import LEVEL_95, profile_interval
-from spacerobot.diagnosis.search import Found, effect_values
 from spacerobot.diagnosis.starts import effect_starts
 from spacerobot.diagnosis.workshop import Only, Task, Workshop
 

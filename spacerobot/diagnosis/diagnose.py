@@ -11,10 +11,11 @@ from spacerobot import __version__
 from spacerobot.diagnosis import evidence as ev
 from spacerobot.diagnosis.adequacy import Left, left_over
 from spacerobot.diagnosis.ahead import help_compiling
-from spacerobot.diagnosis.candidates import candidate_sites
+from spacerobot.diagnosis.candidates import candidate_sites, contains
 from spacerobot.diagnosis.checks import nested, synthetic
 from spacerobot.diagnosis.confirm import confirm
 from spacerobot.diagnosis.fitted import Fit
+from spacerobot.diagnosis.found import Found, Report
 from spacerobot.diagnosis.held_out import hold_out
 from spacerobot.diagnosis.judge import AMBIGUOUS, NAMED, Judgement, judge, moved
 from spacerobot.diagnosis.locate.located import LEVEL, Located
@@ -24,9 +25,9 @@ from spacerobot.diagnosis.pool import Pool
 from spacerobot.diagnosis.profile import profile_interval
 from spacerobot.diagnosis.result import Diagnosis
 from spacerobot.diagnosis.scene_out import scene_of
-from spacerobot.diagnosis.search import Found, Report, search
+from spacerobot.diagnosis.search import search
 from spacerobot.diagnosis.verdict import detectable, held_out_entry, labels_of, verdict_dict
-from spacerobot.diagnosis.weigh import SMALL
+from spacerobot.diagnosis.weigh import SLIGHT, SMALL
 from spacerobot.diagnosis.workshop import Workshop
 from spacerobot.recordings.study import Study
 from spacerobot.support.errors import InputError
@@ -35,7 +36,8 @@ from spacerobot.support.executors.base import Executor
 FINALISTS = 4
 CLOSE = 100.0
 """Fits whose leftovers are looked at: so many of least cost at least, and all within so much of the least, or within
-twice the share that a further effect must earn: a simpler set may win although many cost less than it.
+twice the share that a further effect must earn: a simpler set may win although many cost less than it. So may a part
+of the best that explains nearly all.
 """
 
 SHOWN = 40
@@ -198,14 +200,22 @@ def _finalists(workshop: Workshop, found: Found, freed: Fit | None) -> dict[int,
     ranked = sorted(found.fits.values(), key=lambda f: f.cost)
     least = found.best.cost
     reach = max(CLOSE, 2.0 * SMALL * (found.baseline.cost - least))
-    ranked = [f for k, f in enumerate(ranked) if k < FINALISTS or f.cost < least + reach]
+    slight = SLIGHT * (found.baseline.cost - least)
+    ranked = [
+        f
+        for k, f in enumerate(ranked)
+        if k < FINALISTS
+        or f.cost < least + reach
+        or (contains(found.best.hypothesis.label, f.hypothesis.label) and f.cost < least + slight)
+    ]
     fits = [found.baseline, *ranked, *([freed] if freed is not None else [])]
-    out = {}
-    for fit in fits:
-        touches = {}
-        for trial in workshop.trials:
-            mechanism = workshop.model.trial_mechanism(fit.hypothesis, fit.z, trial)
-            seen = workshop.model.predict(mechanism, trial, fit.trials[trial.id].initial).touches
-            touches[trial.id] = min(seen, default=float("inf"))
-        out[id(fit)] = left_over(fit, workshop.trials, touches)
-    return out
+    return {id(fit): _left(workshop, fit) for fit in fits}
+
+
+def _left(workshop: Workshop, fit: Fit) -> Left:
+    touches = {}
+    for trial in workshop.trials:
+        mechanism = workshop.model.trial_mechanism(fit.hypothesis, fit.z, trial)
+        seen = workshop.model.predict(mechanism, trial, fit.trials[trial.id].initial).touches
+        touches[trial.id] = min(seen, default=float("inf"))
+    return left_over(fit, workshop.trials, touches)

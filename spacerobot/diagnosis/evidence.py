@@ -10,9 +10,9 @@ import numpy as np
 from spacerobot.diagnosis.adequacy import Left
 from spacerobot.diagnosis.data import TrialData
 from spacerobot.diagnosis.fitted import Fit
+from spacerobot.diagnosis.found import Found
 from spacerobot.diagnosis.hypothesis import Label
 from spacerobot.diagnosis.judge import Judgement
-from spacerobot.diagnosis.search import Found
 from spacerobot.effects.registry import all_effects
 from spacerobot.recordings.study import Study
 

@@ -10,7 +10,7 @@ import numpy as np
 from spacerobot.diagnosis.adequacy import Left
 from spacerobot.diagnosis.candidates import contains, plausible
 from spacerobot.diagnosis.fitted import Fit
-from spacerobot.diagnosis.search import Found
+from spacerobot.diagnosis.found import Found
 from spacerobot.diagnosis.weigh import PENALTY, score, simplest
 
 NAMED, AMBIGUOUS, UNKNOWN = "named", "ambiguous", "unknown"
@@ -77,7 +77,7 @@ def judge(found: Found, left_of: dict[int, Left], freed: Fit | None, failed: Seq
         extra = PENALTY * len(moved(base))
         scores[id(base)] = min(scores[id(base)], score(freed, inflation) + extra)
     ranked = sorted(candidates, key=lambda f: scores[id(f)])
-    favourite = simplest(ranked, scores, base)
+    favourite = simplest(ranked, scores, base, lambda fit: id(fit) in left_of and left_of[id(fit)].adequate)
     lead = scores[id(base)] - scores[id(favourite)]
     if favourite is base or lead < EARN:
         return _without_effect(base, freed, ranked, scores, left_of, failed)

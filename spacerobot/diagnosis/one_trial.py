@@ -9,11 +9,9 @@ from spacerobot.diagnosis.fit import Fitter
 from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.hypothesis import Believed, Site, hypothesis
 from spacerobot.diagnosis.screen import FAINT
+from spacerobot.diagnosis.starts import moments
 from spacerobot.diagnosis.workshop import Task
 from spacerobot.support.errors import SimulationError
-
-MOMENTARY = ("external_impulse",)
-"""Effects that have a moment of their own, each with its strength first and its time second."""
 
 SHARE = 0.6
 """Part of all that is left over, beyond what the other trials leave, that the one trial must hold."""
@@ -21,8 +19,8 @@ SHARE = 0.6
 STANDS_OUT = 8.0
 """Excess of the trial's chi-squared in its standard errors."""
 
-MOMENTS, TRIED = 40, 3
-"""Moments that are looked at, and starts that are fitted."""
+TRIED = 3
+"""Starts that are fitted."""
 
 
 def odd_one_out(fit: Fit, trials: tuple[TrialData, ...]) -> TrialData | None:
@@ -57,16 +55,15 @@ def knocks(fitter: Fitter, believed: Believed, near: Fit, sites: tuple[Site, ...
     rows = fitter.rows_at(near)[odd.id]
     tasks = []
     for site in sites:
-        if site.effect.name not in MOMENTARY or site.label in near.hypothesis.label:
+        if site.label in near.hypothesis.label:
             continue
-        strength, moment = site.effect.parameters[:2]
         alone = Site(site.effect, site.where, (odd.id,))
-        small = FAINT * strength.starts[0]
+        strength = site.key(site.effect.parameters[0].name)
         promised = []
-        for time in np.linspace(odd.start, odd.end, MOMENTS + 2)[1:-1]:
-            start = {site.key(strength.name): small, site.key(moment.name): float(time)}
+        for moment in moments(site, [odd]):
+            start = {**moment, strength: FAINT * moment[strength]}
             gain, amplitude = _promise(fitter, believed, near, alone, start, odd, rows)
-            promised.append((gain, {**start, site.key(strength.name): float(small * np.clip(amplitude, -1e3, 1e3))}))
+            promised.append((gain, {**start, strength: float(start[strength] * np.clip(amplitude, -1e3, 1e3))}))
         promised.sort(key=lambda p: -p[0])
         label = tuple(sorted((*near.hypothesis.label, site.label)))
         only = ((site.label, (odd.id,)),)

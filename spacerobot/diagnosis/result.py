@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from spacerobot.diagnosis.adequacy import Left
+from spacerobot.diagnosis.found import Found
 from spacerobot.diagnosis.judge import Judgement
-from spacerobot.diagnosis.search import Found
 from spacerobot.simulation.scene import Scene
 
 if TYPE_CHECKING:  # loads statistics that a wrist rig's diagnosis does without

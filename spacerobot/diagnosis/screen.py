@@ -15,7 +15,7 @@ import numpy as np
 from spacerobot.diagnosis.fit import Fitter
 from spacerobot.diagnosis.fitted import Fit, State
 from spacerobot.diagnosis.hypothesis import Believed, Site, hypothesis
-from spacerobot.diagnosis.starts import effect_starts, informed_starts
+from spacerobot.diagnosis.starts import effect_starts, informed_starts, moments
 from spacerobot.support.errors import InputError, SimulationError
 
 FAINT = 0.1
@@ -91,7 +91,7 @@ class Screener:
         residual = project.free(project.stack(state.raw))
         scored = []
         for site in sites:
-            starts = [*effect_starts([site]), *informed_starts(site, fitter.trials)]
+            starts = [*effect_starts([site]), *informed_starts(site, fitter.trials), *moments(site, fitter.trials)]
             items = [self._score(fit, state, project, residual, site, start) for start in starts]
             found = sorted((i for i in items if i is not None), key=lambda s: -s.gain)
             scored += found[:1] + [replace(i, column=np.zeros(0)) for i in found[1:]]

@@ -15,6 +15,9 @@ from spacerobot.support.errors import SimulationError
 JUST_BELOW = 0.99
 """Share of the largest displacement recorded at which a stop is looked for: it gives way, and there is noise."""
 
+MOMENTS = 24
+"""Times at which a momentary effect is tried."""
+
 GOOD = 1.3
 """chi-squared per sample above which a fit is tried again with its unstated values back at their centres."""
 
@@ -51,6 +54,16 @@ def informed_starts(site: Site, trials: Sequence[TrialData]) -> list[dict[str, f
     start = dict(usual[len(usual) // 2])
     start.update({site.key(p.name): min(max(JUST_BELOW * max(seen), p.lower), p.upper) for p in reach})
     return [start]
+
+
+def moments(site: Site, trials: Sequence[TrialData]) -> list[dict[str, float]]:
+    """Starts of what happens at a moment, at times spread over the trials."""
+    sought = [site.key(p.name) for p in site.effect.parameters if p.moment]
+    if not sought or not trials:
+        return []
+    times = np.linspace(min(t.start for t in trials), max(t.end for t in trials), MOMENTS + 2)[1:-1]
+    usual = effect_starts([site])[0]
+    return [{**usual, **dict.fromkeys(sought, float(time))} for time in times]
 
 
 def fit_from(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from spacerobot.diagnosis.candidates import contains
 from spacerobot.diagnosis.fitted import Fit
@@ -13,6 +13,11 @@ PENALTY = 8.0
 SMALL = 1e-3
 """Share of what the simpler model explains that a further effect must earn."""
 
+SLIGHT = 0.05
+"""That share where the simpler set leaves nothing but noise: what it lacks is then no more than a small defect of its
+own law, which many a further effect can take up a little.
+"""
+
 
 def score(fit: Fit, inflation: float = 1.0) -> float:
     """Penalised cost in units of the noise as it is."""
@@ -21,12 +26,17 @@ def score(fit: Fit, inflation: float = 1.0) -> float:
     return fit.cost / inflation + PENALTY * count
 
 
-def worth(explained: float) -> float:
+def worth(explained: float, share: float = SMALL) -> float:
     """Fall of the penalised cost that a further effect must bring, beside one that explains so much."""
-    return max(4.0, SMALL * explained)
+    return max(4.0, share * explained)
 
 
-def simplest(ranked: Sequence[Fit], scores: Mapping[int, float], base: Fit) -> Fit:
+def simplest(
+    ranked: Sequence[Fit],
+    scores: Mapping[int, float],
+    base: Fit,
+    adequate: Callable[[Fit], bool] = lambda fit: False,
+) -> Fit:
     """The best, unless a special case of it does nearly as well.
 
     What a further effect earns is also held against what the simpler model explains: with many samples a harmless
@@ -36,11 +46,14 @@ def simplest(ranked: Sequence[Fit], scores: Mapping[int, float], base: Fit) -> F
         ranked: fits, best first.
         scores: penalised costs by id(fit).
         base: the refitted baseline.
+        adequate: whether a fit is known to leave nothing but noise.
     """
     best = ranked[0]
     for fit in ranked[1:]:
-        if contains(best.hypothesis.label, fit.hypothesis.label) and (
-            scores[id(fit)] - scores[id(best)] < worth(scores[id(base)] - scores[id(fit)])
-        ):
+        if not contains(best.hypothesis.label, fit.hypothesis.label):
+            continue
+        fewer = len(fit.hypothesis.sites) < len(best.hypothesis.sites)
+        share = SLIGHT if fewer and adequate(fit) else SMALL
+        if scores[id(fit)] - scores[id(best)] < worth(scores[id(base)] - scores[id(fit)], share):
             best = fit
     return best

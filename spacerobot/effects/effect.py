@@ -26,6 +26,7 @@ class Parameter:
         log: fitted on a logarithmic scale (positive numbers that may be wrong by factors).
         shape: says how the effect acts, not how strongly; it means nothing while the strength is null.
         reach: a displacement that its place hardly exceeds, so that fits also begin at the largest one recorded.
+        moment: a time within a trial, so that fits also begin at times all over it.
     """
 
     name: str
@@ -38,6 +39,7 @@ class Parameter:
     log: bool = False
     shape: bool = False
     reach: bool = False
+    moment: bool = False
 
     def __post_init__(self) -> None:
         if not self.lower <= self.upper or not self.scale > 0.0 or not self.starts:

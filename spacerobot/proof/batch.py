@@ -45,8 +45,8 @@ def run_batch(
 ) -> list[dict[str, Any]]:
     """Play every order that has no record yet; each record is kept as soon as it is there.
 
-    They are played in the order of their seeds, which is a random one: a batch that ends early is a sample of the
-    whole.
+    Those that are scored come first, then those that fill the power curves, each in the order of their seeds, which
+    is a random one: a batch that ends early is a sample of the whole.
 
     Args:
         folder: keeps the records, one file each.
@@ -59,7 +59,7 @@ def run_batch(
     """
     until = time.monotonic() + seconds
     records = {o.name: folder.load(o.name) for o in orders}
-    waiting = sorted((o for o in orders if records[o.name] is None), key=lambda o: (o.seed, o.name))
+    waiting = sorted((o for o in orders if records[o.name] is None), key=lambda o: (o.kind == "power", o.seed, o.name))
     with Progress("proving", len(orders), unit="campaign", verbose=verbose) as progress:
         progress.advance(len(orders) - len(waiting))
         tasks = (Play(o, rivals and with_rivals(o), tuple(command)) for o in _while_time(waiting, until))

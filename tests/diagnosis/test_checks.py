@@ -15,9 +15,9 @@ from spacerobot.diagnosis.adequacy import Left
 from spacerobot.diagnosis.candidates import contains, simpler
 from spacerobot.diagnosis.fit import Fitter
 from spacerobot.diagnosis.fitted import Fit
+from spacerobot.diagnosis.found import Found
 from spacerobot.diagnosis.hypothesis import Site
 from spacerobot.diagnosis.judge import NAMED, NOT_TRUSTED, judge
-from spacerobot.diagnosis.search import Found
 from spacerobot.diagnosis.workshop import Task, Workshop
 from spacerobot.effects.registry import effect
 from spacerobot.support.jsonio import plain

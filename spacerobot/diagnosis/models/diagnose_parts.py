@@ -8,6 +8,7 @@ from dataclasses import replace
 from functools import partial
 
 from spacerobot import __version__
+from spacerobot.diagnosis.found import Report
 from spacerobot.diagnosis.locate.of_model import has_balance, locate_model
 from spacerobot.diagnosis.memory import Store
 from spacerobot.diagnosis.models.choose import models_for
@@ -20,7 +21,6 @@ from spacerobot.diagnosis.models.part_checks import checks_of
 from spacerobot.diagnosis.models.part_evidence import evidence_of
 from spacerobot.diagnosis.models.part_verdict import verdict_of
 from spacerobot.diagnosis.result import Diagnosis
-from spacerobot.diagnosis.search import Report
 from spacerobot.effects.registry import all_effects
 from spacerobot.recordings.study import Study
 from spacerobot.support.errors import InputError

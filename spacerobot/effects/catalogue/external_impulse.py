@@ -18,7 +18,7 @@ class ExternalImpulse(Effect):
     source = "momentum balance"
     parameters = (
         Parameter("impulse_Ns", "N s", 0.0, 0.02, -1e4, 1e4, (0.05, -0.05)),
-        Parameter("time_s", "s", 1.0, 0.05, 0.0, 1e5, (0.5, 1.5, 2.5), shape=True),
+        Parameter("time_s", "s", 1.0, 0.05, 0.0, 1e5, (0.5, 1.5, 2.5), shape=True, moment=True),
     )
 
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:

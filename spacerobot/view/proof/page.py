@@ -92,7 +92,7 @@ def _part(records: Sequence[Record], about: Mapping[str, Any]) -> str:
     if planned <= len(records):
         return ""
     return (
-        f"\n\nThis is a part of the batch: {len(records)} of {planned} campaigns, in a random order, have been played "
+        f"\n\nThis is a part of the batch: {len(records)} of {planned} campaigns have been played "
         "so far. The same command with the same folder goes on with the others."
     )
 

@@ -1,0 +1,106 @@
+"""Pairs of effects: a single beside what promises most, what the best could do without, and a stream's mirror."""
+
+from __future__ import annotations
+
+from spacerobot.diagnosis.candidates import contains, mirrored, simpler
+from spacerobot.diagnosis.fit import HOPE
+from spacerobot.diagnosis.fitted import Fit
+from spacerobot.diagnosis.found import (
+    WORTH_A_FIT,
+    Found,
+    Report,
+    effect_values,
+    explained,
+    run_tasks,
+    screened,
+    share_of,
+)
+from spacerobot.diagnosis.hypothesis import Label, Site
+from spacerobot.diagnosis.pool import Pool
+from spacerobot.diagnosis.screen import Screen, faint
+from spacerobot.diagnosis.starts import effect_starts
+from spacerobot.diagnosis.weigh import worth
+from spacerobot.diagnosis.workshop import Task
+from spacerobot.effects.registry import effect
+
+TOP_PAIRS = 4
+ROUNDS = 2
+"""Times that pairs are sought; again where what they could do without shows a better single effect."""
+
+
+def pairs(pool: Pool, found: Found, first: Screen, report: Report) -> None:
+    """Fit the most promising pairs, and what the best of them could do without.
+
+    Args:
+        pool: runs the fits.
+        found: holds the single effects, and takes the pairs.
+        first: the screening at the baseline.
+        report: told of progress.
+    """
+    paired: set[Label] = set()
+    for _ in range(ROUNDS if found.singles_by_cost() else 0):
+        single = found.preferred(found.singles_by_cost())
+        if single.hypothesis.label in paired:
+            break  # the pairs have led to no better single
+        _fit_pairs(pool, found, single, None if paired else first, report)
+        paired.add(single.hypothesis.label)
+        run_tasks(pool, found, _mirrored(found), report, "late for early")
+        _simplify(pool, found, report)
+        if explained(found.best):
+            break
+
+
+def _fit_pairs(pool: Pool, found: Found, single: Fit, first: Screen | None, report: Report) -> None:
+    """Pairs of a single effect with what promises most beside it, and those that promise most at the baseline."""
+    gained = found.baseline.cost - single.cost
+    rest = [s for s in found.singles if s.label not in single.hypothesis.label]
+    report("screening pairs", 0, len(rest))
+    second = screened(pool, single, rest)
+    found.screens.append(second)
+    pairs = [] if first is None else first.pairs()
+    for gain, a, b in pairs:
+        found.screened.setdefault(tuple(sorted((a.site.label, b.site.label))), gain)
+    near, afresh = [], []
+    for label, item in list(second.best().items())[:TOP_PAIRS]:
+        both = tuple(sorted((*single.hypothesis.label, label)))
+        found.screened[both] = max(found.screened.get(both, 0.0), gained + item.gain)
+        if item.gain > max(WORTH_A_FIT, worth(gained) / HOPE):
+            start = faint(item.site, item.start, share_of(item))
+            bar = single.cost - worth(gained)
+            near.append(Task(both, start, near=single, max_iterations=20, hopeless=bar, eager=True))
+    for gain, a, b in pairs[: 0 if explained(single) else TOP_PAIRS]:
+        both = tuple(sorted((a.site.label, b.site.label)))
+        nested = contains([a.site.label], [b.site.label]) or contains([b.site.label], [a.site.label])
+        if nested or gain < WORTH_A_FIT or any(t.label == both for t in near):
+            continue
+        afresh.append(Task(both, {**a.start, **b.start}, max_iterations=30))
+    run_tasks(pool, found, near, report, "pairs of effects")  # all of them: two may explain the data
+    if not explained(found.best):
+        run_tasks(pool, found, afresh, report, "pairs of effects, afresh", stop=True)
+    best, best_of = found.best, found.best.hypothesis.label
+    if len(best_of) > 1 and not explained(best):
+        again = [Task(best_of, effect_values(best))]  # a single that misses much has bent the trials' starts
+        again += [] if best.converged else [Task(best_of, {}, near=best, max_iterations=30)]
+        run_tasks(pool, found, again, report, "the best pair to its end")
+
+
+def _mirrored(found: Found) -> list[Task]:
+    """Where the best fit has a stream that is early, the other stream late, from where it ended."""
+    other = mirrored(found.best.hypothesis.label, effect_values(found.best), [s.label for s in found.singles])
+    return [] if other is None else [Task(other[0], {**found.best.values(), **other[1]})]
+
+
+def _simplify(pool: Pool, found: Found, report: Report) -> None:
+    """What the best sets could do without: their special cases and subsets, from where they ended.
+
+    Both the one that a verdict would prefer and the one of least cost, whose further effect may have taken the place
+    of the first. Those that were fitted already too: contact makes many minima, and what is left out may have led to
+    a better one.
+    """
+    tasks = []
+    for best in {id(f): f for f in (found.preferred([*found.fits.values()]), found.best)}.values():
+        for label in simpler(best.hypothesis.label):
+            sites = [Site(effect(name), where) for name, where in label]
+            starts = effect_starts(sites, effect_values(best))[: 1 if label in found.fits else 2]
+            tasks += [Task(label, start, near=best, max_iterations=20) for start in starts]
+    run_tasks(pool, found, tasks, report, "simpler sets of effects")
