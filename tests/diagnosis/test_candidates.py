@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from spacerobot.diagnosis.candidates import candidate_sites, contains, plausible
+from spacerobot.diagnosis.candidates import candidate_sites, contains, mirrored, plausible
 from spacerobot.diagnosis.hypothesis import Believed
 from spacerobot.simulation.rig import rig
 
@@ -38,3 +38,27 @@ def test_a_stream_cannot_be_early() -> None:
     early = {"time_offset@mocap.delay_s": -0.01}
     assert plausible([("time_offset", "mocap")], late)
     assert not plausible([("time_offset", "mocap")], early)
+
+
+MOCAP, FORCE = ("time_offset", "mocap"), ("time_offset", "force_sensor")
+STOP = ("end_stop", "wrist")
+
+
+def test_a_stream_that_is_early_is_the_other_one_late() -> None:
+    values = {"time_offset@mocap.delay_s": -0.01, "end_stop@wrist.travel_m": 0.02, "wrist.mass": 0.7}
+    found = mirrored((STOP, MOCAP), values, [MOCAP, FORCE, STOP])
+    assert found is not None
+    label, moved = found
+    assert set(label) == {STOP, FORCE}
+    assert moved == {"time_offset@force_sensor.delay_s": 0.01, "end_stop@wrist.travel_m": 0.02, "wrist.mass": 0.7}
+    assert plausible(label, moved)
+
+
+def test_what_is_late_already_or_late_beside_two_others_is_left_alone() -> None:
+    late = {"time_offset@mocap.delay_s": 0.01}
+    early = {"time_offset@mocap.delay_s": -0.01}
+    assert mirrored((STOP, MOCAP), late, [MOCAP, FORCE]) is None
+    assert mirrored((STOP,), {}, [MOCAP, FORCE]) is None
+    assert mirrored((MOCAP,), early, [MOCAP]) is None
+    assert mirrored((MOCAP,), early, [MOCAP, FORCE, ("time_offset", "imu")]) is None
+    assert mirrored((FORCE, MOCAP), {**early, "time_offset@force_sensor.delay_s": 0.0}, [MOCAP, FORCE]) is None
