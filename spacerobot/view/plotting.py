@@ -73,7 +73,7 @@ def _laid_out(figure: Figure) -> Iterator[None]:
     """The house's style, the figure laid out once: whatever saves one that has yet to be laid out draws it twice."""
     with style():
         engine = figure.get_layout_engine()
-        if engine is not None:
+        if engine is not None and figure.axes:
             engine.execute(figure)
             figure.set_layout_engine(None)
         yield
