@@ -19,6 +19,7 @@ from spacerobot.proof.engine.outsiders import OUTSIDERS
 from spacerobot.proof.orders import CURVES, FULL, KINDS, MOVING, QUICK, Order, schedule
 from spacerobot.support.executors.base import Here
 from spacerobot.support.runs import RunFolder
+from spacerobot.view.proof.page import page
 
 PLAYED: list[str] = []
 
@@ -164,6 +165,33 @@ def test_the_command_writes_page_and_figures(tmp_path: Path, capsys: pytest.Capt
     count = len(PLAYED)
     assert main(arguments) == 0  # finished: reused
     assert len(PLAYED) == count
+
+
+def test_the_page_lists_what_went_wrong_and_nothing_else(tmp_path: Path) -> None:
+    about = {"seed": 1, "date": "d", "version": "v", "code": "c", "command": "x"}
+    fields = {"withheld": None, "wrong_values": [], "moved": []}
+    whole = {**fields, "held_out_ratio": 1.0, "strength": 5.0, "hidden": [["preload", "wrist"]]}
+    orders = {o.kind: o for o in schedule(FULL, 1)}
+
+    def record(kind: str, **changes: Any) -> dict[str, Any]:
+        return {**fake_play(orders[kind], tmp_path), **whole, **changes}
+
+    costs = {"favoured": {"cost": 130.0}, "oracle": {"cost": 100.0}}
+    wrong = record("masked", top=False, confidently_wrong=True, favourite=[["backlash", "wrist"]], **costs)
+    missed = record("two", top=False, said="unknown", favourite=[], moved=["wrist.mass"])
+    faint = record("weak 1.05", top=False, said="nothing_missing", strength=2.0)
+    alike = record("withheld", top=False, confidently_wrong=True, same=True)
+    right = record("unlabelled")
+    text = page([right, faint, missed, wrong, alike], about, {})
+    table = text.split("## What went wrong")[1].split("##")[0]
+    rows = [line for line in table.splitlines() if line.startswith("|")][2:]
+    assert [r.split("|")[1].strip() for r in rows] == [wrong["name"], missed["name"]]
+    assert "**named**" in rows[0]
+    assert "backlash at wrist" in rows[0]
+    assert "+30" in rows[0]
+    assert "wrist.mass" in rows[1]
+    assert "**" not in rows[1]
+    assert "## What went wrong" not in page([right, faint], about, {})
 
 
 def test_seeds_are_drawn_and_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

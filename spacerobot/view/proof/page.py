@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from spacerobot.proof.orders import MOVING
+from spacerobot.proof.judge import NOTICEABLE
+from spacerobot.proof.orders import KINDS, MOVING
 from spacerobot.proof.rates import Record, coverage, rate, relative_errors
 from spacerobot.proof.summary import (
     TARGETS,
@@ -46,6 +47,14 @@ sensor does what looks like damping or delay. `withheld`: an effect of the catal
 without. `moving`: a spinning target hit off its centre, a free-floating chaser, or a seven-joint arm on servos.
 """
 
+_MISSES = """\
+## What went wrong
+
+Every answer that was not right, from three detection limits on; **bold** where it claims to know. A favourite that
+costs more than the oracle is a fit that was not found; one that costs no more is what any reader of these recordings
+would prefer.
+"""
+
 
 def page(records: Sequence[Record], about: Mapping[str, Any], figures: Mapping[str, str]) -> str:
     """The page.
@@ -68,6 +77,7 @@ def page(records: Sequence[Record], about: Mapping[str, Any], figures: Mapping[s
         _rows(records),
         _ROW_NOTES,
         _apart(records),
+        _misses(records),
         "## Sizes\n",
         _figure(figures, "power", "Power curves: share of campaigns in which the effect is the favourite."),
         _smallest(records),
@@ -158,6 +168,31 @@ def _apart(records: Sequence[Record]) -> str:
             "the readings as well; they count as misses all the same."
         )
     return "\n".join(lines) + "\n" if lines else ""
+
+
+def _misses(records: Sequence[Record]) -> str:
+    """Every sealed campaign that counts and whose answer was not right; what lies below the limits apart."""
+    counted = [r for r in sealed(records) if not r["same"] and (not r["top"] or r["confidently_wrong"])]
+    counted = [r for r in counted if r["confidently_wrong"] or (r["strength"] or math.inf) >= NOTICEABLE]
+    if not counted:
+        return ""
+    rows = []
+    for r in sorted(counted, key=lambda r: (not r["confidently_wrong"], KINDS.index(r["kind"]), r["name"])):
+        hidden = " + ".join(" at ".join(h) for h in r["hidden"]) or ", ".join(r["wrong_values"]) or "nothing"
+        favourite = " + ".join(" at ".join(f) for f in r["favourite"]) or ", ".join(r["moved"])
+        gap = r["favoured"]["cost"] - r["oracle"]["cost"] if "favoured" in r and "oracle" in r else None
+        rows.append(
+            [
+                r["name"],
+                hidden + (" (withheld)" if r["withheld"] else ""),
+                "-" if r["strength"] is None else f"{r['strength']:.1f}",
+                f"**{r['said']}**" if r["confidently_wrong"] else r["said"],
+                favourite or "-",
+                "-" if gap is None else f"{gap:+.0f}",
+            ]
+        )
+    head = ["campaign", "hidden", "strength", "said", "favourite, or values moved", "chi-squared over the oracle's"]
+    return f"{_MISSES}\n{_table(head, rows)}"
 
 
 def _figure(figures: Mapping[str, str], name: str, caption: str) -> str:
