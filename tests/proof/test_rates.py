@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.stats import chi2, ncx2
 
-from spacerobot.proof.rates import Rate, confusion, coverage, power_curve, reliability, smallest_found
+from spacerobot.proof.rates import Rate, confusion, coverage, power_curve, relative_errors, reliability, smallest_found
 from spacerobot.proof.strength import LEVEL, POWER, critical
 from spacerobot.proof.summary import as_json, held_out_ratio, outside, rates
 
@@ -107,6 +107,18 @@ def test_coverage_and_targets() -> None:
     assert answer["targets"]["confidently_wrong"]["met"] is False
     assert answer["targets"]["coverage"]["met"] is False
     assert answer["targets"]["abstained"]["met"] is None
+
+
+def test_what_has_no_true_value_is_not_scored() -> None:
+    """Seven joints on servos have a stiffness at the hand, and no one mass or damping."""
+    wide = {"true": 1.0, "value": 1.5, "low": 1.3, "high": 1.7}
+    names = ("mass_kg", "stiffness_N_m", "damping_Ns_m")
+    parameters = [{"parameter": f"arm_compliance@arm.{n}", **wide} for n in names]
+    on_servos = record(5.0, True, parameters=parameters, family="servo arm")
+    one_mass = record(5.0, True, parameters=parameters, family="rig")
+    assert coverage([on_servos]).total == 1
+    assert coverage([one_mass]).total == 3
+    assert len(relative_errors([on_servos, one_mass])) == 4
 
 
 def test_what_a_stand_in_predicts_is_scored_apart() -> None:

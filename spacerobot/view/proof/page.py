@@ -44,7 +44,9 @@ _ROW_NOTES = """\
 `weak` gives the residual variance after the baseline's refit over the noise variance. `masked`: one constant of the
 baseline was tuned on one trial, as the paper's c_eq is. `rare`: shows in one trial of the campaign. `imitated`: a
 sensor does what looks like damping or delay. `withheld`: an effect of the catalogue which the diagnosis had to do
-without. `moving`: a spinning target hit off its centre, a free-floating chaser, or a seven-joint arm on servos.
+without. `moving`: a spinning target hit off its centre, a free-floating chaser, or a seven-joint arm on servos. That
+arm has seven modes and the law that stands for it one: its stiffness is scored, against the arm's static one; its mass
+and damping have no true value and are not.
 """
 
 _MISSES = """\
