@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 import time
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -21,6 +22,9 @@ RIVALS_EVERY = 4
 """Rivals are tried on every so many of the rig's campaigns of these kinds, since they take their time."""
 
 RIVALS_ON = ("nothing_missing", "wrong_value", "unlabelled", "masked", "two", "outsider")
+
+RATE = {"nothing_missing": "nothing", "wrong_value": "value", "outsider": "outside", "withheld": "outside"}
+"""Kind of concealment -> rate that it counts in; all others have an effect to be named."""
 
 
 def draw_seed() -> int:
@@ -45,8 +49,7 @@ def run_batch(
 ) -> list[dict[str, Any]]:
     """Play every order that has no record yet; each record is kept as soon as it is there.
 
-    Those that are scored come first, then those that fill the power curves, each in the order of their seeds, which
-    is a random one: a batch that ends early is a sample of the whole.
+    They are played as `in_turn` has them: a batch that ends early is a sample of the whole.
 
     Args:
         folder: keeps the records, one file each.
@@ -59,7 +62,7 @@ def run_batch(
     """
     until = time.monotonic() + seconds
     records = {o.name: folder.load(o.name) for o in orders}
-    waiting = sorted((o for o in orders if records[o.name] is None), key=lambda o: (o.kind == "power", o.seed, o.name))
+    waiting = [o for o in in_turn(orders) if records[o.name] is None]
     with Progress("proving", len(orders), unit="campaign", verbose=verbose) as progress:
         progress.advance(len(orders) - len(waiting))
         tasks = (Play(o, rivals and with_rivals(o), tuple(command)) for o in _while_time(waiting, until))
@@ -68,6 +71,20 @@ def run_batch(
             records[record["name"]] = record
             progress.advance(note=f"{record['name']}: {record.get('said', 'not made')}")
     return [found for o in orders if (found := records[o.name]) is not None]
+
+
+def in_turn(orders: Sequence[Order]) -> list[Order]:
+    """The kinds that make up a rate in turn, so that all rates fill alike; what fills the power curves comes last.
+
+    Within a rate they come in the order of their seeds, which is a random one.
+    """
+    place: dict[Order, tuple[bool, int]] = {}
+    counts = Counter[str]()
+    for order in sorted(orders, key=lambda o: (o.seed, o.name)):
+        rate = RATE.get(order.kind, "power" if order.kind == "power" else "named")
+        place[order] = (order.kind == "power", counts[rate])
+        counts[rate] += 1
+    return sorted(orders, key=lambda o: (*place[o], o.seed, o.name))
 
 
 def _while_time(orders: Sequence[Order], until: float) -> Iterator[Order]:

@@ -102,9 +102,22 @@ def test_seeds_differ_and_depend_on_the_batch_alone() -> None:
     assert all(seed == {o.name: o.seed for o in first}[name] for name, seed in small.items())
 
 
+def test_rates_fill_alike_and_power_curves_last() -> None:
+    orders = schedule(FULL, 4)
+    turns = batch.in_turn(orders)
+    assert sorted(o.name for o in turns) == sorted(o.name for o in orders)
+    first = Counter(batch.RATE.get(o.kind, "named") for o in turns[:400])
+    assert set(first.values()) == {100}
+    sealed = [o for o in orders if o.kind != "power"]
+    assert all(o.kind != "power" for o in turns[: len(sealed)])
+    for rate in set(batch.RATE.values()):
+        seeds = [o.seed for o in turns if batch.RATE.get(o.kind) == rate]
+        assert seeds == sorted(seeds)
+
+
 def test_a_batch_goes_on_where_it_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     orders = schedule(QUICK, 1)
-    turns = sorted(orders, key=lambda o: o.seed)
+    turns = batch.in_turn(orders)
 
     def stopping(order: Order, folder: Path, **options: Any) -> dict[str, Any]:
         if order == turns[2]:
