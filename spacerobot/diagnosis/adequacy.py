@@ -1,7 +1,8 @@
 """Is what a fit leaves over noise? Per channel and per trial, against the noise seen before contact.
 
 The test is made where something happens, after the first touch, and compared with the free approach of the same
-channels: coloured or understated sensor noise is there too, left-out physics mostly is not.
+channels: coloured or understated sensor noise is there too. Left-out physics mostly is not; where the approach is
+bent, the same way in every trial, it is, and what is left of the approach without the bend is the noise.
 """
 
 from __future__ import annotations
@@ -11,14 +12,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from spacerobot.diagnosis.approach import LEVEL_LIMIT, approach, lag1
 from spacerobot.diagnosis.data import TrialData
 from spacerobot.diagnosis.fitted import Fit
 
 COLOUR_LIMIT = 5.0
 """Excess of the lag-1 autocorrelation over that before contact, in its standard errors, that is too much."""
-
-LEVEL_LIMIT = 0.03
-"""Excess of chi-squared per sample over the noise before contact that is too much to be ignored."""
 
 GROUP_LIMIT = 6.0
 """Excess of one channel of one trial, in standard errors of its chi-squared, that is too much."""
@@ -42,13 +41,14 @@ class ChannelLeft:
     worst: float  # largest excess of one trial in standard errors
     worst_trial: str
     early: int = 1_000_000  # samples that the noise before contact rests on
+    bent: bool = False  # whether the free approach is no free motion
 
     @property
     def white(self) -> bool:
         """Whether it passes all three tests."""
         excess = self.level / self.noise - 1.0
         significant = excess > max(LEVEL_LIMIT, 5.0 * np.sqrt(2.0 / max(self.samples, 1) + 2.0 / self.early))
-        return not (significant or self.colour > COLOUR_LIMIT or self.worst > GROUP_LIMIT)
+        return not (self.bent or significant or self.colour > COLOUR_LIMIT or self.worst > GROUP_LIMIT)
 
 
 @dataclass(frozen=True)
@@ -93,28 +93,20 @@ def left_over(fit: Fit, trials: Sequence[TrialData], touches: dict[str, float]) 
     return Left(found, max(1.0, inflation))
 
 
-def _lag1(parts: Sequence[np.ndarray]) -> tuple[float, int]:
-    top = sum(float(p[1:] @ p[:-1]) for p in parts if p.size > 1)
-    bottom = sum(float(p @ p) for p in parts if p.size > 1)
-    return (top / bottom if bottom > 0.0 else 0.0), sum(p.size for p in parts)
-
-
 def _channel(name: str, before: Sequence[np.ndarray], after: Sequence[tuple[str, np.ndarray]]) -> ChannelLeft:
-    early_count = sum(p.size for p in before)
-    noise = (sum(float(p @ p) for p in before) + STATED) / (early_count + STATED)
-    if early_count >= 30:
-        lag_before, n_before = _lag1(before)
-    else:
-        lag_before, n_before = 0.0, 1_000_000
     late = [p for _, p in after if p.size]
     count = sum(p.size for p in late)
     level = sum(float(p @ p) for p in late) / max(count, 1)
-    lag, n_after = _lag1(late)
+    early = approach(before, level)
+    known = early.count + STATED
+    noise = (early.level * early.count + STATED) / known
+    lag_before, n_before = lag1(early.parts) if early.count >= 30 else (0.0, 1_000_000)
+    lag, n_after = lag1(late)
     error = np.sqrt(1.0 / max(n_before, 1) + 1.0 / max(n_after, 1))
     worst, worst_trial = -np.inf, ""
     for trial, p in after:
         if p.size >= 20:
-            score = (float(p @ p) / p.size / noise - 1.0) / np.sqrt(2.0 / p.size + 2.0 / (early_count + STATED))
+            score = (float(p @ p) / p.size / noise - 1.0) / np.sqrt(2.0 / p.size + 2.0 / known)
             if score > worst:
                 worst, worst_trial = score, trial
     return ChannelLeft(
@@ -127,5 +119,6 @@ def _channel(name: str, before: Sequence[np.ndarray], after: Sequence[tuple[str,
         (lag - lag_before) / error,
         float(worst),
         worst_trial,
-        early_count + STATED,
+        known,
+        early.bent,
     )

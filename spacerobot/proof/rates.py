@@ -125,13 +125,15 @@ def reliability(records: Sequence[Record], bins: int = 5) -> list[tuple[float, R
 
 
 def confusion(records: Iterable[Record]) -> dict[str, dict[str, int]]:
-    """Hidden effect -> what was said -> how often; of campaigns with one hidden effect of the catalogue, or none."""
+    """Hidden effect -> what was said -> how often; of campaigns with one hidden effect, or none."""
     table: dict[str, dict[str, int]] = {}
     for record in records:
         hidden = record["hidden"]
         if len(hidden) > 1:
             continue
         row = " at ".join(hidden[0]) if hidden else record["expected"]
+        if record.get("withheld"):
+            row += " (withheld)"
         favourite = record["favourite"]
         said = " + ".join(" at ".join(f) for f in favourite) if favourite else record["said"]
         table.setdefault(row, {})

@@ -60,3 +60,16 @@ def test_an_effect_in_one_trial_of_six_is_seen() -> None:
     left = leaves(shape=lambda t: 1.5 * np.sin(6.0 * t), only=4)
     assert not left.adequate
     assert left.channels[0].worst_trial == "4"
+
+
+def test_physics_that_acts_in_the_approach_is_not_taken_for_noise() -> None:
+    """A drag left out bends the approach; were that the noise, what it leaves later would pass for noise too."""
+    fit, trials = made()
+    time = trials[0].blocks[0].time
+    early = time < TOUCH
+    for trial in fit.trials.values():
+        trial.residual[early] += 2.0 * ((time[early] / TOUCH * 2.0 - 1.0) ** 2 - 1.0 / 3.0)
+    left = left_over(fit, trials, {t.id: TOUCH for t in trials})
+    assert left.channels[0].bent
+    assert left.channels[0].noise == pytest.approx(1.0, abs=0.15)
+    assert not left.adequate

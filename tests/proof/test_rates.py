@@ -91,6 +91,8 @@ def test_confusion_counts_what_was_said() -> None:
     )
     assert table["coulomb_friction at wrist"] == {"coulomb_friction at wrist": 1, "viscous_drag at target": 1}
     assert table["nothing_missing"] == {"coulomb_friction at wrist": 1}
+    blind = record(5.0, True, withheld="coulomb_friction", said="unknown", favourite=[])
+    assert confusion([blind]) == {"coulomb_friction at wrist (withheld)": {"unknown": 1}}
 
 
 def test_coverage_and_targets() -> None:

@@ -73,32 +73,44 @@ def _contact(spec: Any, stiffness: float) -> None:
         geom.solimp = [0.99, 0.99, 1e-3, 0.5, 2.0]
 
 
+def _believed(study: Study) -> dict[str, float]:
+    v = study.values()
+    return {
+        "stiffness": v["wrist.stiffness"],
+        "damping": v["wrist.damping"] + v.get("wrist.equivalent_damping", 0.0),
+        "mass": v["wrist.mass"],
+        "contact": float(v.get("contact.stiffness", 5e4)),
+    }
+
+
 def _parameters(study: Study) -> Any:
+    """Parameters as shares of their believed values: its intervals take those of unlike sizes for degenerate."""
     from mujoco import sysid as tool
 
-    v = study.values()
-    damping = v["wrist.damping"] + v.get("wrist.equivalent_damping", 0.0)
+    believed = _believed(study)
     found = tool.ParameterDict()
 
-    def add(name: str, value: float, modifier: Callable[[Any, Any], None]) -> None:
+    def add(name: str, put: Callable[[Any, float], None]) -> None:
         width = BOUNDS[name]
-        found.add(
-            tool.Parameter(name, nominal=value, min_value=value / width, max_value=value * width, modifier=modifier)
-        )
 
-    def stiffness(s: Any, p: Any) -> None:
-        s.joint("wrist").stiffness = [float(p.value[0]), 0.0, 0.0]
+        def modifier(spec: Any, p: Any) -> None:
+            put(spec, believed[name] * float(p.value[0]))
 
-    def damper(s: Any, p: Any) -> None:
-        s.joint("wrist").damping = [float(p.value[0]), 0.0, 0.0]
+        found.add(tool.Parameter(name, nominal=1.0, min_value=1.0 / width, max_value=width, modifier=modifier))
 
-    def mass(s: Any, p: Any) -> None:
-        s.body("wrist").mass = float(p.value[0])
+    def stiffness(spec: Any, value: float) -> None:
+        spec.joint("wrist").stiffness = [value, 0.0, 0.0]
 
-    add("stiffness", v["wrist.stiffness"], stiffness)
-    add("damping", damping, damper)
-    add("mass", v["wrist.mass"], mass)
-    add("contact", v.get("contact.stiffness", 5e4), lambda s, p: _contact(s, float(p.value[0])))
+    def damping(spec: Any, value: float) -> None:
+        spec.joint("wrist").damping = [value, 0.0, 0.0]
+
+    def mass(spec: Any, value: float) -> None:
+        spec.body("wrist").mass = value
+
+    add("stiffness", stiffness)
+    add("damping", damping)
+    add("mass", mass)
+    add("contact", _contact)
     return found
 
 
@@ -129,9 +141,10 @@ def _identified(study: Study, tracks: tuple[Track, ...]) -> tuple[Any, str]:
         )
     residuals, _, _ = residual(best.as_vector(), best)
     _, widths = tool.calculate_intervals([np.ravel(r) for r in residuals], result.jac)
+    believed = _believed(study)
     values = ", ".join(
-        f"{name} {value:.5g} +- {float(width):.2g}"
-        for name, value, width in zip(best.get_non_frozen_parameter_names(), best.as_vector(), widths, strict=True)
+        f"{name} {believed[name] * share:.5g} +- {believed[name] * float(width):.2g}"
+        for name, share, width in zip(best.get_non_frozen_parameter_names(), best.as_vector(), widths, strict=True)
     )
     said = "; ".join(i["title"] for i in AutomatedInsights("insights", best).get_context()["insights"])
     return best, f"{values}. Report: {said}"
