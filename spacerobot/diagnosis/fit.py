@@ -122,13 +122,13 @@ class Fitter:
             def with_value(by: float, g: int = g) -> np.ndarray:
                 return self.residual(hypothesis, _moved(z, g, by), trial, initial)[0]
 
-            columns[:, g] = _slope(with_value, base, step, self._careful and low[g] <= z[g] - step <= high[g])
+            columns[:, g] = _slope(with_value, base, step, low[g] <= z[g] - step <= high[g], self._careful)
         for n, scale in enumerate(scales if old is None else ()):
 
             def with_start(by: float, n: int = n, scale: float = scale) -> np.ndarray:
                 return self.residual(hypothesis, z, trial, _moved(initial, n, by * scale))[0]
 
-            columns[:, z.size + n] = _slope(with_start, base, DIFFERENCE, self._careful)
+            columns[:, z.size + n] = _slope(with_start, base, DIFFERENCE, True, self._careful)
         return columns
 
     def fit(
@@ -334,7 +334,19 @@ def _moved(vector: np.ndarray, index: int, by: float) -> np.ndarray:
     return out
 
 
-def _slope(shown: Callable[[float], np.ndarray], base: np.ndarray, step: float, both: bool) -> np.ndarray:
-    """Derivative of what is `base` at no step, by a difference to one side or to both."""
-    ahead = (shown(step) - base) / step
-    return 0.5 * (ahead - (shown(-step) - base) / step) if both else ahead
+def _slope(shown: Callable[[float], np.ndarray], base: np.ndarray, step: float, either: bool, both: bool) -> np.ndarray:
+    """Derivative of what is `base` at no step, by a difference to one side, or to both.
+
+    Where one side cannot be simulated the other one must do, if it may; where neither can, nothing is known.
+    """
+    found: list[np.ndarray] = []
+    for by in (step, -step) if either else (step,):
+        if found and not both:
+            break
+        try:
+            found.append((shown(by) - base) / by)
+        except SimulationError:
+            continue
+    if len(found) == 2:
+        return 0.5 * (found[0] + found[1])
+    return found[0] if found else np.zeros_like(base)

@@ -7,11 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from spacerobot.diagnosis.fit import Fitter
+from spacerobot.diagnosis.fit import Fitter, _slope
 from spacerobot.diagnosis.hypothesis import Site
 from spacerobot.diagnosis.screen import Screener, together
 from spacerobot.diagnosis.workshop import Task, Workshop
 from spacerobot.effects.registry import effect
+from spacerobot.support.errors import SimulationError
 from tests.diagnosis.rigs import write_study
 
 FRICTION = (("coulomb_friction", "wrist"),)
@@ -111,3 +112,26 @@ def test_rescue_brings_back_a_start_that_wandered(rubbing: Workshop) -> None:
     back, moved = fitter.rescue(fit.hypothesis, state)
     assert moved
     assert back.chi2() < 3.0 * fit.chi2 < 0.1 * state.chi2()
+
+
+@pytest.mark.parametrize(
+    ("either", "both", "broken", "expected"),
+    [
+        (True, False, (), 2.1),  # forward
+        (True, True, (), 2.0),  # central
+        (False, True, (), 2.1),  # at a bound
+        (True, False, (0.1,), 1.9),  # what cannot be simulated ahead is asked behind
+        (True, True, (-0.1,), 2.1),
+        (True, True, (0.1, -0.1), 0.0),
+        (False, False, (0.1,), 0.0),
+    ],
+)
+def test_a_difference_that_cannot_be_simulated_is_taken_elsewhere(
+    either: bool, both: bool, broken: tuple[float, ...], expected: float
+) -> None:
+    def shown(by: float) -> np.ndarray:
+        if by in broken:
+            raise SimulationError("no")
+        return np.array([2.0 * by + by**2])
+
+    assert _slope(shown, np.zeros(1), 0.1, either, both) == pytest.approx(expected)
