@@ -45,7 +45,7 @@ class ChannelLeft:
 
     @property
     def white(self) -> bool:
-        """Whether it passes all three tests."""
+        """Whether its approach is free and it passes all three tests."""
         excess = self.level / self.noise - 1.0
         significant = excess > max(LEVEL_LIMIT, 5.0 * np.sqrt(2.0 / max(self.samples, 1) + 2.0 / self.early))
         return not (self.bent or significant or self.colour > COLOUR_LIMIT or self.worst > GROUP_LIMIT)

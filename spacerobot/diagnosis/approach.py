@@ -60,10 +60,10 @@ def approach(parts: Sequence[np.ndarray], later: float) -> Approach:
         later: variance of what is left after it [stated sigmas squared].
     """
     count = sum(p.size for p in parts)
-    level = sum(float(p @ p) for p in parts) / max(count, 1)
+    plain = Approach(tuple(parts), sum(float(p @ p) for p in parts) / max(count, 1), count, False)
     long = [p for p in parts if p.size >= SHORTEST]
     if len(long) < FEWEST:
-        return Approach(tuple(parts), level, count, False)
+        return plain
     coefficients, straight = [], []
     for p in long:
         basis, _ = np.linalg.qr(np.vander(np.linspace(-1.0, 1.0, p.size), ORDERS, increasing=True))
@@ -75,12 +75,12 @@ def approach(parts: Sequence[np.ndarray], later: float) -> Approach:
     noise = sum(float(p @ p) for p in straight) / left
     share = (float(np.square(found).sum()) - found.size * noise) / (noise * count)
     if share < max(LEVEL_LIMIT, SIGNIFICANT * np.sqrt(2.0 * found.size) / count):
-        return Approach(tuple(parts), level, count, False)
+        return plain
     error = np.maximum(found.std(axis=0, ddof=1), 1e-300) / np.sqrt(len(long))
     alike = 2.0 * student.sf(np.abs(found.mean(axis=0)) / error, len(long) - 1)
-    if alike.min() < CHANCE or later < 0.5 * (noise + level):
+    if alike.min() < CHANCE or later < 0.5 * (noise + plain.level):
         return Approach(tuple(straight), noise, left, True)
-    return Approach(tuple(parts), level, count, False)
+    return plain
 
 
 def lag1(parts: Sequence[np.ndarray]) -> tuple[float, int]:

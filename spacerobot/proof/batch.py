@@ -23,7 +23,13 @@ RIVALS_EVERY = 4
 
 RIVALS_ON = ("nothing_missing", "wrong_value", "unlabelled", "masked", "two", "outsider")
 
-RATE = {"nothing_missing": "nothing", "wrong_value": "value", "outsider": "outside", "withheld": "outside"}
+RATE = {
+    "nothing_missing": "nothing",
+    "wrong_value": "value",
+    "outsider": "outside",
+    "withheld": "outside",
+    "power": "power",
+}
 """Kind of concealment -> rate that it counts in; all others have an effect to be named."""
 
 
@@ -81,8 +87,8 @@ def in_turn(orders: Sequence[Order]) -> list[Order]:
     place: dict[Order, tuple[bool, int]] = {}
     counts = Counter[str]()
     for order in sorted(orders, key=lambda o: (o.seed, o.name)):
-        rate = RATE.get(order.kind, "power" if order.kind == "power" else "named")
-        place[order] = (order.kind == "power", counts[rate])
+        rate = RATE.get(order.kind, "named")
+        place[order] = (rate == "power", counts[rate])
         counts[rate] += 1
     return sorted(orders, key=lambda o: (*place[o], o.seed, o.name))
 

@@ -45,13 +45,12 @@ def sysid(study: Study, tracks: tuple[Track, ...]) -> Opinion:
 def _spec(study: Study, mass: float) -> Any:
     import mujoco
 
-    v = study.values()
-    damping = v["wrist.damping"] + v.get("wrist.equivalent_damping", 0.0)
+    believed = _believed(study)
     text = f"""
 <mujoco><option timestep="{STEP}" integrator="implicitfast" gravity="0 0 0"/>
 <worldbody>
- <body name="wrist"><inertial pos="0 0 0" mass="{v["wrist.mass"]}" diaginertia="1e-3 1e-3 1e-3"/>
-  <joint name="wrist" type="slide" axis="1 0 0" stiffness="{v["wrist.stiffness"]}" damping="{damping}"/>
+ <body name="wrist"><inertial pos="0 0 0" mass="{believed["mass"]}" diaginertia="1e-3 1e-3 1e-3"/>
+  <joint name="wrist" type="slide" axis="1 0 0" stiffness="{believed["stiffness"]}" damping="{believed["damping"]}"/>
   <geom name="tip" type="sphere" size="0.05" pos="0.05 0 0" condim="1"/></body>
  <body name="target"><inertial pos="0 0 0" mass="{mass}" diaginertia="1e-1 1e-1 1e-1"/>
   <joint name="target" type="slide" axis="1 0 0"/>
@@ -60,7 +59,7 @@ def _spec(study: Study, mass: float) -> Any:
 <actuator><motor name="none" joint="target" gear="0"/></actuator>
 <sensor><jointpos name="target" joint="target"/><jointpos name="wrist" joint="wrist"/></sensor></mujoco>"""
     spec = mujoco.MjSpec.from_string(text)
-    _contact(spec, float(v.get("contact.stiffness", 5e4)))
+    _contact(spec, believed["contact"])
     return spec
 
 
