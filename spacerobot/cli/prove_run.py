@@ -44,7 +44,7 @@ def run(args: argparse.Namespace) -> int:
         raise InputError("not a time", given=minutes, valid="above 0", where="--minutes")
     code = code_hash()
     key = combined_hash("prove", code, args.quick, sorted(kinds), share, not args.no_rivals, asked)
-    with RunFolder(args.out, "prove", key, overwrite=args.overwrite) as folder:
+    with RunFolder(args.out, "prove", key, overwrite=args.overwrite, code=code) as folder:
         if not folder.finished:
             _play(folder, args, kinds, share, jobs, asked, code, minutes)
         text = (folder.folder / "proof.json").read_text(encoding="utf-8")

@@ -18,7 +18,7 @@ from spacerobot.support.progress import Progress
 from spacerobot.support.runs import RunFolder
 from spacerobot.support.scratch import scratch
 
-RIVALS_EVERY = 4
+RIVALS_EVERY = 10
 """Rivals are tried on every so many of the rig's campaigns of these kinds, since they take their time."""
 
 RIVALS_ON = ("nothing_missing", "wrong_value", "unlabelled", "masked", "two", "outsider")

@@ -16,7 +16,7 @@ from spacerobot.proof.campaign import Belief, Campaign, Readings, noisy, perform
 from spacerobot.proof.orders import COVERED, Order
 from spacerobot.proof.scenes import hideable, scene
 from spacerobot.proof.sizes import Kind, kind, peak_stroke
-from spacerobot.proof.strength import Strength, measure, reach
+from spacerobot.proof.strength import DRAWN, NEAR, Strength, measure, reach
 from spacerobot.recordings.study import load_study
 from spacerobot.support.errors import InputError
 from spacerobot.support.scratch import scratch
@@ -150,7 +150,7 @@ def _rare(order: Order, rng: np.random.Generator) -> Concealed:
     else:
         drawn = kind("external_impulse", "target", rng, campaign)
         made = replace(drawn, trials=(int(rng.integers(len(campaign.trials))),))
-    hidden, found = reach(campaign, made, limits=_strength(rng, lowest=5.0))
+    hidden, found = reach(campaign, made, limits=_strength(rng, lowest=5.0), near=DRAWN)
     return _as_effect(order, hidden, found)
 
 
@@ -172,8 +172,8 @@ def _two(order: Order, rng: np.random.Generator) -> Concealed:
         sensors = {first[1], second[1]} & {"force_sensor", "mocap"}
         if len(group) == 2 and not (len(sensors) == 1 and first[1] == second[1]):
             break
-    one, _ = reach(campaign, kind(*first, rng, campaign), limits=_strength(rng, lowest=8.0))
-    other, _ = reach(campaign, kind(*second, rng, campaign), limits=_strength(rng, lowest=8.0))
+    one, _ = reach(campaign, kind(*first, rng, campaign), limits=_strength(rng, lowest=8.0), near=DRAWN)
+    other, _ = reach(campaign, kind(*second, rng, campaign), limits=_strength(rng, lowest=8.0), near=DRAWN)
     both = campaign.with_missing(*one.missing, *other.missing)
     return _as_effect(order, both, measure(both))
 
@@ -223,7 +223,8 @@ def _one(
 ) -> tuple[Campaign, Strength]:
     campaign = scene(order.family, rng, effect=order.effect)
     key = order.effect or _draw(campaign, rng, choose, outside=outside)
-    return reach(campaign, kind(*key, rng, campaign), limits=limits, variance_ratio=variance_ratio)
+    near = NEAR if order.limits is not None or order.kind.startswith("weak") else DRAWN
+    return reach(campaign, kind(*key, rng, campaign), limits=limits, variance_ratio=variance_ratio, near=near)
 
 
 def _draw(

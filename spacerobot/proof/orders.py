@@ -90,21 +90,21 @@ class Size:
 
 FULL = Size(
     {
-        "nothing_missing": 240,
+        "nothing_missing": 210,
         "wrong_value": 210,
-        "unlabelled": 240,
-        "masked": 60,
-        "weak 1.05": 45,
-        "weak 1.2": 45,
-        "weak 1.5": 45,
-        "weak 3": 45,
-        "rare": 30,
-        "imitated": 60,
-        "two": 60,
-        "outsider": 210,
+        "unlabelled": 90,
+        "masked": 42,
+        "weak 1.05": 12,
+        "weak 1.2": 12,
+        "weak 1.5": 12,
+        "weak 3": 12,
+        "rare": 20,
+        "imitated": 30,
+        "two": 42,
+        "outsider": 162,
     },
     withheld_rounds=2,
-    curve_repeats=4,
+    curve_repeats=3,
     short_repeats=2,
 )
 

@@ -29,7 +29,10 @@ from spacerobot.support.scratch import scratch
 LEVEL, POWER = 0.05, 0.95
 
 NEAR = 1.15
-"""A size has reached its strength within this factor."""
+"""A size has reached its strength within this factor, where a row of the tables or a point of a curve states it."""
+
+DRAWN = 1.3
+"""And within this one where the strength was drawn at random."""
 
 ATTEMPTS = 6
 
@@ -99,7 +102,12 @@ def measure(campaign: Campaign) -> Strength:
 
 
 def reach(
-    campaign: Campaign, kind: Kind, *, limits: float | None = None, variance_ratio: float | None = None
+    campaign: Campaign,
+    kind: Kind,
+    *,
+    limits: float | None = None,
+    variance_ratio: float | None = None,
+    near: float = NEAR,
 ) -> tuple[Campaign, Strength]:
     """The campaign with the effect hidden at the size that makes it as strong as asked; as near as it comes.
 
@@ -108,6 +116,7 @@ def reach(
         kind: the effect.
         limits: size in detection limits.
         variance_ratio: residual variance after refit over the noise variance, instead.
+        near: factor within which it is reached.
 
     Raises:
         SimulationError: no size can be run.
@@ -131,7 +140,7 @@ def reach(
         off = abs(math.log(ratio))
         if best is None or off < best[0]:
             best = off, hidden, found
-        if off < math.log(NEAR) or (ratio > 1.0 and size >= kind.largest):
+        if off < math.log(near) or (ratio > 1.0 and size >= kind.largest):
             break
         low, high = (size, high) if ratio > 1.0 else (low, size)
         step = size * min(max(ratio, 0.05), 20.0)

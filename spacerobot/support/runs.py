@@ -20,6 +20,7 @@ from spacerobot import __version__
 from spacerobot.support.errors import InputError
 from spacerobot.support.files import atomic, write_text
 from spacerobot.support.jsonio import dumps
+from spacerobot.support.sources import package_hash
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -51,7 +52,7 @@ def _a_path(name: str) -> bool:
 class RunFolder:
     """One run's output folder. A context manager; leaving it without `finish` leaves an interrupted run.
 
-    * a finished run of the same command, input hash and version is there: `finished` is true, its files
+    * a finished run of the same command, input hash, version and code is there: `finished` is true, its files
       stand;
     * an interrupted one: `resumed` is true, and what it had saved comes back from `load` and `load_arrays`;
     * nothing, or an empty folder: a new run;
@@ -65,6 +66,7 @@ class RunFolder:
         command: the command's name.
         input_hash: of everything that decides the results (see `combined_hash`).
         overwrite: replace what is there.
+        code: hash of the sources that decide the results; of the whole package if absent.
 
     Attributes:
         folder: absolute path.
@@ -75,9 +77,16 @@ class RunFolder:
         InputError: something else is there, another process is writing there, or it cannot be written.
     """
 
-    def __init__(self, folder: str | Path, command: str, input_hash: str, *, overwrite: bool = False) -> None:
+    def __init__(
+        self, folder: str | Path, command: str, input_hash: str, *, overwrite: bool = False, code: str | None = None
+    ) -> None:
         self.folder = Path(folder).expanduser().resolve()
-        self.command, self.input_hash = command, input_hash
+        self._key = {
+            "command": command,
+            "input_hash": input_hash,
+            "version": __version__,
+            "code": package_hash() if code is None else code,
+        }
         self.finished = self.resumed = False
         self._made: list[Path] = []
         self._outputs: dict[str, int] = {}
@@ -225,28 +234,23 @@ class RunFolder:
         return found if all(map(_a_path, found["outputs"])) else None
 
     def _is_mine(self, marker: Mapping[str, Any]) -> bool:
-        mine = {"command": self.command, "input_hash": self.input_hash, "version": __version__}
-        return all(marker.get(key) == value for key, value in mine.items())
+        return all(marker.get(key) == value for key, value in self._key.items())
 
     def _stranger(self, marker: Mapping[str, Any] | None, others: list[str]) -> str:
         if marker is None:
             return f"the folder holds other files ({', '.join(sorted(others)[:3])})"
-        if marker.get("command") != self.command:
+        if marker.get("command") != self._key["command"]:
             return f"the folder holds a run of {str(marker.get('command'))[:40]!r}"
         if marker.get("version") != __version__:
             return f"the folder holds a run of version {str(marker.get('version'))[:20]}"
-        return "the folder holds a run on other inputs"
+        if marker.get("input_hash") != self._key["input_hash"]:
+            return "the folder holds a run on other inputs"
+        return "the folder holds a run of other code: the sources have changed since"
 
     def _mark(self, state: str) -> None:
         if state == "finished":
             self._outputs = {name: size for name in self._outputs if (size := self._size(name)) >= 0}
-        content = {
-            "state": state,
-            "command": self.command,
-            "input_hash": self.input_hash,
-            "version": __version__,
-            "outputs": self._outputs,
-        }
+        content = {"state": state, **self._key, "outputs": self._outputs}
         write_text(self.folder / MARKER, dumps(content))
 
     def _size(self, name: str) -> int:

@@ -63,6 +63,14 @@ def test_another_run_is_refused(tmp_path: Path, command: str, input_hash: str, r
     assert (tmp_path / "verdict.json").exists()
 
 
+def test_a_run_of_other_sources_is_not_taken_for_the_same(tmp_path: Path) -> None:
+    finished(tmp_path)
+    with pytest.raises(InputError, match="sources have changed"):
+        RunFolder(tmp_path, "diagnose", "a", code="0123456789abcdef")
+    with RunFolder(tmp_path, "diagnose", "a") as run:
+        assert run.finished
+
+
 def test_foreign_files_are_refused_and_survive_an_overwrite(tmp_path: Path) -> None:
     (tmp_path / "thesis.tex").write_text("years of work")
     with pytest.raises(InputError, match=r"thesis\.tex"):

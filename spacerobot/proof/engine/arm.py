@@ -46,7 +46,7 @@ class ArmRig(Rig):
     floating: bool = False
     tip: ClassVar[str | None] = "tip"
     mount: ClassVar[str | None] = "mount"
-    steps: ClassVar[tuple[float, float]] = (4e-4, 1e-4)
+    steps: ClassVar[tuple[float, float, float]] = (4e-4, 4e-4, 1e-4)
 
     def __post_init__(self) -> None:
         super().__post_init__()

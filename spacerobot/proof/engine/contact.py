@@ -9,6 +9,9 @@ import numpy as np
 
 from spacerobot.proof.engine.rig import ContactLaw, Rig
 
+EXACT = 1e-11
+"""A touch or a parting is met to within so much of its measure [m or N]."""
+
 SLIDE_SPEED = 2e-4
 """Speed [m/s] over which friction across the contact changes its sign."""
 
@@ -130,7 +133,7 @@ class Contact:
         if not self.pressed:
             return 0.0
         d = self.geometry.depth(q)
-        if d <= 0.0 and self.law.hold == 0.0:
+        if d <= -EXACT and self.law.hold == 0.0:  # a touch may be met from this side
             return 0.0
         return max(self.law.force(d, self.geometry.rate(q, v)), -self.law.hold)
 

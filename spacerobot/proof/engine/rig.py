@@ -115,7 +115,7 @@ class Rig:
         tilt: acceleration of whatever floats along x [m/s^2].
         trial: number of the trial in its campaign, from 0, for what changes with use.
         tip, mount: names of the sites that touch and that carry the slider, where a whole arm moves.
-        steps: of the integration, apart and in contact [s].
+        steps: of the integration where joints alone act, smoothly and well apart; apart; in contact [s].
     """
 
     values: Values
@@ -129,7 +129,7 @@ class Rig:
     tilt: float = 0.0
     tip: ClassVar[str | None] = None
     mount: ClassVar[str | None] = None
-    steps: ClassVar[tuple[float, float]] = (2.5e-4, 5e-5)
+    steps: ClassVar[tuple[float, float, float]] = (5e-4, 2.5e-4, 1e-4)
 
     def __post_init__(self) -> None:
         v = self.values
@@ -150,6 +150,11 @@ class Rig:
         """Let the hand move on a spring; it comes first among the joints."""
         self.joints = {"hand": Joint(stiffness=stiffness, damping=damping), **self.joints}
         self.masses["hand"] = mass
+
+    @property
+    def smooth(self) -> bool:
+        """Whether springs and dampers of joints are all there is while tip and target are apart."""
+        return not (self.laws or self.levels or self.tendons or any(j.friction for j in self.joints.values()))
 
     @property
     def index(self) -> dict[str, int]:

@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from spacerobot.proof.engine.contact import Contact, Planar, Spatial
+from spacerobot.proof.engine.contact import EXACT, Contact, Planar, Spatial
 from spacerobot.proof.engine.rig import Rig
 from spacerobot.support.errors import SimulationError
 
-EXACT = 1e-11
-"""A touch or a parting is met to within so much of its measure [m or N]."""
+CLEAR = 2e-3
+"""Gap [m] from which on no step, however long, can hide a touch between its ends."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,6 +63,7 @@ class _Running:
         self.places: list[tuple[float, float, float]] = []
         self.forces: list[float] = []
         self.touches: list[float] = []
+        self.smooth, self.called = rig.smooth, False
 
     def callback(self, _model: Any, _data: Any) -> None:
         """MuJoCo's passive forces: contact and explicit laws added to them."""
@@ -77,6 +78,17 @@ class _Running:
         for i, value in enumerate(out):
             if value:
                 passive[i] += value
+
+    def pace(self) -> float:
+        """Length of the next step [s]; MuJoCo calls back only where a force of ours acts."""
+        long, apart, pressed = self.rig.steps
+        alone = self.smooth and not self.contact.pressed
+        if self.called == alone:
+            self.mujoco.set_mjcb_passive(None if alone else self.callback)
+            self.called = not alone
+        if self.contact.pressed:
+            return pressed
+        return long if alone and self.depth() < -CLEAR else apart
 
     def note(self) -> None:
         """Write down where things are."""
@@ -184,13 +196,13 @@ def run(rig: Rig, position: Mapping[str, float], velocity: Mapping[str, float], 
     data, contact = at.data, at.contact
     kicks = sorted(rig.kicks)
     mujoco.set_mju_user_warning(lambda text: None)  # it would write a file where the user stands; `log` checks
-    mujoco.set_mjcb_passive(at.callback)
     try:
+        at.pace()
         mujoco.mj_forward(at.model, data)
         at.note()
         while data.time < duration - 1e-12:
             at.levels()
-            h = min(rig.steps[contact.pressed], duration - data.time)
+            h = min(at.pace(), duration - data.time)
             if kicks:
                 h = min(h, max(kicks[0][0] - data.time, 0.0))
             if h > 0.0:
