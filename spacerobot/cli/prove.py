@@ -9,11 +9,13 @@ examples:
   spacerobot prove --quick --out proof-quick
   spacerobot prove --out proof --jobs 4 --docs docs
   spacerobot prove --out proof --minutes 60 --docs docs
+  spacerobot prove --out proof --resume docs/proof_records.jsonl --docs docs
   spacerobot prove --out proof --kinds nothing_missing outsider --seed 7 --json
 
 Needs the extra `proof` (pip install "spacerobot[proof]"). Seeds are drawn when a batch begins, unless --seed is given,
 and printed. Every scored campaign is kept at once: a batch that was interrupted goes on where it stopped, as long as
-the code is the same. Writes proof.md with its figures, proof.json and records.json."""
+the code is the same; --resume takes it up on another machine. Writes proof.md with its figures, proof.json and
+records.jsonl, the record of every campaign."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -25,10 +27,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--share", metavar="X", default="1", help="this share of each kind's campaigns; default: 1")
     parser.add_argument("--minutes", metavar="M", help="begin no campaign after so long; the next run goes on")
     parser.add_argument("--seed", metavar="N", help="of the batch; drawn from the operating system if absent")
+    parser.add_argument("--resume", metavar="FILE", help="go on with the batch whose records these are")
     parser.add_argument("--jobs", metavar="N", help="campaigns at a time; default: 1")
     parser.add_argument("--dask", metavar="ADDRESS", help="play them on this Dask scheduler's workers")
     parser.add_argument("--no-rivals", action="store_true", help="leave mujoco.sysid, PySINDy and the bare refit out")
-    parser.add_argument("--docs", metavar="DIR", help="write proof.md and its figures there too")
+    parser.add_argument("--docs", metavar="DIR", help="write proof.md, its figures and proof_records.jsonl there too")
     parser.add_argument("--json", action="store_true", help="print one JSON object, that of proof.json")
     parser.add_argument("--overwrite", action="store_true", help="replace a run that is in DIR")
     parser.add_argument("-v", "--verbose", action="store_true", help="show progress although nobody watches")

@@ -15,6 +15,7 @@ from spacerobot import __version__
 from spacerobot.proof.batch import draw_seed, run_batch
 from spacerobot.proof.code_hash import code_hash
 from spacerobot.proof.orders import FULL, KINDS, QUICK, Order, Size, schedule
+from spacerobot.proof.published import as_lines, read_batch, taken_up
 from spacerobot.proof.summary import as_json
 from spacerobot.support.errors import InputError, NotFoundError
 from spacerobot.support.executors.choose import executor, not_both
@@ -43,10 +44,17 @@ def run(args: argparse.Namespace) -> int:
     if minutes <= 0.0:
         raise InputError("not a time", given=minutes, valid="above 0", where="--minutes")
     code = code_hash()
-    key = combined_hash("prove", code, args.quick, sorted(kinds), share, not args.no_rivals, asked)
+    begun, known = _begun(args.resume, asked, code)
+    seed = begun["seed"] if begun else asked
+    key = combined_hash("prove", code, args.quick, sorted(kinds), share, not args.no_rivals, seed)
     with RunFolder(args.out, "prove", key, overwrite=args.overwrite, code=code) as folder:
         if not folder.finished:
-            _play(folder, args, kinds, share, jobs, asked, code, minutes)
+            begun = folder.load("batch") or begun or _new(asked)
+            folder.save("batch", begun)
+            say(f"seed {begun['seed']}, code {code}")
+            orders = _orders(QUICK if args.quick else FULL, begun["seed"], kinds, share)
+            _take_up(folder, orders, known, args.resume)
+            _play(folder, args, orders, begun, jobs, code, minutes)
         text = (folder.folder / "proof.json").read_text(encoding="utf-8")
         if args.docs:
             _into(Path(args.docs), folder.folder)
@@ -54,22 +62,43 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
+def _begun(path: str | None, asked: int | None, code: str) -> tuple[dict[str, Any], list[dict[str, Any]]]:
+    """Seed and date, and the records, of the batch to go on with; nothing where a new one begins."""
+    if path is None:
+        return {}, []
+    if asked is not None:
+        raise InputError("the batch has its seed", given=f"--seed {asked}", valid="--resume without --seed")
+    batch, records = read_batch(path)
+    if batch.pop("code") != code:
+        raise InputError(
+            "these campaigns were diagnosed by other code; they do not count in this batch",
+            given=path,
+            valid=f"records of code {code}, or a new batch without --resume",
+        )
+    return batch, records
+
+
+def _new(asked: int | None) -> dict[str, Any]:
+    return {"seed": draw_seed() if asked is None else asked, "date": datetime.now(UTC).strftime("%Y-%m-%d")}
+
+
+def _take_up(folder: RunFolder, orders: list[Order], known: list[dict[str, Any]], path: str | None) -> None:
+    """Keep the records of a published batch as this folder's own, where it has none yet."""
+    taken_up(known, orders, str(path))
+    for record in known:
+        if folder.load(record["name"]) is None:
+            folder.save(record["name"], record)
+
+
 def _play(
     folder: RunFolder,
     args: argparse.Namespace,
-    kinds: list[str],
-    share: float,
+    orders: list[Order],
+    begun: dict[str, Any],
     jobs: int,
-    asked: int | None,
     code: str,
     minutes: float,
 ) -> None:
-    begun = folder.load("batch")
-    if begun is None:
-        begun = {"seed": draw_seed() if asked is None else asked, "date": datetime.now(UTC).strftime("%Y-%m-%d")}
-        folder.save("batch", begun)
-    say(f"seed {begun['seed']}, code {code}")
-    orders = _orders(QUICK if args.quick else FULL, begun["seed"], kinds, share)
     with executor(jobs, args.dask) as workers:
         records = run_batch(
             folder, orders, workers=workers, rivals=not args.no_rivals, verbose=args.verbose, seconds=60.0 * minutes
@@ -83,7 +112,7 @@ def _play(
             names[name] = f"figures/proof_{name}.png"
             folder.write(names[name], png(figure))
     folder.write("proof.md", page(records, about, names))
-    folder.write("records.json", dumps(records) + "\n")
+    folder.write("records.jsonl", as_lines({**begun, "code": code}, records))
     folder.write("proof.json", dumps(as_json(records, about)) + "\n")
     if len(records) == len(orders):
         folder.finish()
@@ -126,7 +155,8 @@ def _command(args: argparse.Namespace) -> str:
 
 
 def _into(docs: Path, run: Path) -> None:
-    write_text(docs / "proof.md", (run / "proof.md").read_text(encoding="utf-8"))
+    for name, theirs in (("proof.md", "proof.md"), ("proof_records.jsonl", "records.jsonl")):
+        write_text(docs / name, (run / theirs).read_text(encoding="utf-8"))
     for figure in sorted((run / "figures").glob("proof_*.png")):
         with atomic(docs / "figures" / figure.name, "wb") as stream:
             stream.write(figure.read_bytes())

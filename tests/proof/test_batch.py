@@ -175,10 +175,17 @@ def test_the_command_writes_page_and_figures(tmp_path: Path, capsys: pytest.Capt
         assert f"figures/proof_{name}.png" in text
         assert (docs / "figures" / f"proof_{name}.png").stat().st_size > 1000
     assert "mujoco.sysid" in text
-    assert len(json.loads((out / "records.json").read_text())) == len(PLAYED)
+    published = docs / "proof_records.jsonl"
+    assert published.read_text() == (out / "records.jsonl").read_text()
     count = len(PLAYED)
     assert main(arguments) == 0  # finished: reused
     assert len(PLAYED) == count
+    kept = published.read_text().splitlines(keepends=True)
+    published.write_text("".join(kept[:-3]))  # as published when it was not done yet
+    elsewhere = ["prove", "--out", str(tmp_path / "elsewhere"), "--share", "0.2", "--resume", str(published)]
+    assert main(elsewhere) == 0
+    assert len(PLAYED) == count + 3
+    assert (tmp_path / "elsewhere" / "records.jsonl").read_text() == "".join(kept)
 
 
 def test_the_page_lists_what_went_wrong_and_nothing_else(tmp_path: Path) -> None:

@@ -1,0 +1,78 @@
+"""The records of a batch as one file beside its page: one JSON object a line, whence the batch goes on elsewhere."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from spacerobot.proof.orders import Order
+from spacerobot.support.errors import InputError
+from spacerobot.support.jsonio import dumps
+
+FORMAT = 1
+
+SCORED = ("said", "expected", "hidden", "favourite", "strength", "confidence", "parameters", "seconds", "same", "equal")
+"""Keys without which a record of a campaign that was made is none."""
+
+
+def as_lines(batch: Mapping[str, Any], records: Sequence[Mapping[str, Any]]) -> str:
+    """The file's text: the batch (seed, date, code) first, then each record."""
+    return "".join(f"{dumps(line, indent=None)}\n" for line in ({"format": FORMAT, **batch}, *records))
+
+
+def read_batch(path: str | Path) -> tuple[dict[str, Any], list[dict[str, Any]]]:
+    """Batch and records of such a file.
+
+    Raises:
+        InputError: no such file, or a line that is none of it.
+    """
+    lines = _lines(Path(path))
+    where, first = next(lines, ("", {}))
+    if first.get("format") != FORMAT:
+        raise InputError("not the records of a batch", given=str(path), valid="a records.jsonl of `spacerobot prove`")
+    for key, kind in (("seed", int), ("date", str), ("code", str)):
+        if not isinstance(first.get(key), kind):
+            raise InputError(f"the batch states no {key}", given=first.get(key), where=where)
+    batch = {key: first[key] for key in ("seed", "date", "code")}
+    return batch, [_scored(record, where) for where, record in lines]
+
+
+def taken_up(records: Sequence[Mapping[str, Any]], orders: Sequence[Order], where: str) -> None:
+    """Check that every record is of a campaign of the batch.
+
+    Raises:
+        InputError: one is of another campaign, or of one with another seed.
+    """
+    seeds = {o.name: o.seed for o in orders}
+    for record in records:
+        if seeds.get(record["name"]) != record["seed"]:
+            raise InputError("this record is of no campaign of the batch", given=record["name"], where=where)
+
+
+def _lines(path: Path) -> Iterator[tuple[str, dict[str, Any]]]:
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, ValueError) as error:
+        raise InputError("the records cannot be read", given=str(path), where="--resume") from error
+    for number, line in enumerate(text.split("\n"), 1):  # `splitlines` knows other ends, which texts may hold
+        if not line:
+            continue
+        where = f"{path}, line {number}"
+        try:
+            found = json.loads(line)
+        except (ValueError, RecursionError):
+            raise InputError("not a line of JSON", given=line[:60], where=where) from None
+        if not isinstance(found, dict):
+            raise InputError("not a JSON object", given=line[:60], where=where)
+        yield where, found
+
+
+def _scored(record: dict[str, Any], where: str) -> dict[str, Any]:
+    if not isinstance(record.get("name"), str) or not isinstance(record.get("seed"), int):
+        raise InputError("a record without name and seed", given=str(record.get("name"))[:60], where=where)
+    missing = [key for key in SCORED if key not in record]
+    if missing and "failed" not in record:
+        raise InputError(f"the record lacks {', '.join(missing)}", given=record["name"], where=where)
+    return record
