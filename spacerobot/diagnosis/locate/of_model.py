@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -40,20 +40,26 @@ def has_balance(model: Model) -> bool:
 
 
 def locate_model(
-    model: Model, values_by_trial: Mapping[str, Mapping[str, float]] | None = None, *, seed: int = 0
+    model: Model,
+    values_by_trial: Mapping[str, Mapping[str, float]] | None = None,
+    *,
+    trials: Sequence[TrialData] = (),
+    seed: int = 0,
 ) -> Located:
     """Test a general model's balances; the noise is taken as unknown.
 
     Args:
         model: from `models.choose`.
         values_by_trial: trial id -> values to balance with; as believed where absent.
+        trials: the model's own, under the weights that a fit has given them; what believed values may be wrong by is
+            weighed against these.
         seed: of random sign flips.
 
     Raises:
         InputError: a model without balances, or trials too short for one.
     """
     if isinstance(model, InverseDynamics):
-        return locate_series(joint_series(model, values_by_trial), seed=seed)
+        return locate_series(joint_series(model, values_by_trial, trials), seed=seed)
     if isinstance(model, Platform):
         return locate_series(track_series(model, values_by_trial), seed=seed)
     if isinstance(model, Simulated):
@@ -67,13 +73,15 @@ def locate_model(
 
 
 def joint_series(
-    model: InverseDynamics, values_by_trial: Mapping[str, Mapping[str, float]] | None = None
+    model: InverseDynamics,
+    values_by_trial: Mapping[str, Mapping[str, float]] | None = None,
+    trials: Sequence[TrialData] = (),
 ) -> list[BalanceSeries]:
-    """The torque balances of joint logs, a series for each joint and piece."""
+    """The torque balances of joint logs, a series for each joint and piece; `trials` as in `locate_model`."""
     values = values_by_trial or believed_values(model, model.trials)
     none = np.zeros(0)
     out = []
-    for trial in model.trials:
+    for trial in trials or model.trials:
         own = values[trial.id]
         base = model.predict(model.mechanism(own, trial), trial, none).blocks[0]
         moved = {}

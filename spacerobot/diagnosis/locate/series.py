@@ -87,7 +87,8 @@ def locate_series(series: Sequence[BalanceSeries], *, noise_known: bool = False,
                     score = search.score((name, ALL, depends_on), pattern.at)
                     score.add(white, clean(rows), rows / one.sigma[:, None])
         p = math.exp(significance.log_p_chi2(chi2, max(freedom, 1))) if noise_known else math.nan
-        search.totals[name] = Total(name, own[0].unit, chi2, freedom, p)
+        # noise that is not known accounts for none of it: a pattern's share is one of all that is left over
+        search.totals[name] = Total(name, own[0].unit, chi2, freedom if noise_known else 0, p)
         drawn += _surfaces(own)
     return Located(search.rows(seed, noise_known), tuple(drawn), tuple(search.totals[n] for n in names))
 

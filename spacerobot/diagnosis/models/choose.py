@@ -89,6 +89,8 @@ def balances(study: Study, trials: list[Trial], joints: tuple[str, ...]) -> list
     grids = {t.id: (even_grid(study.recording(t), channels), study.condition(t), dict(t.overrides)) for t in trials}
     stream = study.recording(trials[0])[f"joint.{joints[0]}.torque"].stream
     values = {n: v for n, v in study.values().items() if n.startswith("joint.")}
+    logs = [study.recording(t)[c] for t in trials for c in channels]
+    noise = {s.name: s.sigma for s in logs if s.sigma_stated}
     found: list[Model] = []
     for joint in joints:
         unknown = [n for n in sorted(study.baseline.unknown) if n.startswith(f"joint.{joint}.")]
@@ -103,6 +105,7 @@ def balances(study: Study, trials: list[Trial], joints: tuple[str, ...]) -> list
                 unknown=unknown,
                 sigma={n: v for n, v in study.sigma.items() if n.startswith((f"joint.{joint}.", "link."))},
                 sensor=stream,
+                noise=noise,
             )
         )
     return found

@@ -68,7 +68,7 @@ def diagnose_parts(
     done = []
     for place, part in enumerate(parts):
         report("locating and checking", place, len(parts))
-        located = locate_model(part.model, seed=seed) if has_balance(part.model) else None
+        located = locate_model(part.model, trials=part.trials, seed=seed) if has_balance(part.model) else None
         done.append(replace(part, located=located, checks=checks_of(part, seed)))
     report("judging", 0, 1)
     verdict = verdict_of(study, done, version=__version__, seed=seed, seconds=time.perf_counter() - began)

@@ -41,6 +41,12 @@ WIDTH = 0.1
 FEWEST = 4
 """Half widths of a test function that a piece holds at least."""
 
+FEWEST_READINGS = 4
+"""That a piece holds at least."""
+
+STILL = 4.0
+"""A speed within so many standard deviations of its noise is none."""
+
 PIECES = 8
 """Into how many parts a trial is cut, so that there is something to hold out."""
 
@@ -79,6 +85,7 @@ class InverseDynamics(Model):
         unknown: Sequence[str] = (),
         sigma: Mapping[str, float] | None = None,
         sensor: str = "torques",
+        noise: Mapping[str, float] | None = None,
     ) -> None:
         """From joint logs.
 
@@ -94,6 +101,8 @@ class InverseDynamics(Model):
                 that of the robot's own inertia about the joint, in its mean pose. A "link.NAME.mass" changes the
                 link's weight and inertia as one; links that no compared joint carries are left out.
             sensor: what verdicts call the torque sensors.
+            noise: standard deviations by channel, of the torques and of what the motion is taken from, where the study
+                states them all; see `loudness`.
         """
         self.joints = tuple(joints)
         self.compared = tuple(joints if compared is None else compared)
@@ -113,6 +122,7 @@ class InverseDynamics(Model):
         self._level = np.array([own[j].force for j in self.compared])
         self._motion: dict[str, Motion] = {}
         self._bump: dict[str, Bump] = {}
+        self._noise = dict(noise or {})
         pace = WIDTH * min(own[j].time for j in self.compared)
         trials: list[TrialData] = []
         for key, (grid, condition, overrides) in grids.items():
@@ -120,10 +130,16 @@ class InverseDynamics(Model):
             thin = max(1, int(own_pace / grid.step / POINTS))
             log = raw[key] if 3 * thin <= SHARP else _kinematics(grid, self.joints, 3 * thin)  # or noise folds over
             log = log.thinned(thin, arm, heavier)
-            trials += self._cut(key, log, condition, overrides, max(SHARP, round(own_pace / log.step)))
+            sharp = Bump.of(SHARP if 3 * thin <= SHARP else 3 * thin, grid.step)
+            half = max(SHARP, round(own_pace / log.step))
+            slow = self._slow(sharp)
+            trials += self._cut(key, log, condition, overrides, half, slow) or self._cut(
+                key, log, condition, overrides, half, 0.0 * slow
+            )
         self.trials = tuple(trials)
-        inertia = arm.inertia(np.concatenate([m.position[:: m.stride] for m in self._motion.values()]))
-        self._mass = {f"joint.{j}": float(x) for j, x in zip(self.joints, inertia, strict=True)}
+        mean = arm.inertia(np.concatenate([m.position[:: m.stride] for m in self._motion.values()]))
+        self._mass = {f"joint.{j}": float(x) for j, x in zip(self.joints, np.diag(mean), strict=True)}
+        self.expected = _expected(self, mean, self._noise, {k: g.step for k, (g, _, _) in grids.items()})
         self.base = dict(values or {})
         centres = {n: own[n.split(".")[1]].of(_UNITS[n.split(".")[2]]) for n in unknown}
         sigma = {n: s for n, s in sigma.items() if n not in centres}
@@ -133,8 +149,24 @@ class InverseDynamics(Model):
         )
         self.believed = Believed(self.base, sigma, {}, conditions_of(trials), centres)
 
-    def _cut(self, key: str, log: _Log, condition: str, overrides: Mapping[str, float], half: int) -> list[TrialData]:
-        """The trial in pieces, each with its motion and with its torque seen through the test functions."""
+    def _slow(self, sharp: Bump) -> np.ndarray:
+        """Speeds below which a compared joint may stand still, shape (C,); zero where the noise is not known."""
+        out = []
+        for joint in self.compared:
+            rate, place = (self._noise.get(f"joint.{joint}.{kind}") for kind in ("velocity", "position"))
+            if rate is not None:
+                out.append(STILL * rate * float(np.linalg.norm(sharp.weight)))
+            else:
+                out.append(STILL * (place or 0.0) * float(np.linalg.norm(sharp.slope)))
+        return np.array(out)
+
+    def _cut(
+        self, key: str, log: _Log, condition: str, overrides: Mapping[str, float], half: int, slow: np.ndarray
+    ) -> list[TrialData]:
+        """The trial in pieces, each with its motion and with its torque seen through the test functions.
+
+        Where a joint may stand still dry friction holds whatever is asked of it: such readings say nothing.
+        """
         bump = Bump.of(half, log.step)
         stride = max(1, half // 2)
         channels = tuple(f"joint.{j}.torque" for j in self.compared)
@@ -144,9 +176,13 @@ class InverseDynamics(Model):
             if part.size < FEWEST * half:
                 continue
             seen = bump.smooth(log.torque[part][:, index])[::stride].T
-            clean = np.convolve(~log.good[part], np.ones(2 * half + 1), "valid")[::stride] < 0.5
+            still = np.abs(log.velocity[part][:, index]) < slow
+            bad = (~log.good[part][:, None] | still).astype(float)
+            clean = np.array([np.convolve(b, np.ones(2 * half + 1), "valid")[::stride] < 0.5 for b in bad.T])
             at = log.time[part][half:-half][::stride]
             weight = np.where(clean, 1.0, 0.0) / (FIRST_NOISE * self._level[:, None])
+            if clean.sum() < FEWEST_READINGS:
+                continue
             name = f"{key}@{n}"
             block = Block(self.sensor, channels, at, np.where(clean, seen, 0.0), weight)
             out.append(TrialData(name, condition, dict(overrides), (block,), float(at[0]), float(at[-1])))
@@ -216,6 +252,10 @@ class InverseDynamics(Model):
         """The motion that a piece's balance runs along."""
         return self._motion[trial.id]
 
+    def bump(self, trial: TrialData) -> Bump:
+        """The test function that a piece's balance is seen through."""
+        return self._bump[trial.id]
+
     def seen(self, trial: TrialData, signal: np.ndarray) -> np.ndarray:
         """A signal along that motion, shape (T, ...), as the piece's readings show it: through its test functions."""
         return self._bump[trial.id].smooth(signal)[:: self._motion[trial.id].stride]
@@ -275,12 +315,12 @@ class _Rigid:
         return out
 
     def inertia(self, positions: np.ndarray) -> np.ndarray:
-        """Mean diagonal of the joint-space inertia over some poses, shape (J,)."""
+        """Mean joint-space inertia over some poses, shape (J, J)."""
         some = positions[:: max(1, positions.shape[0] // 50)]
         found = []
         for position in some:
-            pin.crba(self.model, self.data, self._full(position))
-            found.append(np.diag(self.data.M)[self.index])
+            full = pin.crba(self.model, self.data, self._full(position))
+            found.append((np.triu(full) + np.triu(full, 1).T)[np.ix_(self.index, self.index)])
         return np.asarray(np.mean(found, axis=0))
 
 
@@ -327,6 +367,36 @@ def _kinematics(grid: Grid, joints: Sequence[str], half: int) -> _Log:
 
 
 _LOGGED = ("position", "torque")
+
+
+def _expected(
+    model: InverseDynamics, inertia: np.ndarray, noise: Mapping[str, float], steps: Mapping[str, float]
+) -> dict[str, float]:
+    """Channel -> standard deviation of a balance's reading by the sensors' stated noise; empty where one is not.
+
+    The torque's noise passes through both test functions; the motion's through their derivatives, as an acceleration
+    that the mean inertia turns into a torque. Weight and Coriolis forces pass on far less.
+    """
+    rates = all(f"joint.{j}.velocity" in noise for j in model.joints)
+    of = "velocity" if rates else "position"
+    if not all(f"joint.{j}.{kind}" in noise for j in model.joints for kind in ("torque", of)):
+        return {}
+    smooth, bent = [], []
+    for trial in model.trials:
+        step = steps[trial.id.split("@")[0]]
+        bump, thin = model.bump(trial), round(model.measured(trial).step / step)
+        sharp = Bump.of(SHARP if 3 * thin <= SHARP else 3 * thin, step)
+        wide = np.zeros(thin * (bump.weight.size - 1) + 1)
+        wide[::thin] = bump.weight
+        smooth.append(float(np.sum(np.convolve(wide, sharp.weight) ** 2)))
+        bent.append(float(np.sum(np.convolve(wide, sharp.slope if rates else sharp.curve) ** 2)))
+    torque, acceleration = np.mean(smooth), np.mean(bent)
+    shaken = np.array([noise[f"joint.{j}.{of}"] ** 2 for j in model.joints]) * acceleration
+    out = {}
+    for joint in model.compared:
+        row = inertia[model.joints.index(joint)]
+        out[f"joint.{joint}.torque"] = float(np.sqrt(noise[f"joint.{joint}.torque"] ** 2 * torque + row**2 @ shaken))
+    return out
 
 
 def _sizes(logs: Iterable[_Log], index: int) -> Sizes:

@@ -20,6 +20,10 @@ STRIKING = 0.2
 """Share of what a balance leaves over that one pattern must explain to be called a mismatch: an effect size, for in
 long recordings any harmless defect is significant."""
 
+LOUD = 1.3
+"""What is left of a balance is more than noise from so many times on what the stated noise of its sensors makes of it;
+less may be rounding, and filters of the loggers."""
+
 DOUBT = 0.5
 """Confidence in a choice whose best rival predicts as well as it does."""
 
@@ -102,10 +106,26 @@ class Part:
         return tuple(r for r in rows if r.p < LEVEL and r.share > STRIKING)
 
     @property
+    def loudness(self) -> dict[str, float]:
+        """By channel, rms of what the chosen model leaves over the noise that is stated; empty where none is."""
+        sums = {c: [0.0, 0.0] for c in self.model.expected}
+        for trial in self.trials:
+            left = split(self.fit.trials[trial.id].residual, trial)
+            for block in trial.blocks:
+                for c, channel in enumerate(block.channels):
+                    good = block.weight[c] > 0.0
+                    if channel in sums:
+                        sums[channel][0] += float(np.sum((left[channel][good] / block.weight[c][good]) ** 2))
+                        sums[channel][1] += float(good.sum())
+        return {c: float(np.sqrt(s / max(n, 1.0))) / self.model.expected[c] for c, (s, n) in sums.items()}
+
+    @property
     def verdict(self) -> str:
         """As in verdict.json, of this part alone."""
         if not all(c["passed"] for c in self.checks):
             return NOT_TRUSTED
+        if any(x > LOUD for x in self.loudness.values()):
+            return UNKNOWN
         if self.fit.hypothesis.sites:
             return AMBIGUOUS if self.rivals else NAMED
         if self.striking:

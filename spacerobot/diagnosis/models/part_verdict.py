@@ -240,6 +240,7 @@ def _entry(part: Part, verdict: str) -> dict[str, Any]:
         "confidence": part.confidence,
         "effects": named_entries(part),
         "compared": part.model.metric,
+        **({"rms_over_stated_noise": part.loudness} if part.model.expected else {}),
         "error_ratio": after / before if before else None,
         "values": _fitted(part),
         "relative_to": list(part.model.relative_to),
