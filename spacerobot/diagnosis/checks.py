@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,14 @@ FRACTION = 0.1
 
 APART = 6.0
 """Standard errors by which a size may come back wrong from a synthetic copy before its interval is blamed."""
+
+ROUGH = 30.0
+"""And by which it may before the fit is: a cost that contacts make jagged has minima beside the one whose curvature and
+profile are known. What a copy missed its size by is then the standard error that is stated, and a second copy tries it.
+"""
+
+WIDER = 2.0
+"""Half width of such an interval, in what the copy missed by."""
 
 
 def nested(found: Found, chosen: Fit) -> dict[str, Any]:
@@ -64,6 +73,32 @@ def synthetic(workshop: Workshop, chosen: Fit, seed: int, lead: float = 0.0) -> 
         lead: by how much the chosen model's cost is below its nearest rival's; a fit of the copy that stops short of
             the truth by less than FRACTION of it, in one of the many minima that bounces make, endangers no verdict.
     """
+    done = _copied_fit(workshop, chosen, seed)
+    if done is None:
+        return [{"name": "cost at truth", "passed": False, "detail": "a synthetic copy could not be simulated"}]
+    fitter, again, truth = done
+    passed = again.cost <= truth + max(SLACK, FRACTION * lead)
+    cost = {
+        "name": "cost at truth",
+        "passed": bool(passed),
+        "detail": f"on a synthetic copy the fit costs {again.cost:.1f}, its truth {truth:.1f}",
+    }
+    first = calibration(chosen, again, interval=lambda key: profile_interval(fitter, again, key, 1.0))
+    if first["passed"] or first["worst"] > ROUGH:
+        return [cost, first]
+    missed = misses(chosen, again)
+    second = _copied_fit(workshop, chosen, seed + 1)
+    if second is None:
+        return [cost, first]
+    then = calibration(chosen, second[1], known=missed)
+    if then["passed"]:
+        said = f"{first['detail']}: interval widened to that, and right on a second copy"
+        return [cost, {**first, "passed": True, "detail": said, "missed": missed}]
+    return [cost, first]
+
+
+def _copied_fit(workshop: Workshop, chosen: Fit, seed: int) -> tuple[Fitter, Fit, float] | None:
+    """A synthetic copy of the study fitted: (its fitter, the fit, cost of the truth); None where that cannot be."""
     copy = Workshop(workshop.study, workshop.make_model)
     copy.trials = copied(workshop.model, workshop.trials, chosen, seed)
     copy.model = workshop.make_model(workshop.study, copy.trials)
@@ -74,7 +109,7 @@ def synthetic(workshop: Workshop, chosen: Fit, seed: int, lead: float = 0.0) -> 
     only: Only = tuple((s.label, s.trials) for s in chosen.hypothesis.sites if s.trials)
     again = copy.run(Task(chosen.hypothesis.label, start, only=only))
     if state is None or again is None:
-        return [{"name": "cost at truth", "passed": False, "detail": "a synthetic copy could not be simulated"}]
+        return None
     prior = np.array([f.prior for f in chosen.hypothesis.free], dtype=float)
     truth = state.chi2() + float(prior @ state.z**2)
     for task in _other_starts(chosen, again, only):  # a search begins more than once too
@@ -83,13 +118,7 @@ def synthetic(workshop: Workshop, chosen: Fit, seed: int, lead: float = 0.0) -> 
         other = copy.run(task)
         if other is not None and other.cost < again.cost:
             again = other
-    passed = again.cost <= truth + max(SLACK, FRACTION * lead)
-    cost = {
-        "name": "cost at truth",
-        "passed": bool(passed),
-        "detail": f"on a synthetic copy the fit costs {again.cost:.1f}, its truth {truth:.1f}",
-    }
-    return [cost, calibration(chosen, again, interval=lambda key: profile_interval(fitter, again, key, 1.0))]
+    return fitter, again, truth
 
 
 def _other_starts(chosen: Fit, ended: Fit, only: Only) -> Iterator[Task]:
@@ -101,11 +130,31 @@ def _other_starts(chosen: Fit, ended: Fit, only: Only) -> Iterator[Task]:
     yield Task(label, effect_values(chosen), only=only)
 
 
+def misses(truth: Fit, again: Fit) -> dict[str, float]:
+    """Effects' key -> what a fit of a copy missed its size by, in units of the parameter's scale."""
+    sizes = truth.values()
+    return {
+        f.key: float(abs(z - f.z(sizes[f.key])))
+        for f, z in zip(again.hypothesis.free, again.z, strict=True)
+        if f.kind == "effect" and f.key in sizes
+    }
+
+
+def widened(fit: Fit, key: str, interval: tuple[float, float], missed: float) -> tuple[float, float]:
+    """An interval that also holds what a synthetic copy says of the cost's further minima; never a narrower one."""
+    index = fit.hypothesis.keys.index(key)
+    free, best = fit.hypothesis.free[index], float(fit.z[index])
+    low, high = free.bounds
+    ends = [free.value(min(max(best + side * WIDER * missed, low), high)) for side in (-1.0, 1.0)]
+    return min(*ends, interval[0]), max(*ends, interval[1])
+
+
 def calibration(
     truth: Fit,
     again: Fit,
     name: str = "calibration",
     interval: Callable[[str], tuple[float, float]] | None = None,
+    known: Mapping[str, float] = MappingProxyType({}),
 ) -> dict[str, Any]:
     """Whether the effects' sizes that a synthetic copy was made with lie where the fit of it claims.
 
@@ -114,12 +163,14 @@ def calibration(
         again: fitted to the copy.
         name: of the check.
         interval: 95 % interval of a key, asked for where the curvature alone claims too much: a verdict states it.
+        known: least standard errors by key, in units of the parameter's scale.
     """
     sizes = truth.values()
     worst, key = 0.0, ""
     covariance = again.covariance
     errors = np.zeros(again.z.size) if covariance is None else np.sqrt(np.maximum(np.diag(covariance), 0.0))
-    for free, z, error in zip(again.hypothesis.free, again.z, errors, strict=True):
+    for free, z, curved in zip(again.hypothesis.free, again.z, errors, strict=True):
+        error = max(float(curved), known.get(free.key, 0.0))
         if free.kind == "effect" and free.key in sizes and error > 0.0:
             wanted = free.z(sizes[free.key])
             off = abs(z - wanted) / error
@@ -133,4 +184,5 @@ def calibration(
         "name": name,
         "passed": bool(worst <= APART),
         "detail": f"on a synthetic copy {said} off what it was made with",
+        "worst": worst,
     }

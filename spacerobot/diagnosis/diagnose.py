@@ -12,7 +12,7 @@ from spacerobot.diagnosis import evidence as ev
 from spacerobot.diagnosis.adequacy import Left, left_over
 from spacerobot.diagnosis.ahead import help_compiling
 from spacerobot.diagnosis.candidates import candidate_sites, contains
-from spacerobot.diagnosis.checks import nested, synthetic
+from spacerobot.diagnosis.checks import nested, synthetic, widened
 from spacerobot.diagnosis.confirm import confirm
 from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.found import Found, Report
@@ -116,6 +116,8 @@ def diagnose(
         if copied is not None and whole is not None:
             report("checking on a synthetic copy", 0, 1)
             checks += copied()
+            for key, missed in {k: m for c in checks for k, m in c.get("missed", {}).items()}.items():
+                profiled[key] = widened(chosen, key, profiled[key], missed)
             report("simulating with the whole robot", 0, 1)
             checks.append(whole())
         judgement = judge(found, left_of, freed, [c["name"] for c in checks if not c["passed"]])

@@ -25,6 +25,12 @@ MARGIN = 10.0
 MOVED = 3.0
 """Stated sigmas beyond which a believed value counts as wrong."""
 
+FEW = 2
+"""Believed values that may be wrong at once; where more would have to be, something is missing that bends them all."""
+
+BENT = 0.9
+"""How sure that is."""
+
 
 @dataclass(frozen=True)
 class Rival:
@@ -130,14 +136,14 @@ def _without_effect(
     out = moved(base)
     if failed:
         verdict = NOT_TRUSTED
-    elif not left.adequate:
+    elif not left.adequate or len(out) > FEW:
         verdict = UNKNOWN
     else:
         verdict = WRONG_PARAMETER if out else NOTHING_MISSING
     best_gain = max((scores[id(base)] - scores[id(f)] for f in ranked if f is not base), default=-PENALTY)
     confidence = float(np.clip(1.0 - np.exp(-0.25 * max(EARN - best_gain, 0.0)), 0.05, 0.99))
     if verdict == UNKNOWN:
-        confidence = _surprise(left)
+        confidence = max(_surprise(left), BENT if len(out) > FEW else 0.0)
     rivals = tuple(
         Rival(f, scores[id(f)] - scores[id(base)], f"earns {base.cost - f.cost:.1f} of chi-squared, too little")
         for f in ranked

@@ -21,6 +21,11 @@ NEARBY = 3.0
 """Ratio of the curvature's interval to the profile's up to which the wider counts. A refit among contacts may end above
 its best, which brings the profile's end too near; where the two differ by more, the cost is no parabola."""
 
+MOMENT = 150.0
+FURTHER, OUTSIDE = 20, 5
+"""What happens at a moment fits at several, with noise between them. One step of a search further out is such a part of
+the longest trial; it takes so many steps at most, and ends after so many outside the interval in a row."""
+
 TRIES = 4
 CLOSE = 0.1
 """Share of the level within which an end counts as met."""
@@ -49,6 +54,8 @@ def profile_interval(fitter: Fitter, fit: Fit, key: str, inflation: float) -> tu
         size = abs(_end(fitter, fit, index, side * spread, inflation) - best)
         if known and size < spread <= NEARBY * size:
             size = spread
+        if _moment(fit.hypothesis, key):
+            size = _further(fitter, fit, index, side, size, inflation)
         ends.append(free.value(min(max(best + side * size, low), high)))
     return min(ends), max(ends)
 
@@ -75,6 +82,28 @@ def _end(fitter: Fitter, fit: Fit, index: int, step: float, inflation: float) ->
             wanted = 0.5 * (inner + outer) if math.isfinite(outer) else 2.0 * inner
         step = math.copysign(wanted, step)
     return min(max(best + step, low), high)
+
+
+def _moment(made: Hypothesis, key: str) -> bool:
+    return any(p.moment and s.key(p.name) == key for s in made.sites for p in s.effect.parameters)
+
+
+def _further(fitter: Fitter, fit: Fit, index: int, side: float, size: float, inflation: float) -> float:
+    """The outermost z off the best one, to a side, at which the profile is below its level; `size` at least."""
+    free, best = fit.hypothesis.free[index], float(fit.z[index])
+    low, high = free.bounds
+    longest = max(t.end - t.start for t in fitter.trials)
+    step = abs(free.z(free.value(best) + longest / MOMENT) - best)
+    end, outside = size, 0
+    for k in range(1, FURTHER + 1):
+        at = best + side * (size + k * step)
+        if not low <= at <= high or outside == OUTSIDE:
+            break
+        if _rise(fitter, fit, index, at) / inflation < LEVEL_95:
+            end, outside = abs(at - best), 0
+        else:
+            outside += 1
+    return end
 
 
 def _rise(fitter: Fitter, fit: Fit, index: int, at: float) -> float:

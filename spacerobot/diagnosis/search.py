@@ -71,6 +71,12 @@ def search(pool: Pool, sites: Sequence[Site], report: Report, *, baseline: Fit |
     promising = [f.hypothesis.label for f in found.singles_by_cost()[:TOP_FITTED]]
     # what adds little near the baseline may still fit from a start of its own
     promising += [(k,) for k in list(first.best())[:TOP_SCREENED] if (k,) not in promising]
+    # and so may one that takes a law's place: near the baseline, which has that law, it was no fit at all
+    promising += [
+        f.hypothesis.label
+        for f in found.singles_by_cost()
+        if f.cost > found.baseline.cost and f.hypothesis.removed and f.hypothesis.label not in promising
+    ]
     run_tasks(
         pool,
         found,
