@@ -13,9 +13,10 @@ from typing import Any
 
 from spacerobot import __version__
 from spacerobot.proof.batch import draw_seed, run_batch
-from spacerobot.proof.code_hash import code_hash
-from spacerobot.proof.orders import FULL, KINDS, QUICK, Order, Size, schedule
-from spacerobot.proof.published import as_lines, read_batch, taken_up
+from spacerobot.proof.code_hash import code_hashes
+from spacerobot.proof.driven import orders as driven
+from spacerobot.proof.orders import FULL, KINDS, QUICK, Order, schedule
+from spacerobot.proof.published import as_lines, check_orders, read_batch, still_valid
 from spacerobot.proof.summary import as_json
 from spacerobot.support.errors import InputError, NotFoundError
 from spacerobot.support.executors.choose import executor, not_both
@@ -43,18 +44,18 @@ def run(args: argparse.Namespace) -> int:
     minutes = parse_numbers([args.minutes], "--minutes", count=1)[0] if args.minutes is not None else math.inf
     if minutes <= 0.0:
         raise InputError("not a time", given=minutes, valid="above 0", where="--minutes")
-    code = code_hash()
-    begun, known = _begun(args.resume, asked, code)
+    codes = code_hashes()
+    begun, known = _begun(args.resume, asked, codes)
     seed = begun["seed"] if begun else asked
-    key = combined_hash("prove", code, args.quick, sorted(kinds), share, not args.no_rivals, seed)
-    with RunFolder(args.out, "prove", key, overwrite=args.overwrite, code=code) as folder:
+    key = combined_hash("prove", codes, args.quick, sorted(kinds), share, not args.no_rivals, seed)
+    with RunFolder(args.out, "prove", key, overwrite=args.overwrite, code=" ".join(codes.values())) as folder:
         if not folder.finished:
             begun = folder.load("batch") or begun or _new(asked)
             folder.save("batch", begun)
-            say(f"seed {begun['seed']}, code {code}")
-            orders = _orders(QUICK if args.quick else FULL, begun["seed"], kinds, share)
+            say(f"seed {begun['seed']}, code {in_words(codes)}")
+            orders = _orders(args.quick, begun["seed"], kinds, share)
             _take_up(folder, orders, known, args.resume)
-            _play(folder, args, orders, begun, jobs, code, minutes)
+            _play(folder, args, orders, begun, jobs, codes, minutes)
         text = (folder.folder / "proof.json").read_text(encoding="utf-8")
         if args.docs:
             _into(Path(args.docs), folder.folder)
@@ -62,20 +63,17 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def _begun(path: str | None, asked: int | None, code: str) -> tuple[dict[str, Any], list[dict[str, Any]]]:
+def _begun(path: str | None, asked: int | None, codes: dict[str, str]) -> tuple[dict[str, Any], list[dict[str, Any]]]:
     """Seed and date, and the records, of the batch to go on with; nothing where a new one begins."""
     if path is None:
         return {}, []
     if asked is not None:
         raise InputError("the batch has its seed", given=f"--seed {asked}", valid="--resume without --seed")
     batch, records = read_batch(path)
-    if batch.pop("code") != code:
-        raise InputError(
-            "these campaigns were diagnosed by other code; they do not count in this batch",
-            given=path,
-            valid=f"records of code {code}, or a new batch without --resume",
-        )
-    return batch, records
+    valid = still_valid(batch, records, codes, path)
+    if len(valid) < len(records):
+        say(f"{len(records) - len(valid)} campaigns were diagnosed by other code and are played again")
+    return {"seed": batch["seed"], "date": batch["date"]}, valid
 
 
 def _new(asked: int | None) -> dict[str, Any]:
@@ -84,7 +82,7 @@ def _new(asked: int | None) -> dict[str, Any]:
 
 def _take_up(folder: RunFolder, orders: list[Order], known: list[dict[str, Any]], path: str | None) -> None:
     """Keep the records of a published batch as this folder's own, where it has none yet."""
-    taken_up(known, orders, str(path))
+    check_orders(known, orders, str(path))
     for record in known:
         if folder.load(record["name"]) is None:
             folder.save(record["name"], record)
@@ -96,14 +94,14 @@ def _play(
     orders: list[Order],
     begun: dict[str, Any],
     jobs: int,
-    code: str,
+    codes: dict[str, str],
     minutes: float,
 ) -> None:
     with executor(jobs, args.dask) as workers:
         records = run_batch(
             folder, orders, workers=workers, rivals=not args.no_rivals, verbose=args.verbose, seconds=60.0 * minutes
         )
-    about: dict[str, Any] = {**begun, "version": __version__, "code": code, "command": _command(args)}
+    about: dict[str, Any] = {**begun, "version": __version__, "code": in_words(codes), "command": _command(args)}
     about["planned"] = len(orders)
     names = {}
     for name, draw in FIGURES.items():
@@ -112,7 +110,7 @@ def _play(
             names[name] = f"figures/proof_{name}.png"
             folder.write(names[name], png(figure))
     folder.write("proof.md", page(records, about, names))
-    folder.write("records.jsonl", as_lines({**begun, "code": code}, records))
+    folder.write("records.jsonl", as_lines({**begun, "codes": codes}, records))
     folder.write("proof.json", dumps(as_json(records, about)) + "\n")
     if len(records) == len(orders):
         folder.finish()
@@ -120,13 +118,20 @@ def _play(
         say(f"{len(records)} of {len(orders)} campaigns played; the same command goes on with the others")
 
 
-def _orders(size: Size, seed: int, kinds: list[str], share: float) -> list[Order]:
+def in_words(codes: dict[str, str]) -> str:
+    """The codes of a batch as the page and the command tell them."""
+    return ", ".join(f"{code} ({name})" for name, code in codes.items())
+
+
+def _orders(quick: bool, seed: int, kinds: list[str], share: float) -> list[Order]:
+    size, arm = (QUICK, driven.QUICK) if quick else (FULL, driven.FULL)
     counts = {kind: max(1, round(share * count)) for kind, count in size.counts.items()}
     repeats = size.curve_repeats and max(1, round(share * size.curve_repeats))
     short = size.short_repeats and max(1, round(share * size.short_repeats))
     rounds = size.withheld_rounds and max(1, round(share * size.withheld_rounds))
     smaller = replace(size, counts=counts, curve_repeats=repeats, short_repeats=short, withheld_rounds=rounds)
-    orders = [o for o in schedule(smaller, seed) if o.kind in kinds]
+    logged = {kind: max(1, round(share * count)) for kind, count in arm.items()}
+    orders = [o for o in (*schedule(smaller, seed), *driven.schedule(logged, seed)) if o.kind in kinds]
     if not orders:
         raise InputError("this batch has no campaign of these kinds", given=" ".join(kinds), where="--kinds")
     return orders

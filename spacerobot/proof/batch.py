@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from spacerobot.proof.blind import COMMAND
+from spacerobot.proof.driven.orders import FAMILY
+from spacerobot.proof.driven.play import play_arm
 from spacerobot.proof.orders import Order
 from spacerobot.proof.record import play
 from spacerobot.support.executors.base import Executor, Here
@@ -112,4 +114,6 @@ class Play:
 def played(task: Play) -> dict[str, Any]:
     """In a worker: the record of an order."""
     with scratch("proof") as folder:
+        if task.order.family == FAMILY:
+            return play_arm(task.order, folder, command=task.command)
         return play(task.order, folder, rivals=task.rivals, command=task.command)

@@ -1,16 +1,37 @@
-"""Which code a batch was run with: a hash of every source file that a campaign or its verdict depends on."""
+"""Which code campaigns were played with: a hash of every source file that they or their verdicts depend on."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from pathlib import Path
+
+from spacerobot.proof.driven.orders import FAMILY
 from spacerobot.support.sources import ROOT, hash_of
 
 LAYERS = ("support", "theory", "model", "dynamics", "effects", "simulation", "recordings", "diagnosis", "proof")
 
-AFTERWARDS = ("rates.py", "batch.py", "summary.py", "published.py", "code_hash.py")
-"""Files of this layer that only choose what is played next, and count what was scored."""
+AFTERWARDS = ("batch.py", "code_hash.py", "published.py", "rates.py", "summary.py")
+"""Files of `proof` that only choose what is played next, and count what was scored."""
+
+ELSEWHERE = ("diagnosis/models", "diagnosis/forward", "diagnosis/locate/of_model.py", "diagnosis/locate/series.py")
+"""What a diagnosis of a wrist that meets a target never loads; a test sees to it."""
+
+WRIST = "wrist"
 
 
-def code_hash() -> str:
-    """SHA-256 over the layers below the pages and commands, 16 hexadecimal digits."""
-    files = (path for layer in LAYERS for path in sorted((ROOT / layer).rglob("*.py")))
-    return hash_of(p for p in files if not (p.parent.name == "proof" and p.name in AFTERWARDS))
+def group(family: str) -> str:
+    """Campaigns of which groups of scenes depend on the same code: those with a wrist, or joint logs."""
+    return FAMILY if family == FAMILY else WRIST
+
+
+def code_hashes() -> dict[str, str]:
+    """Group -> SHA-256 over its sources, 16 hexadecimal digits."""
+    every = [p for p in _sources() if not (p.parent.name == "proof" and p.name in AFTERWARDS)]
+    left_out = [ROOT / name for name in (*ELSEWHERE, "proof/driven")]
+    wrist = [p for p in every if not any(p.is_relative_to(q) for q in left_out)]
+    return {WRIST: hash_of(wrist), FAMILY: hash_of(every)}
+
+
+def _sources() -> Iterator[Path]:
+    for layer in LAYERS:
+        yield from sorted((ROOT / layer).rglob("*.py"))

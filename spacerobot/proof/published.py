@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from spacerobot.proof.code_hash import group
 from spacerobot.proof.orders import Order
 from spacerobot.support.errors import InputError
 from spacerobot.support.jsonio import dumps
@@ -18,7 +19,7 @@ SCORED = ("said", "expected", "hidden", "favourite", "strength", "confidence", "
 
 
 def as_lines(batch: Mapping[str, Any], records: Sequence[Mapping[str, Any]]) -> str:
-    """The file's text: the batch (seed, date, code) first, then each record."""
+    """The file's text: the batch (seed, date, codes) first, then each record."""
     return "".join(f"{dumps(line, indent=None)}\n" for line in ({"format": FORMAT, **batch}, *records))
 
 
@@ -32,14 +33,32 @@ def read_batch(path: str | Path) -> tuple[dict[str, Any], list[dict[str, Any]]]:
     where, first = next(lines, ("", {}))
     if first.get("format") != FORMAT:
         raise InputError("not the records of a batch", given=str(path), valid="a records.jsonl of `spacerobot prove`")
-    for key, kind in (("seed", int), ("date", str), ("code", str)):
+    for key, kind in (("seed", int), ("date", str), ("codes", dict)):
         if not isinstance(first.get(key), kind):
             raise InputError(f"the batch states no {key}", given=first.get(key), where=where)
-    batch = {key: first[key] for key in ("seed", "date", "code")}
+    batch = {key: first[key] for key in ("seed", "date", "codes")}
     return batch, [_scored(record, where) for where, record in lines]
 
 
-def taken_up(records: Sequence[Mapping[str, Any]], orders: Sequence[Order], where: str) -> None:
+def still_valid(
+    batch: Mapping[str, Any], records: Sequence[dict[str, Any]], codes: Mapping[str, str], where: str
+) -> list[dict[str, Any]]:
+    """The records of campaigns that depend on no source that has changed since.
+
+    Raises:
+        InputError: there is none.
+    """
+    same = {name for name, code in codes.items() if batch["codes"].get(name) == code}
+    if not same:
+        raise InputError(
+            "these campaigns were diagnosed by other code; they do not count in this batch",
+            given=where,
+            valid="a new batch, without --resume",
+        )
+    return [r for r in records if group(str(r.get("family"))) in same]
+
+
+def check_orders(records: Sequence[Mapping[str, Any]], orders: Sequence[Order], where: str) -> None:
     """Check that every record is of a campaign of the batch.
 
     Raises:

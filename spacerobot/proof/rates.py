@@ -124,6 +124,12 @@ def reliability(records: Sequence[Record], bins: int = 5) -> list[tuple[float, R
     return out
 
 
+def place(label: Sequence[str]) -> str:
+    """An effect and its place in words; one joint is as good as another."""
+    effect, where = label
+    return f"{effect} at {'joint' if where.startswith('joint.') else where}"
+
+
 def confusion(records: Iterable[Record]) -> dict[str, dict[str, int]]:
     """Hidden effect -> what was said -> how often; of campaigns with one hidden effect, or none."""
     table: dict[str, dict[str, int]] = {}
@@ -131,11 +137,11 @@ def confusion(records: Iterable[Record]) -> dict[str, dict[str, int]]:
         hidden = record["hidden"]
         if len(hidden) > 1:
             continue
-        row = " at ".join(hidden[0]) if hidden else record["expected"]
+        row = place(hidden[0]) if hidden else record["expected"]
         if record.get("withheld"):
             row += " (withheld)"
         favourite = record["favourite"]
-        said = " + ".join(" at ".join(f) for f in favourite) if favourite else record["said"]
+        said = " + ".join(place(f) for f in favourite) if favourite else record["said"]
         table.setdefault(row, {})
         table[row][said] = table[row].get(said, 0) + 1
     return table

@@ -8,8 +8,21 @@ from typing import Any
 
 import numpy as np
 
-from spacerobot.proof.orders import CURVES, KINDS, MOVING
-from spacerobot.proof.rates import Rate, Record, coverage, power_curve, rate, relative_errors, smallest_found
+from spacerobot.proof.driven.orders import FAMILY
+from spacerobot.proof.orders import CURVES, FAMILIES, KINDS, MOVING
+from spacerobot.proof.rates import Rate, Record, coverage, place, power_curve, rate, relative_errors, smallest_found
+
+MOVES = (*MOVING, FAMILY)
+"""Scenes in which more moves than slider and target."""
+
+SCENES = {
+    "rig": "air-bed rig, its arm held",
+    "spinning": "target that spins, hit off its centre",
+    "chaser": "free-floating chaser, its joints locked",
+    "servo arm": "seven joints on servo springs",
+    FAMILY: "seven joints driven: friction, load, rotors",
+}
+"""Scene -> in words."""
 
 STRENGTH_EDGES = (0.0, 0.6, 0.9, 1.25, 1.75, 2.5, 4.0, 6.5, 100.0)
 
@@ -82,15 +95,21 @@ def met(key: str, value: float) -> bool | None:
 
 
 def by_row(records: Sequence[Record]) -> list[tuple[str, str, list[Record]]]:
-    """(kind, family group, records) for each row of the table: the rig's, and those where more moves."""
+    """(kind, group of scenes, records) for each row of the table: the rig's, those where more moves, joint logs."""
     counted = sealed(records)
     rows = []
     for kind in KINDS:
-        for title, moving in (("rig", False), ("moving", True)):
-            inside = [r for r in counted if r["kind"] == kind and (r["family"] in MOVING) == moving]
+        for title, scenes in (("rig", FAMILIES[:1]), ("moving", MOVING), ("joints", (FAMILY,))):
+            inside = [r for r in counted if r["kind"] == kind and r["family"] in scenes]
             if inside:
                 rows.append((kind, title, inside))
     return rows
+
+
+def by_scene(records: Sequence[Record]) -> list[tuple[str, list[Record]]]:
+    """(scene in words, sealed records), in the order of `SCENES`."""
+    groups = [(title, [r for r in sealed(records) if r["family"] == name]) for name, title in SCENES.items()]
+    return [(title, own) for title, own in groups if own]
 
 
 def curves(records: Sequence[Record]) -> dict[str, list[tuple[float, Rate]]]:
@@ -108,7 +127,7 @@ def smallest(records: Sequence[Record]) -> list[dict[str, Any]]:
     groups: dict[str, list[Record]] = {}
     for r in usable(records):
         if len(r["hidden"]) == 1 and r["expected"] == "named":
-            groups.setdefault(" at ".join(r["hidden"][0]), []).append(r)
+            groups.setdefault(place(r["hidden"][0]), []).append(r)
     return [
         {"effect": name, "campaigns": len(own), "limits": smallest_found(own)} for name, own in sorted(groups.items())
     ]
@@ -133,7 +152,7 @@ def as_json(records: Sequence[Record], about: dict[str, Any]) -> dict[str, Any]:
         **about,
         "played": len(records),
         "campaigns": len(sealed(records)),
-        "with_moving_joints_or_free_base": sum(r["family"] in MOVING for r in sealed(records)),
+        "with_moving_joints_or_free_base": sum(r["family"] in MOVES for r in sealed(records)),
         "not_made": [r["name"] for r in records if "failed" in r],
         "diagnosis_failed": [r["name"] for r in usable(records) if r["said"] == "failed"],
         "targets": {**targets, "held_out_ratio": {"median": ratio, "met": met("held_out_ratio", ratio)}},

@@ -66,6 +66,7 @@ def fake_play(order: Order, folder: Path, *, rivals: bool = False, command: Sequ
 def _played(monkeypatch: pytest.MonkeyPatch) -> None:
     PLAYED.clear()
     monkeypatch.setattr(batch, "play", fake_play)
+    monkeypatch.setattr(batch, "play_arm", fake_play)
 
 
 def test_the_full_batch_is_what_was_asked_for() -> None:
@@ -146,10 +147,11 @@ def test_a_batch_that_runs_out_of_time_writes_what_it_has_and_goes_on(
         return fake_play(order, folder, **options)
 
     monkeypatch.setattr(batch, "play", ticking)
+    monkeypatch.setattr(batch, "play_arm", ticking)
     monkeypatch.setattr(batch.time, "monotonic", lambda: clock[0])
     out, docs = tmp_path / "out", tmp_path / "docs"
     asked = ["prove", "--share", "0.01", "--seed", "3", "--out", str(out), "--docs", str(docs), "--minutes", "5"]
-    whole = len(_orders(FULL, 3, list(KINDS), 0.01))
+    whole = len(_orders(False, 3, list(KINDS), 0.01))
     assert main(asked) == 0
     assert f"6 of {whole} campaigns" in capsys.readouterr().err
     assert f"6 of {whole} campaigns" in (docs / "proof.md").read_text()

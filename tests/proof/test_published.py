@@ -8,14 +8,15 @@ from pathlib import Path
 import pytest
 
 from spacerobot.cli.main import main
-from spacerobot.proof.code_hash import code_hash
+from spacerobot.proof.code_hash import code_hashes
+from spacerobot.proof.driven.orders import FAMILY
 from spacerobot.proof.orders import QUICK, schedule
-from spacerobot.proof.published import SCORED, as_lines, read_batch, taken_up
+from spacerobot.proof.published import SCORED, as_lines, check_orders, read_batch, still_valid
 from spacerobot.support.errors import InputError
 
-BATCH = {"seed": 7, "date": "2026-01-02", "code": "c0de"}
+BATCH = {"seed": 7, "date": "2026-01-02", "codes": {"wrist": "c0de", FAMILY: "c1de"}}
 RECORDS = [
-    {"name": o.name, "seed": o.seed, "odd": "line\u2028end \u00b5 é", **dict.fromkeys(SCORED)}
+    {"name": o.name, "seed": o.seed, "odd": "line\u2028end \u00b5 é", "family": o.family, **dict.fromkeys(SCORED)}
     for o in schedule(QUICK, 7)
 ]
 
@@ -28,7 +29,7 @@ def written(folder: Path, text: str | None = None) -> Path:
 
 def test_what_was_written_comes_back(tmp_path: Path) -> None:
     assert read_batch(written(tmp_path)) == (BATCH, RECORDS)
-    taken_up(RECORDS, schedule(QUICK, 7), "here")
+    check_orders(RECORDS, schedule(QUICK, 7), "here")
 
 
 def test_a_campaign_that_could_not_be_made_is_a_record_too(tmp_path: Path) -> None:
@@ -38,7 +39,19 @@ def test_a_campaign_that_could_not_be_made_is_a_record_too(tmp_path: Path) -> No
 
 def test_records_of_another_seed_are_refused() -> None:
     with pytest.raises(InputError, match="no campaign of the batch"):
-        taken_up(RECORDS, schedule(QUICK, 8), "here")
+        check_orders(RECORDS, schedule(QUICK, 8), "here")
+
+
+def test_records_count_as_long_as_what_they_depend_on_is_unchanged() -> None:
+    arm = {"name": "two-driven_arm-0001", "seed": 1, "family": FAMILY}
+    every = [*RECORDS, arm]
+    codes = BATCH["codes"]
+    assert isinstance(codes, dict)
+    assert still_valid(BATCH, every, codes, "here") == every
+    assert still_valid(BATCH, every, {**codes, FAMILY: "other"}, "here") == RECORDS
+    assert still_valid(BATCH, every, {**codes, "wrist": "other"}, "here") == [arm]
+    with pytest.raises(InputError, match="other code"):
+        still_valid(BATCH, every, dict.fromkeys(codes, "other"), "here")
 
 
 @pytest.mark.parametrize(
@@ -46,11 +59,11 @@ def test_records_of_another_seed_are_refused() -> None:
     [
         ("", "not the records of a batch"),
         ('{"format": 2}\n', "not the records of a batch"),
-        ('{"format": 1, "seed": "7", "date": "d", "code": "c"}\n', "states no seed"),
-        ('{"format": 1, "seed": 7, "date": "d", "code": "c"}\n{"name": "a"', "not a line of JSON"),
-        ('{"format": 1, "seed": 7, "date": "d", "code": "c"}\n[1]\n', "not a JSON object"),
-        ('{"format": 1, "seed": 7, "date": "d", "code": "c"}\n{"seed": 3}\n', "without name and seed"),
-        ('{"format": 1, "seed": 7, "date": "d", "code": "c"}\n{"seed": 3, "name": "a"}\n', "lacks said"),
+        ('{"format": 1, "seed": "7", "date": "d", "codes": {}}\n', "states no seed"),
+        ('{"format": 1, "seed": 7, "date": "d", "codes": {}}\n{"name": "a"', "not a line of JSON"),
+        ('{"format": 1, "seed": 7, "date": "d", "codes": {}}\n[1]\n', "not a JSON object"),
+        ('{"format": 1, "seed": 7, "date": "d", "codes": {}}\n{"seed": 3}\n', "without name and seed"),
+        ('{"format": 1, "seed": 7, "date": "d", "codes": {}}\n{"seed": 3, "name": "a"}\n', "lacks said"),
         ("[" * 100_000, "not a line of JSON"),
     ],
 )
@@ -64,7 +77,7 @@ def test_the_command_refuses_records_of_other_code(tmp_path: Path, capsys: pytes
     path = written(tmp_path)
     assert main(["prove", "--quick", "--out", str(tmp_path / "out"), "--resume", str(path)]) != 0
     assert "diagnosed by other code" in capsys.readouterr().err
-    own = as_lines({**BATCH, "code": code_hash()}, RECORDS)
+    own = as_lines({**BATCH, "codes": code_hashes()}, RECORDS)
     assert main(["prove", "--seed", "7", "--out", str(tmp_path / "out"), "--resume", str(written(tmp_path, own))]) != 0
     assert "--resume without --seed" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()

@@ -9,11 +9,13 @@ from typing import Any
 import numpy as np
 
 from spacerobot.proof.judge import NOTICEABLE
-from spacerobot.proof.orders import KINDS, MOVING
+from spacerobot.proof.orders import KINDS
 from spacerobot.proof.rates import Record, coverage, rate, relative_errors
 from spacerobot.proof.summary import (
+    MOVES,
     TARGETS,
     by_row,
+    by_scene,
     held_out_ratio,
     met,
     noticeable,
@@ -31,8 +33,8 @@ This page is written by `spacerobot prove`. Campaigns come from MuJoCo, an engin
 project's simulator: slider, joints, springs, dampers, dry friction and stops are MuJoCo's own, the contact is an
 explicit force, and effects that MuJoCo has no element for are forces added to its own. Sensors sample, filter, delay,
 round and drop readings; springs scatter between conditions, speeds are set by hand, noise is partly coloured, believed
-values are a little wrong. What is hidden is written to a folder that the diagnosis is not given; the diagnosis runs as
-a process of its own on the study's folder alone, and the seal is broken afterwards.
+values are a little wrong. What is hidden is on no disk while the diagnosis is at work, which runs as a process of its
+own on the study's folder alone; the seal is broken afterwards. Every campaign's record is in `proof_records.jsonl`.
 
 A **detection limit** is the size at which a likelihood-ratio test that knows which effect may be there finds it in
 95 % of repetitions at the 5 % level. Strengths are sizes in detection limits. Intervals are Clopper and Pearson's at
@@ -46,7 +48,9 @@ baseline was tuned on one trial, as the paper's c_eq is. `rare`: shows in one tr
 sensor does what looks like damping or delay. `withheld`: an effect of the catalogue which the diagnosis had to do
 without. `moving`: a spinning target hit off its centre, a free-floating chaser, or a seven-joint arm on servos. That
 arm has seven modes and the law that stands for it one: its stiffness is scored, against the arm's static one; its mass
-and damping have no true value and are not.
+and damping have no true value and are not. `joints`: the same arm driven along paths of its own, its joints logged;
+each joint's torque balance is diagnosed, and dry, viscous or quadratic friction, a load on the last link, a heavier
+rotor or (in no catalogue) a torque that ripples with the angle is hidden.
 """
 
 _MISSES = """\
@@ -67,7 +71,7 @@ def page(records: Sequence[Record], about: Mapping[str, Any], figures: Mapping[s
         figures: name -> path relative to the page.
     """
     counted = sealed(records)
-    moving = sum(r["family"] in MOVING for r in counted)
+    moving = sum(r["family"] in MOVES for r in counted)
     parts = [
         _INTRODUCTION,
         f"{len(counted)} sealed campaigns ({moving} of them with moving joints, a free base or a spinning target) and "
@@ -78,6 +82,8 @@ def page(records: Sequence[Record], about: Mapping[str, Any], figures: Mapping[s
         "## By kind of concealment\n",
         _rows(records),
         _ROW_NOTES,
+        "## By scene\n",
+        _scenes(records),
         _apart(records),
         _misses(records),
         "## Sizes\n",
@@ -153,6 +159,16 @@ def _rows(records: Sequence[Record]) -> str:
         )
     head = ["hidden", "scene", "n", "favourite right", "in the set", "abstained", "confidently wrong"]
     return _table([*head, "parameter error", "coverage", "held-out / oracle", "time"], rows)
+
+
+def _scenes(records: Sequence[Record]) -> str:
+    head = ["scene", "n", "nothing missing", "wrong value", "named, from three limits on", "abstained outside"]
+    rows = []
+    for title, own in by_scene(records):
+        found = rates(own)
+        shares = [found[key] for key in ("nothing_missing", "wrong_parameter", "top", "abstained", "confidently_wrong")]
+        rows.append([title, str(len(own)), *(f"{r.hits} of {r.total}" if r.total else "-" for r in shares)])
+    return _table([*head, "confidently wrong"], rows)
 
 
 def _apart(records: Sequence[Record]) -> str:

@@ -1,0 +1,96 @@
+"""One campaign of joint logs from order to score: made, sealed, diagnosed blind, the seal broken, scored."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import shutil
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from spacerobot.proof.blind import COMMAND, diagnose
+from spacerobot.proof.driven.bench import ArmBench, Fitted
+from spacerobot.proof.driven.campaign import write_study
+from spacerobot.proof.driven.conceal import conceal
+from spacerobot.proof.judge import judge, labels
+from spacerobot.proof.oracle import starts_of
+from spacerobot.proof.orders import Order
+from spacerobot.proof.record import EQUAL
+from spacerobot.support.errors import InputError, SimulationError
+from spacerobot.support.jsonio import dumps, plain
+
+
+def play_arm(order: Order, folder: Path, *, command: Sequence[str] = COMMAND) -> dict[str, Any]:
+    """Make, seal, diagnose and score one campaign; the record has the keys of the other campaigns'.
+
+    Args:
+        order: what to play.
+        folder: scratch; the study's folder in it is all that the diagnosis is given. The seal is on no disk.
+        command: the diagnosis.
+    """
+    began = time.monotonic()
+    base: dict[str, Any] = {"name": order.name, **asdict(order)}
+    try:
+        made = conceal(order)
+    except SimulationError as error:
+        return {**base, "failed": str(error)}
+    study = folder / hashlib.sha256(f"{order.name} {order.seed}".encode()).hexdigest()[:12]
+    try:
+        write_study(study, made.campaign, made.logs)
+        sealed = dumps(made.truth())
+        prepared = time.monotonic() - began
+        answer = diagnose(study, command=command)
+        truth = json.loads(sealed)
+        judged = judge(truth, answer.verdict)
+        record = {
+            **base,
+            "hidden": labels(truth["effects"]),
+            **{k: v for k, v in truth.items() if k != "parameters"},
+            "wrong_values": truth["parameters"],
+            **asdict(judged),
+            "seconds": answer.seconds,
+            "seconds_to_make": prepared,
+            "error": answer.error,
+            "trials": len(made.logs),
+            "moved": sorted((answer.verdict or {}).get("parameters", {})),
+            **_compared(study, truth, answer.verdict),
+        }
+        found = plain(record)
+        assert isinstance(found, dict)
+        return found
+    finally:
+        shutil.rmtree(study, ignore_errors=True)
+
+
+def _compared(study: Path, truth: Mapping[str, Any], verdict: Mapping[str, Any] | None) -> dict[str, Any]:
+    """Costs and held-out errors of baseline, oracle and favourite on one bench, keys as of the other campaigns."""
+    out: dict[str, Any] = {"same": False, "equal": False}
+    hidden = labels(truth["effects"])
+    try:
+        bench = ArmBench(study)
+        baseline = bench.fitted((), {})
+        out["baseline"], out["samples"] = _numbers(baseline), round(baseline.readings)
+        if truth["expected"] != "unknown":
+            oracle = bench.fitted(hidden, starts_of(truth["effects"]))
+            out["oracle"] = _numbers(oracle)
+        if verdict is None:
+            return out
+        named = list(verdict["effects"])
+        found = bench.fitted(labels(named), starts_of(named))
+        out["favoured"], out["channels"] = _numbers(found), dict(found.channels)
+        if "oracle" in out:
+            out["held_out_ratio"] = found.held_out / oracle.held_out
+            fewer = sum(len(e["parameters"]) for e in named) <= sum(len(e) - 2 for e in truth["effects"])
+            out["equal"] = bool(
+                hidden and named and labels(named) != hidden and fewer and found.cost <= oracle.cost + EQUAL
+            )
+    except (SimulationError, InputError) as error:
+        out["bench_error"] = str(error)
+    return out
+
+
+def _numbers(found: Fitted) -> dict[str, float]:
+    return {"cost": found.cost, "chi2": found.cost, "held_out": found.held_out}
