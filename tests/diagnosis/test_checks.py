@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from spacerobot.diagnosis import checks, confirm
+from spacerobot.diagnosis import checks, confirm, profile
 from spacerobot.diagnosis import diagnose as whole
 from spacerobot.diagnosis.adequacy import Left
 from spacerobot.diagnosis.candidates import contains, simpler
@@ -102,6 +102,56 @@ def test_an_interval_that_claims_too_much_is_noticed(
     assert cost["passed"]
     assert not sizes["passed"]
     assert "coulomb_friction@wrist.force_N" in sizes["detail"]
+
+
+def test_a_size_that_jagged_costs_hide_widens_its_interval(
+    shop: Workshop, chosen: Fit, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A fit of the copy that ends ten standard errors off is believed where a second copy agrees, and only there."""
+    key = "coulomb_friction@wrist.force_N"
+    run, missed = Workshop.run, iter([10.0, -12.0, 10.0, -90.0])
+
+    def jagged(self: Workshop, task: Task) -> Fit | None:
+        fit = run(self, task)
+        assert fit is not None
+        assert fit.covariance is not None
+        k = fit.hypothesis.keys.index(key)
+        z = fit.z.copy()
+        z[k] = chosen.z[k] + next(missed) * fit.covariance[k, k] ** 0.5
+        return replace(fit, z=z)
+
+    def narrow(fitter: Fitter, fit: Fit, key: str, inflation: float) -> tuple[float, float]:
+        return fit.values()[key], fit.values()[key]
+
+    monkeypatch.setattr(Workshop, "run", jagged)
+    monkeypatch.setattr(checks, "profile_interval", narrow)
+    _, sizes = checks.synthetic(shop, chosen, 0)
+    assert sizes["passed"]
+    assert sizes["worst"] == pytest.approx(10.0, rel=0.05)
+    value = chosen.values()[key]
+    low, high = checks.widened(chosen, key, (value, value), sizes["missed"][key])
+    assert low < value < high
+    assert checks.widened(chosen, key, (low - 1.0, high + 1.0), sizes["missed"][key]) == (low - 1.0, high + 1.0)
+    _, sizes = checks.synthetic(shop, chosen, 0)
+    assert not sizes["passed"]
+    assert "missed" not in sizes
+
+
+def test_a_moment_is_sought_beyond_the_next_rise(shop: Workshop, chosen: Fit, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A second minimum within the level, four steps out, belongs to the interval; one beyond a long rise does not."""
+    fitter = shop.fitter()
+    index = chosen.hypothesis.keys.index("coulomb_friction@wrist.force_N")
+    free, best = chosen.hypothesis.free[index], float(chosen.z[index])
+    longest = max(t.end - t.start for t in fitter.trials)
+    step = abs(free.z(free.value(best) + longest / profile.MOMENT) - best)
+
+    def ends(second: int) -> float:
+        low = {0, second}
+        monkeypatch.setattr(profile, "_rise", lambda f, g, i, at: 0.0 if round((at - best) / step) in low else 50.0)
+        return round(profile._further(fitter, chosen, index, 1.0, 0.1 * step, 1.0) / step, 3)
+
+    assert ends(4) == pytest.approx(4.1)
+    assert ends(9) == pytest.approx(0.1)
 
 
 def test_a_copy_that_cannot_be_simulated_is_noticed(

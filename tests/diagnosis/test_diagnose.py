@@ -115,6 +115,15 @@ def test_a_wrong_stiffness_is_no_missing_physics(tmp_path: Path) -> None:
     assert low < 1.08 * 1020.0 < high
 
 
+def test_many_wrong_values_at_once_are_something_that_bends_them_all(tmp_path: Path) -> None:
+    """As a force sensor's scale does, where no catalogue has it."""
+    truth = {"wrist.stiffness": 1.15 * 1020.0, "wrist.mass": 1.15 * 0.7, "contact.stiffness": 1.3 * 68000.0}
+    verdict = plain(diagnose(write_study(tmp_path, truth=truth), jobs=1).verdict)
+    assert verdict["verdict"] == "unknown"
+    assert verdict["effects"] == []
+    assert set(verdict["parameters"]) >= set(truth)
+
+
 def test_what_has_no_name_is_not_given_another(tmp_path: Path) -> None:
     family = ("coulomb_friction", "stribeck_friction", "asymmetric_friction")
     study = write_study(tmp_path, planted=[("coulomb_friction", "wrist", {"force_N": 0.6})])
