@@ -139,7 +139,8 @@ class InverseDynamics(Model):
         self.trials = tuple(trials)
         mean = arm.inertia(np.concatenate([m.position[:: m.stride] for m in self._motion.values()]))
         self._mass = {f"joint.{j}": float(x) for j, x in zip(self.joints, np.diag(mean), strict=True)}
-        self.expected = _expected(self, mean, self._noise, {k: g.step for k, (g, _, _) in grids.items()})
+        self._inertia, self._stated = mean, _stated(self, self._noise, {k: g.step for k, (g, _, _) in grids.items()})
+        self.expected = self.expected_with({})
         self.base = dict(values or {})
         centres = {n: own[n.split(".")[1]].of(_UNITS[n.split(".")[2]]) for n in unknown}
         sigma = {n: s for n, s in sigma.items() if n not in centres}
@@ -251,6 +252,18 @@ class InverseDynamics(Model):
     def measured(self, trial: TrialData) -> Motion:
         """The motion that a piece's balance runs along."""
         return self._motion[trial.id]
+
+    def expected_with(self, values: Mapping[str, float]) -> dict[str, float]:
+        """A heavier rotor than believed makes more of the motion's noise."""
+        if self._stated is None:
+            return {}
+        out = {}
+        for joint in self.compared:
+            k, name = self.joints.index(joint), f"joint.{joint}"
+            row = self._inertia[k].copy()
+            row[k] = values.get(f"{name}.mass", self._mass[name])
+            out[f"{name}.torque"] = self._stated.of(joint, row)
+        return out
 
     def bump(self, trial: TrialData) -> Bump:
         """The test function that a piece's balance is seen through."""
@@ -369,18 +382,32 @@ def _kinematics(grid: Grid, joints: Sequence[str], half: int) -> _Log:
 _LOGGED = ("position", "torque")
 
 
-def _expected(
-    model: InverseDynamics, inertia: np.ndarray, noise: Mapping[str, float], steps: Mapping[str, float]
-) -> dict[str, float]:
-    """Channel -> standard deviation of a balance's reading by the sensors' stated noise; empty where one is not.
+@dataclass(frozen=True, eq=False)
+class _Noise:
+    """What stated noise makes of a balance's reading.
 
     The torque's noise passes through both test functions; the motion's through their derivatives, as an acceleration
-    that the mean inertia turns into a torque. Weight and Coriolis forces pass on far less.
+    that the inertia turns into a torque. Weight and Coriolis forces pass on far less.
+
+    Attributes:
+        torque: joint -> variance of its torque's share [N^2 m^2].
+        shaken: variance of each joint's acceleration as seen, shape (J,).
     """
+
+    torque: Mapping[str, float]
+    shaken: np.ndarray
+
+    def of(self, joint: str, inertia: np.ndarray) -> float:
+        """Standard deviation for a joint with this row of the joint-space inertia, shape (J,) [N m]."""
+        return float(np.sqrt(self.torque[joint] + inertia**2 @ self.shaken))
+
+
+def _stated(model: InverseDynamics, noise: Mapping[str, float], steps: Mapping[str, float]) -> _Noise | None:
+    """From standard deviations by channel; None where a torque's, or what accelerations are taken from, has none."""
     rates = all(f"joint.{j}.velocity" in noise for j in model.joints)
     of = "velocity" if rates else "position"
     if not all(f"joint.{j}.{kind}" in noise for j in model.joints for kind in ("torque", of)):
-        return {}
+        return None
     smooth, bent = [], []
     for trial in model.trials:
         step = steps[trial.id.split("@")[0]]
@@ -390,13 +417,9 @@ def _expected(
         wide[::thin] = bump.weight
         smooth.append(float(np.sum(np.convolve(wide, sharp.weight) ** 2)))
         bent.append(float(np.sum(np.convolve(wide, sharp.slope if rates else sharp.curve) ** 2)))
-    torque, acceleration = np.mean(smooth), np.mean(bent)
-    shaken = np.array([noise[f"joint.{j}.{of}"] ** 2 for j in model.joints]) * acceleration
-    out = {}
-    for joint in model.compared:
-        row = inertia[model.joints.index(joint)]
-        out[f"joint.{joint}.torque"] = float(np.sqrt(noise[f"joint.{joint}.torque"] ** 2 * torque + row**2 @ shaken))
-    return out
+    torque = {j: noise[f"joint.{j}.torque"] ** 2 * float(np.mean(smooth)) for j in model.joints}
+    shaken = np.array([noise[f"joint.{j}.{of}"] ** 2 for j in model.joints]) * float(np.mean(bent))
+    return _Noise(torque, shaken)
 
 
 def _sizes(logs: Iterable[_Log], index: int) -> Sizes:

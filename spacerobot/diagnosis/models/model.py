@@ -70,6 +70,10 @@ class Model(ABC):
     def predict(self, mechanism: Mechanism, trial: TrialData, initial: np.ndarray) -> Predicted:
         """What the trial's channels would show; `initial` has one value a nuisance."""
 
+    def expected_with(self, values: Mapping[str, float]) -> Mapping[str, float]:
+        """The same as `expected` with other values than those believed."""
+        return self.expected
+
     def nuisances(self, trial: TrialData) -> tuple[Nuisance, ...]:
         """What is free in this trial alone."""
         return ()

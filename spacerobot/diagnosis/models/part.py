@@ -117,7 +117,8 @@ class Part:
                     if channel in sums:
                         sums[channel][0] += float(np.sum((left[channel][good] / block.weight[c][good]) ** 2))
                         sums[channel][1] += float(good.sum())
-        return {c: float(np.sqrt(s / max(n, 1.0))) / self.model.expected[c] for c, (s, n) in sums.items()}
+        expected = self.model.expected_with(self.fit.values())
+        return {c: float(np.sqrt(s / max(n, 1.0))) / expected[c] for c, (s, n) in sums.items()}
 
     @property
     def verdict(self) -> str:
