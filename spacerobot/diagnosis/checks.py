@@ -27,7 +27,7 @@ FRACTION = 0.1
 APART = 6.0
 """Standard errors by which a size may come back wrong from a synthetic copy before its interval is blamed."""
 
-ROUGH = 30.0
+ROUGH = 60.0
 """And by which it may before the fit is: a cost that contacts make jagged has minima beside the one whose curvature and
 profile are known. What a copy missed its size by is then the standard error that is stated, and a second copy tries it.
 """

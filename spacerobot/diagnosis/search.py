@@ -11,6 +11,7 @@ from spacerobot.diagnosis.fit import HOPE
 from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.found import WORTH_A_FIT, Found, Report, explained, run_tasks, screened, share_of
 from spacerobot.diagnosis.hypothesis import Label, Site
+from spacerobot.diagnosis.minima import other_minima
 from spacerobot.diagnosis.one_trial import knocks
 from spacerobot.diagnosis.pairs import pairs
 from spacerobot.diagnosis.pool import Pool
@@ -86,6 +87,7 @@ def search(pool: Pool, sites: Sequence[Site], report: Report, *, baseline: Fit |
         stop=True,
     )
     pairs(pool, found, first, report)
+    other_minima(pool, found, report)
     return found
 
 

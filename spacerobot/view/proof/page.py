@@ -111,7 +111,7 @@ def _part(records: Sequence[Record], about: Mapping[str, Any]) -> str:
         return ""
     return (
         f"\n\nThis is a part of the batch: {len(records)} of {planned} campaigns have been played "
-        "so far. The same command with the same folder goes on with the others."
+        "so far. `spacerobot prove --resume docs/proof_records.jsonl --out DIR --docs docs` goes on with the others."
     )
 
 
