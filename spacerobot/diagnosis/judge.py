@@ -79,7 +79,7 @@ def judge(found: Found, left_of: dict[int, Left], freed: Fit | None, failed: Seq
     candidates = [base, *(f for f in found.fits.values() if plausible(f.hypothesis.label, f.values()))]
     inflation = min((left_of[id(f)].inflation for f in candidates if id(f) in left_of), default=1.0)
     scores = {id(f): score(f, inflation) for f in candidates}
-    if freed is not None:
+    if freed is not None and len(moved(base)) <= FEW:
         extra = PENALTY * len(moved(base))
         scores[id(base)] = min(scores[id(base)], score(freed, inflation) + extra)
     ranked = sorted(candidates, key=lambda f: scores[id(f)])

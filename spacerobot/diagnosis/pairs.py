@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from spacerobot.diagnosis.candidates import contains, mirrored, simpler
 from spacerobot.diagnosis.fit import HOPE
 from spacerobot.diagnosis.fitted import Fit
@@ -102,5 +104,22 @@ def _simplify(pool: Pool, found: Found, report: Report) -> None:
         for label in simpler(best.hypothesis.label):
             sites = [Site(effect(name), where) for name, where in label]
             starts = effect_starts(sites, effect_values(best))[: 1 if label in found.fits else 2]
+            starts += [{**starts[0], **own} for own in _inherited(sites, best)]
             tasks += [Task(label, start, near=best, max_iterations=20) for start in starts]
     run_tasks(pool, found, tasks, report, "simpler sets of effects")
+
+
+def _inherited(sites: Sequence[Site], general: Fit) -> list[dict[str, float]]:
+    """Starts of a special case: each value of the same unit that the general effect at its place came to."""
+    values, known = general.values(), general.hypothesis.label
+    out = []
+    for site in sites:
+        if site.label in known:
+            continue
+        for other in general.hypothesis.sites:
+            if other.where != site.where or other.label in [s.label for s in sites]:
+                continue
+            for p in other.effect.parameters:
+                same = [q for q in site.effect.parameters if q.unit == p.unit]
+                out.append({site.key(q.name): values[other.key(p.name)] for q in same})
+    return [start for start in out if start]

@@ -72,7 +72,13 @@ def search(pool: Pool, sites: Sequence[Site], report: Report, *, baseline: Fit |
     promising = [f.hypothesis.label for f in found.singles_by_cost()[:TOP_FITTED]]
     # what adds little near the baseline may still fit from a start of its own
     promising += [(k,) for k in list(first.best())[:TOP_SCREENED] if (k,) not in promising]
-    # and so may one that takes a law's place: near the baseline, which has that law, it was no fit at all
+    # so may what hardly shows before it is met, where the recordings say how far things went
+    promising += [
+        (s.label,)
+        for s in (() if explained(found.best) else found.singles)
+        if (s.label,) not in promising and informed_starts(s, workshop.trials)
+    ]
+    # and one that takes a law's place: near the baseline, which has that law, it was no fit at all
     promising += [
         f.hypothesis.label
         for f in found.singles_by_cost()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -42,18 +42,26 @@ def effect_starts(sites: Sequence[Site], known: Mapping[str, float] | None = Non
 def informed_starts(site: Site, trials: Sequence[TrialData]) -> list[dict[str, float]]:
     """Starts that the recordings suggest: where a place hardly exceeds a displacement, at the largest one seen."""
     reach = [p for p in site.effect.parameters if p.reach]
-    channels = [f"{site.where}.x", f"{site.where}.position"]
-    seen = [
-        float(np.abs(value[weight > 0.0]).max(initial=0.0))
-        for trial in trials
-        for _, value, weight in (trial.channel(c) for c in channels if c in trial.channels)
-    ]
+    seen = [float(np.abs(x).max(initial=0.0)) for trial in trials for x in _displacements(site.where, trial)]
     if not reach or not seen or max(seen) <= 0.0:
         return []
     usual = effect_starts([site])
-    start = dict(usual[len(usual) // 2])
-    start.update({site.key(p.name): min(max(JUST_BELOW * max(seen), p.lower), p.upper) for p in reach})
-    return [start]
+    at = {site.key(p.name): min(max(JUST_BELOW * max(seen), p.lower), p.upper) for p in reach}
+    return [{**usual[len(usual) // 2], **at}, {**usual[-1], **at}]
+
+
+def _displacements(where: str, trial: TrialData) -> Iterator[np.ndarray]:
+    """What was recorded of a place's own displacement: of a slider, against the hand that carries it."""
+    for channel in (f"{where}.x", f"{where}.position"):
+        if channel not in trial.channels:
+            continue
+        time, value, weight = trial.channel(channel)
+        good = weight > 0.0
+        if where == "wrist" and "hand.x" in trial.channels:
+            when, hand, known = trial.channel("hand.x")
+            if (known > 0.0).any():
+                value = value - np.interp(time, when[known > 0.0], hand[known > 0.0])
+        yield value[good]
 
 
 def moments(site: Site, trials: Sequence[TrialData]) -> list[dict[str, float]]:
