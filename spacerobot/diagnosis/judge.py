@@ -79,13 +79,15 @@ def judge(found: Found, left_of: dict[int, Left], freed: Fit | None, failed: Seq
     candidates = [base, *(f for f in found.fits.values() if plausible(f.hypothesis.label, f.values()))]
     inflation = min((left_of[id(f)].inflation for f in candidates if id(f) in left_of), default=1.0)
     scores = {id(f): score(f, inflation) for f in candidates}
-    if freed is not None and len(moved(base)) <= FEW:
-        extra = PENALTY * len(moved(base))
-        scores[id(base)] = min(scores[id(base)], score(freed, inflation) + extra)
+    many = freed is not None and len(moved(base)) > FEW
+    at_will = np.inf if freed is None else score(freed, inflation) + PENALTY * len(moved(base))
+    if not many:
+        scores[id(base)] = min(scores[id(base)], at_will)
     ranked = sorted(candidates, key=lambda f: scores[id(f)])
     favourite = simplest(ranked, scores, base, lambda fit: id(fit) in left_of and left_of[id(fit)].adequate)
     lead = scores[id(base)] - scores[id(favourite)]
-    if favourite is base or lead < EARN:
+    bent = many and at_will < scores[id(favourite)] - MARGIN  # many wrong values do better than any effect
+    if favourite is base or lead < EARN or bent:
         return _without_effect(base, freed, ranked, scores, left_of, failed)
     rivals = []
     equal = []
