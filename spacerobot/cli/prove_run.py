@@ -47,7 +47,7 @@ def run(args: argparse.Namespace) -> int:
     codes = code_hashes()
     begun, known = _begun(args.resume, asked, codes)
     seed = begun["seed"] if begun else asked
-    key = combined_hash("prove", codes, args.quick, sorted(kinds), share, not args.no_rivals, seed)
+    key = combined_hash("prove", args.quick, sorted(kinds), share, not args.no_rivals, seed)
     with RunFolder(args.out, "prove", key, overwrite=args.overwrite, code=" ".join(codes.values())) as folder:
         if not folder.finished:
             begun = folder.load("batch") or begun or _new(asked)
@@ -125,12 +125,18 @@ def in_words(codes: dict[str, str]) -> str:
 
 def _orders(quick: bool, seed: int, kinds: list[str], share: float) -> list[Order]:
     size, arm = (QUICK, driven.QUICK) if quick else (FULL, driven.FULL)
-    counts = {kind: max(1, round(share * count)) for kind, count in size.counts.items()}
-    repeats = size.curve_repeats and max(1, round(share * size.curve_repeats))
-    short = size.short_repeats and max(1, round(share * size.short_repeats))
-    rounds = size.withheld_rounds and max(1, round(share * size.withheld_rounds))
-    smaller = replace(size, counts=counts, curve_repeats=repeats, short_repeats=short, withheld_rounds=rounds)
-    logged = {kind: max(1, round(share * count)) for kind, count in arm.items()}
+
+    def some(count: int) -> int:
+        return count and max(1, round(share * count))
+
+    smaller = replace(
+        size,
+        counts={kind: some(count) for kind, count in size.counts.items()},
+        curve_repeats=some(size.curve_repeats),
+        short_repeats=some(size.short_repeats),
+        withheld_rounds=some(size.withheld_rounds),
+    )
+    logged = {kind: some(count) for kind, count in arm.items()}
     orders = [o for o in (*schedule(smaller, seed), *driven.schedule(logged, seed)) if o.kind in kinds]
     if not orders:
         raise InputError("this batch has no campaign of these kinds", given=" ".join(kinds), where="--kinds")

@@ -116,8 +116,9 @@ def diagnose(
         if copied is not None and whole is not None:
             report("checking on a synthetic copy", 0, 1)
             checks += copied()
-            for key, missed in {k: m for c in checks for k, m in c.get("missed", {}).items()}.items():
-                profiled[key] = widened(chosen, key, profiled[key], missed)
+            for check in checks:
+                for key, missed in check.get("missed", {}).items():
+                    profiled[key] = widened(chosen, key, profiled[key], missed)
             report("simulating with the whole robot", 0, 1)
             checks.append(whole())
         judgement = judge(found, left_of, freed, [c["name"] for c in checks if not c["passed"]])

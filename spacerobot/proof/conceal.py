@@ -240,13 +240,18 @@ def _draw(
     return keys[int(rng.integers(len(keys)))]
 
 
+def by_factors(rng: np.random.Generator, low: float, high: float) -> float:
+    """A number between two, drawn evenly in the logarithm."""
+    return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+
 def _strength(rng: np.random.Generator, lowest: float = STRONG[0]) -> float:
-    return float(np.exp(rng.uniform(np.log(lowest), np.log(STRONG[1]))))
+    return by_factors(rng, lowest, STRONG[1])
 
 
 def _plain(rng: np.random.Generator) -> float:
     """Residual variance over noise variance of what must not be overlooked: enough to tell a rival's prediction."""
-    return 1.0 + float(np.exp(rng.uniform(np.log(0.2), np.log(2.0))))
+    return 1.0 + by_factors(rng, 0.2, 2.0)
 
 
 def mask(campaign: Campaign, clean: Readings) -> Campaign:

@@ -6,8 +6,9 @@ import hashlib
 import json
 import shutil
 import time
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ from spacerobot.proof.blind import COMMAND, diagnose
 from spacerobot.proof.campaign import seal, write_study
 from spacerobot.proof.conceal import conceal
 from spacerobot.proof.engine.outsiders import OUTSIDERS
-from spacerobot.proof.judge import judge, labels
+from spacerobot.proof.judge import Judgement, judge, labels
 from spacerobot.proof.oracle import Bench, Fitted, only_of, starts_of
 from spacerobot.proof.orders import Order
 from spacerobot.support.errors import InputError, SimulationError
@@ -51,20 +52,55 @@ def play(order: Order, folder: Path, *, rivals: bool = False, command: Sequence[
             break
         except (SimulationError, InputError) as error:
             reason = str(error)
-    base: dict[str, Any] = {"name": order.name, **asdict(order)}
     if made is None:
-        return {**base, "failed": reason}
+        return not_made(order, reason)
+    ready = Ready(
+        write=partial(write_study, campaign=made.campaign, readings=made.readings),
+        sealed=seal(made.campaign, made.about()),
+        trials=len(made.campaign.trials),
+        withheld=made.withheld,
+        scored=partial(_scored, rivals=rivals),
+    )
+    return blind(order, folder, ready, began, command)
+
+
+@dataclass(frozen=True)
+class Ready:
+    """A campaign that is made, whatever moves in it.
+
+    Attributes:
+        write: writes its study into a folder.
+        sealed: what is hidden, as JSON.
+        trials: how many.
+        withheld: effect that the diagnosis must do without.
+        scored: what the record says beside the judgement: of the study's folder, the truth, the judgement, the verdict.
+    """
+
+    write: Callable[[Path], object]
+    sealed: str
+    trials: int
+    withheld: str | None
+    scored: Callable[[Path, dict[str, Any], Judgement, dict[str, Any] | None], dict[str, Any]]
+
+
+def not_made(order: Order, reason: str) -> dict[str, Any]:
+    """The record of an order that cannot be played."""
+    return {"name": order.name, **asdict(order), "failed": reason}
+
+
+def blind(order: Order, folder: Path, ready: Ready, began: float, command: Sequence[str]) -> dict[str, Any]:
+    """Write, diagnose blind, break the seal, score; `began` [s, monotonic] is when it was begun to be made."""
     code = hashlib.sha256(f"{order.name} {order.seed}".encode()).hexdigest()[:12]
     study = folder / code
     try:
-        write_study(study, made.campaign, made.readings)
-        sealed = seal(made.campaign, made.about())
+        ready.write(study)
         prepared = time.monotonic() - began
-        answer = diagnose(study, without=made.withheld, command=command)
-        truth = json.loads(sealed)
+        answer = diagnose(study, without=ready.withheld, command=command)
+        truth = json.loads(ready.sealed)
         judged = judge(truth, answer.verdict)
         record = {
-            **base,
+            "name": order.name,
+            **asdict(order),
             "hidden": labels(truth["effects"]),
             **{k: v for k, v in truth.items() if k not in ("parameters", "rig_as_built")},
             "wrong_values": truth["parameters"],
@@ -72,20 +108,26 @@ def play(order: Order, folder: Path, *, rivals: bool = False, command: Sequence[
             "seconds": answer.seconds,
             "seconds_to_make": prepared,
             "error": answer.error,
-            "trials": len(made.campaign.trials),
-            "claimed_held_out": _claimed(answer.verdict),
+            "trials": ready.trials,
             "moved": sorted((answer.verdict or {}).get("parameters", {})),
+            **ready.scored(study, truth, judged, answer.verdict),
         }
-        record.update(_compared(study, truth, judged.favourite, answer.verdict))
-        if rivals:
-            from spacerobot.proof.rivals import try_rivals
-
-            record["rivals"] = try_rivals(study)
         found = plain(record)
         assert isinstance(found, dict)
         return found
     finally:
         shutil.rmtree(study, ignore_errors=True)
+
+
+def _scored(
+    study: Path, truth: dict[str, Any], judged: Judgement, verdict: dict[str, Any] | None, *, rivals: bool
+) -> dict[str, Any]:
+    out = {"claimed_held_out": _claimed(verdict), **_compared(study, truth, judged.favourite, verdict)}
+    if rivals:
+        from spacerobot.proof.rivals import try_rivals
+
+        out["rivals"] = try_rivals(study)
+    return out
 
 
 def _claimed(verdict: dict[str, Any] | None) -> float | None:

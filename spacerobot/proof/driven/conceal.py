@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from spacerobot.proof.conceal import STRONG
+from spacerobot.proof.conceal import STRONG, by_factors
 from spacerobot.proof.driven.arm import Log, inertias, joints
 from spacerobot.proof.driven.campaign import LAST_SIGMA, ROTOR_SIGMA, Campaign, drawn
 from spacerobot.proof.driven.hidden import KNOWN, OUTSIDE, draw
@@ -101,7 +101,7 @@ def _hidden(rng: np.random.Generator, effects: list[str], expected: str, between
     items, strengths = [], []
     for effect, joint in zip(effects, places, strict=True):
         kind = draw(effect, joint, rng)
-        limits = float(np.exp(rng.uniform(*np.log(between))))
+        limits = by_factors(rng, *between)
         items.append(kind(limits / limits_at_one(plain, logs, kind)))
         strengths.append(limits)
     changed = replace(plain, hidden=tuple(items))

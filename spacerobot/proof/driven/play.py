@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
-import shutil
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from spacerobot.proof.blind import COMMAND, diagnose
+from spacerobot.proof.blind import COMMAND
 from spacerobot.proof.driven.bench import ArmBench, Fitted
 from spacerobot.proof.driven.campaign import write_study
 from spacerobot.proof.driven.conceal import conceal
-from spacerobot.proof.judge import judge, labels
+from spacerobot.proof.judge import Judgement, labels
 from spacerobot.proof.oracle import starts_of
 from spacerobot.proof.orders import Order
-from spacerobot.proof.record import EQUAL
+from spacerobot.proof.record import EQUAL, Ready, blind, not_made
 from spacerobot.support.errors import InputError, SimulationError
-from spacerobot.support.jsonio import dumps, plain
+from spacerobot.support.jsonio import dumps
 
 
 def play_arm(order: Order, folder: Path, *, command: Sequence[str] = COMMAND) -> dict[str, Any]:
@@ -32,40 +29,23 @@ def play_arm(order: Order, folder: Path, *, command: Sequence[str] = COMMAND) ->
         command: the diagnosis.
     """
     began = time.monotonic()
-    base: dict[str, Any] = {"name": order.name, **asdict(order)}
     try:
         made = conceal(order)
     except SimulationError as error:
-        return {**base, "failed": str(error)}
-    study = folder / hashlib.sha256(f"{order.name} {order.seed}".encode()).hexdigest()[:12]
-    try:
-        write_study(study, made.campaign, made.logs)
-        sealed = dumps(made.truth())
-        prepared = time.monotonic() - began
-        answer = diagnose(study, command=command)
-        truth = json.loads(sealed)
-        judged = judge(truth, answer.verdict)
-        record = {
-            **base,
-            "hidden": labels(truth["effects"]),
-            **{k: v for k, v in truth.items() if k != "parameters"},
-            "wrong_values": truth["parameters"],
-            **asdict(judged),
-            "seconds": answer.seconds,
-            "seconds_to_make": prepared,
-            "error": answer.error,
-            "trials": len(made.logs),
-            "moved": sorted((answer.verdict or {}).get("parameters", {})),
-            **_compared(study, truth, answer.verdict),
-        }
-        found = plain(record)
-        assert isinstance(found, dict)
-        return found
-    finally:
-        shutil.rmtree(study, ignore_errors=True)
+        return not_made(order, str(error))
+    ready = Ready(
+        write=partial(write_study, campaign=made.campaign, logs=made.logs),
+        sealed=dumps(made.truth()),
+        trials=len(made.logs),
+        withheld=None,
+        scored=_compared,
+    )
+    return blind(order, folder, ready, began, command)
 
 
-def _compared(study: Path, truth: Mapping[str, Any], verdict: Mapping[str, Any] | None) -> dict[str, Any]:
+def _compared(
+    study: Path, truth: Mapping[str, Any], judged: Judgement, verdict: Mapping[str, Any] | None
+) -> dict[str, Any]:
     """Costs and held-out errors of baseline, oracle and favourite on one bench, keys as of the other campaigns."""
     out: dict[str, Any] = {"same": False, "equal": False}
     hidden = labels(truth["effects"])
