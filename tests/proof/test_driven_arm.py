@@ -25,7 +25,7 @@ from spacerobot.proof.driven.campaign import DURATION, RATE, Campaign, drawn, wr
 from spacerobot.proof.driven.conceal import MAKERS, conceal
 from spacerobot.proof.driven.hidden import DRAWS, draw, torque
 from spacerobot.proof.driven.orders import FULL, schedule
-from spacerobot.proof.driven.strength import limits_at_one
+from spacerobot.proof.driven.strength import Yardstick
 from spacerobot.proof.engine.rig import STANDARD_GRAVITY
 from spacerobot.recordings.study import load_study
 from spacerobot.support.sources import ROOT
@@ -52,7 +52,7 @@ def test_inverse_dynamics_are_pinocchios() -> None:
     for k in range(20):
         line = np.array([-step, 0.0, step])[:, None]
         log = Log(line[:, 0], q[k] + v[k] * line, v[k] + a[k] * line, np.zeros((3, 7)))
-        theirs = torque_of(built.masses, built.rotors, log)[1]
+        theirs = torque_of(built.masses, built.rotors, [log])[0][1]
         own = pin.rnea(model, model.createData(), robot.configuration(q[k]), v[k], a[k])
         np.testing.assert_allclose(theirs, own[[robot.velocity_index(j) for j in joints()]], rtol=1e-8, atol=1e-9)
 
@@ -74,7 +74,7 @@ def test_the_drive_overcomes_what_is_hidden(effect: str) -> None:
     campaign, _ = plain()
     item = draw(effect, "E1", np.random.default_rng(3))(2.0)
     log = run(replace(campaign, hidden=(item,)).built(), next(iter(campaign.tracks.values())), DURATION, 500.0)
-    left = log.torque - torque_of(campaign.masses, campaign.rotors, log)
+    left = log.torque - torque_of(campaign.masses, campaign.rotors, [log])[0]
     k = joints().index("E1")
     moves = np.convolve(np.abs(log.velocity[:, k]) < 0.08, np.ones(41), "same") == 0.0
     shown = torque(item, log.position, log.velocity)
@@ -88,10 +88,11 @@ def test_the_drive_overcomes_what_is_hidden(effect: str) -> None:
 def test_strength_grows_with_the_size_and_what_a_value_covers_has_little() -> None:
     campaign, logs = plain()
     kind = draw("coulomb_friction", "S2", np.random.default_rng(5))
-    one = limits_at_one(campaign, logs, kind)
-    assert limits_at_one(campaign, logs, lambda s: kind(3.0 * s)) == pytest.approx(3.0 * one)
+    yardstick = Yardstick(campaign, logs)
+    one = yardstick.limits_at_one(kind)
+    assert yardstick.limits_at_one(lambda s: kind(3.0 * s)) == pytest.approx(3.0 * one)
     some = dict(list(logs.items())[:1])
-    assert limits_at_one(campaign, some, kind) < one
+    assert Yardstick(campaign, some).limits_at_one(kind) < one
 
 
 def left_over(folder: Path) -> dict[str, float]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from typing import Any
@@ -12,8 +12,8 @@ import numpy as np
 
 from spacerobot.diagnosis.models.links import mass_of, with_masses
 from spacerobot.model.library import load
-from spacerobot.proof.engine.arm import POSE
-from spacerobot.proof.engine.rig import STANDARD_GRAVITY
+from spacerobot.proof.engine.arm import POSE, mass_matrix, set_joint, shapeless
+from spacerobot.proof.engine.rig import STANDARD_GRAVITY, Joint, Level
 from spacerobot.support.errors import SimulationError
 
 ROBOT = "pa10"
@@ -32,9 +32,6 @@ FASTEST = np.array([0.6, 0.6, 0.9, 0.9, 1.5, 1.5, 1.5])
 
 Law = Callable[[np.ndarray, np.ndarray, float], float]
 """(position, velocity of all joints, time) -> torque at one joint [N m]."""
-
-Level = Callable[[float, float], float]
-"""(velocity, torque that pushes) -> dry friction of one joint [N m]."""
 
 
 @dataclass
@@ -61,24 +58,18 @@ class Built:
         """The MuJoCo model."""
         import mujoco
 
-        spec = mujoco.MjSpec.from_string(str(with_masses(load(ROBOT), self.masses).urdf))
-        spec.compiler.inertiafromgeom = False
-        spec.compiler.fusestatic = False
+        spec = shapeless(str(with_masses(load(ROBOT), self.masses).urdf))
         spec.option.gravity = [0.0, 0.0, -STANDARD_GRAVITY]
         spec.option.timestep = STEP
         spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-        spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
-        for geom in list(spec.geoms):
-            spec.delete(geom)
         for name in joints():
             joint = spec.joint(name)
             joint.limited = mujoco.mjtLimited.mjLIMITED_FALSE
             joint.armature = self.rotors[name]
-            joint.damping = [self.damping.get(name, 0.0), 0.0, 0.0]
             # a level that changes needs the constraint from the start
-            joint.frictionloss = max(self.friction.get(name, 0.0), 1e-9 if name in self.levels else 0.0)
-            joint.solref_friction = [FRICTION_TIME, 1.0]
-            joint.solimp_friction = [0.95, 0.999, 0.001, 0.5, 2.0]
+            friction = max(self.friction.get(name, 0.0), 1e-9 if name in self.levels else 0.0)
+            own = Joint("", "hinge", damping=self.damping.get(name, 0.0), friction=friction)
+            set_joint(joint, own, FRICTION_TIME)
         return spec.compile()
 
 
@@ -137,6 +128,12 @@ def believed() -> Built:
     return Built(dict(links()), rotors)
 
 
+@cache
+def _planned() -> Any:
+    """The model that the controller plans with."""
+    return believed().compile()
+
+
 def run(built: Built, path: Path, duration: float, rate: float) -> Log:
     """Drive the arm along a path and log it.
 
@@ -151,7 +148,7 @@ def run(built: Built, path: Path, duration: float, rate: float) -> Log:
     """
     import mujoco
 
-    model, plain = built.compile(), believed().compile()
+    model, plain = built.compile(), _planned()
     data, plan = mujoco.MjData(model), mujoco.MjData(plain)
     index = {name: i for i, name in enumerate(joints())}
     data.qpos[:], data.qvel[:], _ = path.at(0.0)
@@ -183,29 +180,29 @@ def run(built: Built, path: Path, duration: float, rate: float) -> Log:
     return Log(time, *parts)
 
 
-def torque_of(masses: Mapping[str, float], rotors: Mapping[str, float], log: Log) -> np.ndarray:
-    """What a rigid arm asks of its drives along a logged motion, shape (T, 7) [N m]; MuJoCo's inverse dynamics."""
+def torque_of(masses: Mapping[str, float], rotors: Mapping[str, float], logs: Sequence[Log]) -> list[np.ndarray]:
+    """What a rigid arm asks of its drives along logged motions, shape (T, 7) each [N m]; MuJoCo's inverse dynamics."""
     import mujoco
 
     model = Built(dict(masses), dict(rotors)).compile()
     data = mujoco.MjData(model)
-    acceleration = np.gradient(log.velocity, log.time, axis=0)
-    out = np.empty_like(log.torque)
-    for k in range(log.time.size):
-        data.qpos[:], data.qvel[:], data.qacc[:] = log.position[k], log.velocity[k], acceleration[k]
-        mujoco.mj_inverse(model, data)
-        out[k] = data.qfrc_inverse
-    return out
+    found = []
+    for log in logs:
+        acceleration = np.gradient(log.velocity, log.time, axis=0)
+        out = np.empty_like(log.torque)
+        for k in range(log.time.size):
+            data.qpos[:], data.qvel[:], data.qacc[:] = log.position[k], log.velocity[k], acceleration[k]
+            mujoco.mj_inverse(model, data)
+            out[k] = data.qfrc_inverse
+        found.append(out)
+    return found
 
 
 def inertias() -> dict[str, float]:
     """Joint -> inertia about it in the arm's ordinary pose, its rotor's with it [kg m^2]."""
     import mujoco
 
-    model = believed().compile()
+    model = _planned()
     data = mujoco.MjData(model)
     data.qpos[:] = POSE
-    mujoco.mj_forward(model, data)
-    full = np.zeros((model.nv, model.nv))
-    mujoco.mj_fullM(model, data, full)
-    return dict(zip(joints(), np.diag(full).tolist(), strict=True))
+    return dict(zip(joints(), np.diag(mass_matrix(model, data)).tolist(), strict=True))

@@ -12,7 +12,7 @@ from spacerobot.proof.conceal import STRONG, by_factors
 from spacerobot.proof.driven.arm import Log, inertias, joints
 from spacerobot.proof.driven.campaign import LAST_SIGMA, ROTOR_SIGMA, Campaign, drawn
 from spacerobot.proof.driven.hidden import KNOWN, OUTSIDE, draw
-from spacerobot.proof.driven.strength import limits_at_one
+from spacerobot.proof.driven.strength import Yardstick
 from spacerobot.proof.orders import Order
 
 PLAIN = (12.0, 60.0)
@@ -98,11 +98,12 @@ def _hidden(rng: np.random.Generator, effects: list[str], expected: str, between
     plain = drawn(rng)
     logs = plain.logs()
     places = [str(j) for j in rng.choice(joints(), len(effects), replace=False)]
+    yardstick = Yardstick(plain, logs)
     items, strengths = [], []
     for effect, joint in zip(effects, places, strict=True):
         kind = draw(effect, joint, rng)
         limits = by_factors(rng, *between)
-        items.append(kind(limits / limits_at_one(plain, logs, kind)))
+        items.append(kind(limits / yardstick.limits_at_one(kind)))
         strengths.append(limits)
     changed = replace(plain, hidden=tuple(items))
     return Concealed(changed, changed.logs(), expected, strength=min(strengths))

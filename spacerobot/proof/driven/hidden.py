@@ -9,6 +9,7 @@ import numpy as np
 
 from spacerobot.proof.driven.arm import Built, joints
 from spacerobot.proof.engine.missing import Missing
+from spacerobot.proof.engine.physics import two_levels
 
 Values = dict[str, float]
 Drawn = Callable[[float], Values]
@@ -95,8 +96,7 @@ def _squared(built: Built, joint: str, p: Mapping[str, float]) -> None:
 
 
 def _two_levels(built: Built, joint: str, p: Mapping[str, float]) -> None:
-    plus, minus = p["force_plus_Nm"], p["force_minus_Nm"]
-    built.levels[joint] = lambda v, push: plus if (v if abs(v) > 1e-5 else push) > 0.0 else minus
+    built.levels[joint] = two_levels(p["force_plus_Nm"], p["force_minus_Nm"])
 
 
 def _rippled(built: Built, joint: str, p: Mapping[str, float]) -> None:

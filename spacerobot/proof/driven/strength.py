@@ -7,7 +7,7 @@ refit of masses and inertia within their stated deviations, the columns of N. It
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 
@@ -21,43 +21,45 @@ THIN = 6
 """Every so many readings are taken along, and count so often."""
 
 
-def limits_at_one(campaign: Campaign, logs: dict[str, Log], kind: Callable[[float], Missing]) -> float:
-    """Strength, in detection limits, of the effect of size 1.
+class Yardstick:
+    """Measures effects along the motion of one campaign.
 
     Args:
-        campaign: without it.
-        logs: of the campaign; the effect does not move the arm from its path by as much as would matter.
-        kind: the effect, by size.
+        campaign: without them.
+        logs: of the campaign; an effect does not move the arm from its path by as much as would matter.
     """
-    item = kind(1.0)
-    k = joints().index(item.where.removeprefix("joint."))
-    seen = [_thinned(log) for log in logs.values()]
-    shown = np.zeros((sum(log.time.size for log in seen), len(joints())))
-    shown[:, k] = np.concatenate([torque(item, log.position, log.velocity) for log in seen])
-    s = (shown / TORQUE_NOISE).ravel()
-    columns = np.array(
-        [np.concatenate([c / TORQUE_NOISE for c in changes]).ravel() for changes in _wrong(campaign, seen)]
-    )
-    columns *= math.sqrt(THIN)
-    s *= math.sqrt(THIN)
-    inner = np.eye(len(columns)) + columns @ columns.T
-    score = columns @ s
-    gain = float(s @ s - score @ np.linalg.solve(inner, score))
-    return math.sqrt(max(gain, 0.0) / critical(len(item.values)))
+
+    def __init__(self, campaign: Campaign, logs: Mapping[str, Log]) -> None:
+        self._seen = [_thinned(log) for log in logs.values()]
+        self._columns = np.array([self._weighed(changes) for changes in _wrong(campaign, self._seen)])
+
+    def limits_at_one(self, kind: Callable[[float], Missing]) -> float:
+        """Strength, in detection limits, of an effect of size 1."""
+        item, columns = kind(1.0), self._columns
+        k = joints().index(item.where.removeprefix("joint."))
+        shown = [np.zeros_like(log.torque) for log in self._seen]
+        for own, log in zip(shown, self._seen, strict=True):
+            own[:, k] = torque(item, log.position, log.velocity)
+        s = self._weighed(shown)
+        inner = np.eye(len(columns)) + columns @ columns.T
+        score = columns @ s
+        gain = float(s @ s - score @ np.linalg.solve(inner, score))
+        return math.sqrt(max(gain, 0.0) / critical(len(item.values)))
+
+    def _weighed(self, torques: list[np.ndarray]) -> np.ndarray:
+        return math.sqrt(THIN) * (np.concatenate(torques) / TORQUE_NOISE).ravel()
 
 
 def _thinned(log: Log) -> Log:
     return Log(log.time[::THIN], log.position[::THIN], log.velocity[::THIN], log.torque[::THIN])
 
 
-def _wrong(campaign: Campaign, logs: list[Log]) -> list[list[np.ndarray]]:
+def _wrong(campaign: Campaign, logs: list[Log]) -> Iterator[list[np.ndarray]]:
     """For each believed value, the change of all torques by one stated deviation, trial by trial."""
-    plain = [torque_of(campaign.masses, campaign.rotors, log) for log in logs]
-    out = []
-    for name, mass in campaign.masses.items():
-        other = {**campaign.masses, name: mass * (1.0 + mass_sigma(name))}
-        out.append([torque_of(other, campaign.rotors, log) - p for log, p in zip(logs, plain, strict=True)])
-    for name, inertia in campaign.rotors.items():
-        turned = {**campaign.rotors, name: inertia * (1.0 + ROTOR_SIGMA)}
-        out.append([torque_of(campaign.masses, turned, log) - p for log, p in zip(logs, plain, strict=True)])
-    return out
+    masses, rotors = campaign.masses, campaign.rotors
+    others: list[tuple[Mapping[str, float], Mapping[str, float]]] = []
+    others += [({**masses, n: m * (1.0 + mass_sigma(n))}, rotors) for n, m in masses.items()]
+    others += [(masses, {**rotors, n: i * (1.0 + ROTOR_SIGMA)}) for n, i in rotors.items()]
+    plain = torque_of(masses, rotors, logs)
+    for other in others:
+        yield [changed - p for changed, p in zip(torque_of(*other, logs), plain, strict=True)]

@@ -76,15 +76,10 @@ class ArmRig(Rig):
         """The MuJoCo model."""
         import mujoco
 
-        spec = mujoco.MjSpec.from_string(_urdf(self.floating))
-        spec.compiler.inertiafromgeom = False
-        spec.compiler.fusestatic = False
+        spec = shapeless(_urdf(self.floating))
         spec.option.gravity = [0.0, 0.0, 0.0]
         spec.option.integrator = mujoco.mjtIntegrator.mjINT_RK4
         spec.option.timestep = 5e-5
-        spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
-        for geom in list(spec.geoms):
-            spec.delete(geom)
         if self.floating:
             self._float(spec)
         self._arm(spec)
@@ -114,7 +109,7 @@ class ArmRig(Rig):
             joint = spec.joint(name)
             joint.limited = mujoco.mjtLimited.mjLIMITED_FALSE
             if self.servo is not None:
-                _set(joint, Joint("", "hinge", self.servo.stiffness, self.servo.damping[number]))
+                set_joint(joint, Joint("", "hinge", self.servo.stiffness, self.servo.damping[number]))
             joint.armature = float(robot.model.armature[robot.velocity_index(name)])
             # the pose becomes the model's own zero, so that springs rest there and welds hold it
             body = joint.parent
@@ -133,7 +128,7 @@ class ArmRig(Rig):
         joint, own = spec.joint("wrist_slider"), self.joints["wrist"]
         joint.name = "wrist"
         joint.limited = mujoco.mjtLimited.mjLIMITED_FALSE
-        _set(joint, own)
+        set_joint(joint, own)
         body = joint.parent
         ratio = self.masses["wrist"] / body.mass
         body.mass, body.inertia = self.masses["wrist"], np.array(body.inertia) * ratio
@@ -151,19 +146,42 @@ class ArmRig(Rig):
         body = spec.worldbody.add_body(name="target", mass=self.masses["target"], inertia=[0.1, 0.1, 0.1])
         body.explicitinertial = True
         joint = body.add_joint(name="target", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=AHEAD.tolist())
-        _set(joint, self.joints["target"])
+        set_joint(joint, self.joints["target"])
         if "slosh" in self.joints:
             inner = body.add_body(name="slosh", mass=self.masses["slosh"], inertia=[0.1, 0.1, 0.1])
             inner.explicitinertial = True
             joint = inner.add_joint(name="slosh", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=AHEAD.tolist())
-            _set(joint, self.joints["slosh"])
+            set_joint(joint, self.joints["slosh"])
 
 
-def _set(joint: Any, own: Joint) -> None:
+def shapeless(urdf: str) -> Any:
+    """A URDF as MuJoCo's specification: inertia as stated, no shapes, and no contact of MuJoCo's own."""
+    import mujoco
+
+    spec = mujoco.MjSpec.from_string(urdf)
+    spec.compiler.inertiafromgeom = False
+    spec.compiler.fusestatic = False
+    spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
+    for geom in list(spec.geoms):
+        spec.delete(geom)
+    return spec
+
+
+def mass_matrix(model: Any, data: Any) -> np.ndarray:
+    """Joint-space inertia at the data's position, shape (nv, nv)."""
+    import mujoco
+
+    mujoco.mj_forward(model, data)
+    full = np.zeros((model.nv, model.nv))
+    mujoco.mj_fullM(model, data, full)
+    return full
+
+
+def set_joint(joint: Any, own: Joint, friction_time: float = FRICTION_TIME) -> None:
     """Spring, damper and dry friction of a joint; the first two are polynomials, of which the linear part is used."""
     joint.stiffness, joint.damping = [own.stiffness, 0.0, 0.0], [own.damping, 0.0, 0.0]
     joint.frictionloss = own.friction
-    joint.solref_friction = [FRICTION_TIME, 1.0]
+    joint.solref_friction = [friction_time, 1.0]
     joint.solimp_friction = [0.95, 0.999, 0.001, 0.5, 2.0]
 
 
@@ -179,11 +197,9 @@ def hand_mass(rig: ArmRig) -> float:
 
     model = rig.compile()
     data = mujoco.MjData(model)
-    mujoco.mj_forward(model, data)
+    full = mass_matrix(model, data)
     row = np.zeros((3, model.nv))
     mujoco.mj_jacSite(model, data, row, None, model.site("mount").id)
-    full = np.zeros((model.nv, model.nv))
-    mujoco.mj_fullM(model, data, full)
     # an apparent mass behind the slider: the slider's own share of M is taken off along its axis
     keep = [i for i in range(model.nv) if i not in (rig.index["wrist"], rig.index["target"])]
     slide = rig.index["wrist"]
@@ -200,10 +216,9 @@ def tip_row() -> tuple[np.ndarray, np.ndarray]:
     rig = ArmRig(Values(), servo=Servo(1.0))
     model = rig.compile()
     data = mujoco.MjData(model)
-    mujoco.mj_forward(model, data)
-    row, full = np.zeros((3, model.nv)), np.zeros((model.nv, model.nv))
+    full = mass_matrix(model, data)
+    row = np.zeros((3, model.nv))
     mujoco.mj_jacSite(model, data, row, None, model.site("mount").id)
-    mujoco.mj_fullM(model, data, full)
     joints = [i for name, i in rig.index.items() if name.startswith("joint.")]
     return row[0][joints], np.diag(full)[joints]
 

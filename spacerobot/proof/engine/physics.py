@@ -30,13 +30,17 @@ def stribeck_friction(rig: Rig, where: str, p: Mapping[str, float]) -> None:
 
 def asymmetric_friction(rig: Rig, where: str, p: Mapping[str, float]) -> None:
     """MuJoCo's friction loss, its level set at every step from the direction of motion, or of the push at rest."""
-    forwards, backwards = p["force_plus_N"], p["force_minus_N"]
+    rig.levels[where] = two_levels(p["force_plus_N"], p["force_minus_N"])
+
+
+def two_levels(forwards: float, backwards: float) -> Level:
+    """A level for each direction of motion, or of the push at rest."""
 
     def level(v: float, net: float) -> float:
         way = v if abs(v) > 1e-5 else net
         return forwards if way > 0.0 else backwards
 
-    rig.levels[where] = level
+    return level
 
 
 def viscous(rig: Rig, where: str, p: Mapping[str, float]) -> None:
