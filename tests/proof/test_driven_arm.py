@@ -108,7 +108,7 @@ def left_over(folder: Path) -> dict[str, float]:
 
 
 def _noise(model: Model) -> float:
-    (noise,) = model.expected.values()
+    (noise,) = model.expected({}).values()
     return noise
 
 

@@ -11,7 +11,7 @@ from spacerobot.diagnosis.data import TrialData
 from spacerobot.diagnosis.fit import Fitter
 from spacerobot.diagnosis.hypothesis import Hypothesis
 from spacerobot.diagnosis.models.model import Model
-from spacerobot.diagnosis.models.noise import split
+from spacerobot.diagnosis.models.noise import squares_of
 from spacerobot.support.errors import SimulationError
 
 FOLDS = 4
@@ -83,20 +83,8 @@ class HeldOut:
 
     def rms(self, trials: Sequence[TrialData]) -> dict[str, float]:
         """By channel, in the channel's unit."""
-        squares: dict[str, float] = {}
-        counts: dict[str, int] = {}
-        for trial in trials:
-            if trial.id not in self.residual:
-                continue
-            found = split(self.residual[trial.id], trial)
-            counted = split(self.counted[trial.id], trial)
-            for block in trial.blocks:
-                for c, channel in enumerate(block.channels):
-                    good = counted[channel].astype(bool)
-                    value = found[channel][good] / block.weight[c][good]
-                    squares[channel] = squares.get(channel, 0.0) + float(value @ value)
-                    counts[channel] = counts.get(channel, 0) + int(good.sum())
-        return {c: float(np.sqrt(s / max(counts[c], 1))) for c, s in squares.items()}
+        sums = squares_of(self.residual, trials, self.counted)
+        return {c: float(np.sqrt(s / max(n, 1))) for c, (s, n) in sums.items()}
 
 
 def start_of(

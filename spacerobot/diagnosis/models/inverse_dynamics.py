@@ -20,6 +20,7 @@ from spacerobot.diagnosis.models.links import carried_links, mass_of, with_masse
 from spacerobot.diagnosis.models.measured import port_forces, through_sensor
 from spacerobot.diagnosis.models.model import FIRST_NOISE, Model, Predicted, conditions_of
 from spacerobot.diagnosis.models.sizes import Sizes, sizes_of
+from spacerobot.diagnosis.models.stated_noise import Lens, stated_noise, still_below
 from spacerobot.diagnosis.models.touch import Moment, first_shock
 from spacerobot.diagnosis.models.weak import Bump
 from spacerobot.dynamics.joint_kinds import joint_axis
@@ -43,9 +44,6 @@ FEWEST = 4
 
 FEWEST_READINGS = 4
 """That a piece holds at least."""
-
-STILL = 4.0
-"""A speed within so many standard deviations of its noise is none."""
 
 PIECES = 8
 """Into how many parts a trial is cut, so that there is something to hold out."""
@@ -102,7 +100,7 @@ class InverseDynamics(Model):
                 link's weight and inertia as one; links that no compared joint carries are left out.
             sensor: what verdicts call the torque sensors.
             noise: standard deviations by channel, of the torques and of what the motion is taken from, where the study
-                states them all; see `loudness`.
+                states them all; see `Part.loudness`.
         """
         self.joints = tuple(joints)
         self.compared = tuple(joints if compared is None else compared)
@@ -122,25 +120,26 @@ class InverseDynamics(Model):
         self._level = np.array([own[j].force for j in self.compared])
         self._motion: dict[str, Motion] = {}
         self._bump: dict[str, Bump] = {}
-        self._noise = dict(noise or {})
         pace = WIDTH * min(own[j].time for j in self.compared)
         trials: list[TrialData] = []
+        lenses: list[Lens] = []
         for key, (grid, condition, overrides) in grids.items():
             own_pace = min(pace, (grid.time[-1] - grid.time[0]) / PIECES / FEWEST / 2.0)
             thin = max(1, int(own_pace / grid.step / POINTS))
-            log = raw[key] if 3 * thin <= SHARP else _kinematics(grid, self.joints, 3 * thin)  # or noise folds over
+            sharp = max(SHARP, 3 * thin)  # or noise folds over
+            log = raw[key] if sharp == SHARP else _kinematics(grid, self.joints, sharp)
             log = log.thinned(thin, arm, heavier)
-            sharp = Bump.of(SHARP if 3 * thin <= SHARP else 3 * thin, grid.step)
             half = max(SHARP, round(own_pace / log.step))
-            slow = self._slow(sharp)
-            trials += self._cut(key, log, condition, overrides, half, slow) or self._cut(
-                key, log, condition, overrides, half, 0.0 * slow
-            )
+            narrow = Bump.of(sharp, grid.step)
+            slow = np.array([still_below(noise or {}, j, narrow) for j in self.compared])
+            pieces = self._cut(key, log, condition, overrides, half, slow)
+            pieces = pieces or self._cut(key, log, condition, overrides, half, 0.0 * slow)
+            lenses += [Lens(narrow, self._bump[piece.id], thin) for piece in pieces]
+            trials += pieces
         self.trials = tuple(trials)
         mean = arm.inertia(np.concatenate([m.position[:: m.stride] for m in self._motion.values()]))
         self._mass = {f"joint.{j}": float(x) for j, x in zip(self.joints, np.diag(mean), strict=True)}
-        self._inertia, self._stated = mean, _stated(self, self._noise, {k: g.step for k, (g, _, _) in grids.items()})
-        self.expected = self.expected_with({})
+        self._inertia, self._stated = mean, stated_noise(noise or {}, self.joints, lenses)
         self.base = dict(values or {})
         centres = {n: own[n.split(".")[1]].of(_UNITS[n.split(".")[2]]) for n in unknown}
         sigma = {n: s for n, s in sigma.items() if n not in centres}
@@ -149,17 +148,6 @@ class InverseDynamics(Model):
             {n: self._mass[n[: -len(".mass")]] for n in sigma if n.endswith(".mass") and n not in self.base}
         )
         self.believed = Believed(self.base, sigma, {}, conditions_of(trials), centres)
-
-    def _slow(self, sharp: Bump) -> np.ndarray:
-        """Speeds below which a compared joint may stand still, shape (C,); zero where the noise is not known."""
-        out = []
-        for joint in self.compared:
-            rate, place = (self._noise.get(f"joint.{joint}.{kind}") for kind in ("velocity", "position"))
-            if rate is not None:
-                out.append(STILL * rate * float(np.linalg.norm(sharp.weight)))
-            else:
-                out.append(STILL * (place or 0.0) * float(np.linalg.norm(sharp.slope)))
-        return np.array(out)
 
     def _cut(
         self, key: str, log: _Log, condition: str, overrides: Mapping[str, float], half: int, slow: np.ndarray
@@ -253,7 +241,7 @@ class InverseDynamics(Model):
         """The motion that a piece's balance runs along."""
         return self._motion[trial.id]
 
-    def expected_with(self, values: Mapping[str, float]) -> dict[str, float]:
+    def expected(self, values: Mapping[str, float]) -> dict[str, float]:
         """A heavier rotor than believed makes more of the motion's noise."""
         if self._stated is None:
             return {}
@@ -380,46 +368,6 @@ def _kinematics(grid: Grid, joints: Sequence[str], half: int) -> _Log:
 
 
 _LOGGED = ("position", "torque")
-
-
-@dataclass(frozen=True, eq=False)
-class _Noise:
-    """What stated noise makes of a balance's reading.
-
-    The torque's noise passes through both test functions; the motion's through their derivatives, as an acceleration
-    that the inertia turns into a torque. Weight and Coriolis forces pass on far less.
-
-    Attributes:
-        torque: joint -> variance of its torque's share [N^2 m^2].
-        shaken: variance of each joint's acceleration as seen, shape (J,).
-    """
-
-    torque: Mapping[str, float]
-    shaken: np.ndarray
-
-    def of(self, joint: str, inertia: np.ndarray) -> float:
-        """Standard deviation for a joint with this row of the joint-space inertia, shape (J,) [N m]."""
-        return float(np.sqrt(self.torque[joint] + inertia**2 @ self.shaken))
-
-
-def _stated(model: InverseDynamics, noise: Mapping[str, float], steps: Mapping[str, float]) -> _Noise | None:
-    """From standard deviations by channel; None where a torque's, or what accelerations are taken from, has none."""
-    rates = all(f"joint.{j}.velocity" in noise for j in model.joints)
-    of = "velocity" if rates else "position"
-    if not all(f"joint.{j}.{kind}" in noise for j in model.joints for kind in ("torque", of)):
-        return None
-    smooth, bent = [], []
-    for trial in model.trials:
-        step = steps[trial.id.split("@")[0]]
-        bump, thin = model.bump(trial), round(model.measured(trial).step / step)
-        sharp = Bump.of(SHARP if 3 * thin <= SHARP else 3 * thin, step)
-        wide = np.zeros(thin * (bump.weight.size - 1) + 1)
-        wide[::thin] = bump.weight
-        smooth.append(float(np.sum(np.convolve(wide, sharp.weight) ** 2)))
-        bent.append(float(np.sum(np.convolve(wide, sharp.slope if rates else sharp.curve) ** 2)))
-    torque = {j: noise[f"joint.{j}.torque"] ** 2 * float(np.mean(smooth)) for j in model.joints}
-    shaken = np.array([noise[f"joint.{j}.{of}"] ** 2 for j in model.joints]) * float(np.mean(bent))
-    return _Noise(torque, shaken)
 
 
 def _sizes(logs: Iterable[_Log], index: int) -> Sizes:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from types import MappingProxyType
 
 import numpy as np
 
@@ -42,8 +41,6 @@ class Model(ABC):
         base: values by dotted name, the trials' overrides apart.
         sizes: what is typical, by place; "" for all others.
         stated: channels whose noise the study states; the weights of others come from what the best model leaves.
-        expected: channel -> noise of what is compared [SI], where it is no reading but made of several whose noise the
-            study states; see `Part.loudness`.
         relative_to: values that are not known and take part as 1: forces are told per unit of them.
         family: models of one family are things of one kind, which lack the same physics; "" for one of its own.
         no_balance: why nothing can be located in its balance, where it has none.
@@ -57,7 +54,6 @@ class Model(ABC):
     sizes: Mapping[str, Sizes]
     metric: str
     stated: frozenset[str] = frozenset()
-    expected: Mapping[str, float] = MappingProxyType({})
     family: str = ""
     relative_to: tuple[str, ...] = ()
     no_balance: str = ""
@@ -70,9 +66,13 @@ class Model(ABC):
     def predict(self, mechanism: Mechanism, trial: TrialData, initial: np.ndarray) -> Predicted:
         """What the trial's channels would show; `initial` has one value a nuisance."""
 
-    def expected_with(self, values: Mapping[str, float]) -> Mapping[str, float]:
-        """The same as `expected` with other values than those believed."""
-        return self.expected
+    def expected(self, values: Mapping[str, float]) -> Mapping[str, float]:
+        """Channel -> noise of what is compared [SI], where it is no reading but made of several whose noise is stated.
+
+        Args:
+            values: by dotted name; the believed ones where a name is missing.
+        """
+        return {}
 
     def nuisances(self, trial: TrialData) -> tuple[Nuisance, ...]:
         """What is free in this trial alone."""

@@ -83,6 +83,33 @@ def rms_of(residuals: Mapping[str, np.ndarray], trials: Sequence[TrialData]) -> 
     return {c: float(np.sqrt(s / counts[c])) for c, s in squares.items()}
 
 
+def squares_of(
+    residuals: Mapping[str, np.ndarray],
+    trials: Sequence[TrialData],
+    counted: Mapping[str, np.ndarray] | None = None,
+) -> dict[str, tuple[float, int]]:
+    """By channel: the sum of squares of what counts of a residual, in the channel's unit squared, and its readings.
+
+    Args:
+        residuals: weighted, by trial, shape (S,); a trial that has none is passed over.
+        trials: which trials.
+        counted: which readings count, by trial, shape (S,); those that have a weight if None.
+    """
+    out: dict[str, tuple[float, int]] = {}
+    for trial in trials:
+        if trial.id not in residuals:
+            continue
+        found = split(residuals[trial.id], trial)
+        counts = None if counted is None else split(counted[trial.id], trial)
+        for block in trial.blocks:
+            for channel, weight in zip(block.channels, block.weight, strict=True):
+                good = weight > 0.0 if counts is None else counts[channel].astype(bool)
+                value = found[channel][good] / weight[good]
+                square, readings = out.get(channel, (0.0, 0))
+                out[channel] = (square + float(value @ value), readings + value.size)
+    return out
+
+
 def reweighted(trials: Sequence[TrialData], factor: Mapping[str, float]) -> tuple[TrialData, ...]:
     """The trials with each channel's weights divided by its factor; a factor of zero changes nothing."""
     out = []

@@ -14,7 +14,7 @@ from spacerobot.diagnosis.locate.located import LEVEL, Located, Row
 from spacerobot.diagnosis.models.grow import TIE, Candidate, Growth
 from spacerobot.diagnosis.models.held_out import HeldOut
 from spacerobot.diagnosis.models.model import Model
-from spacerobot.diagnosis.models.noise import split
+from spacerobot.diagnosis.models.noise import squares_of
 
 STRIKING = 0.2
 """Share of what a balance leaves over that one pattern must explain to be called a mismatch: an effect size, for in
@@ -108,17 +108,9 @@ class Part:
     @property
     def loudness(self) -> dict[str, float]:
         """By channel, rms of what the chosen model leaves over the noise that is stated; empty where none is."""
-        sums = {c: [0.0, 0.0] for c in self.model.expected}
-        for trial in self.trials:
-            left = split(self.fit.trials[trial.id].residual, trial)
-            for block in trial.blocks:
-                for c, channel in enumerate(block.channels):
-                    good = block.weight[c] > 0.0
-                    if channel in sums:
-                        sums[channel][0] += float(np.sum((left[channel][good] / block.weight[c][good]) ** 2))
-                        sums[channel][1] += float(good.sum())
-        expected = self.model.expected_with(self.fit.values())
-        return {c: float(np.sqrt(s / max(n, 1.0))) / expected[c] for c, (s, n) in sums.items()}
+        expected = self.model.expected(self.fit.values())
+        sums = squares_of({k: f.residual for k, f in self.fit.trials.items()}, self.trials)
+        return {c: float(np.sqrt(sums[c][0] / max(sums[c][1], 1))) / noise for c, noise in expected.items()}
 
     @property
     def verdict(self) -> str:
@@ -157,16 +149,6 @@ class Part:
 
     def errors(self) -> dict[str, tuple[float, float, int]]:
         """By channel: sums of squares of the held-out residual before and after [SI squared], and their number."""
-        out: dict[str, tuple[float, float, int]] = {}
-        for trial in self.trials:
-            if trial.id not in self.before.residual or trial.id not in self.after.residual:
-                continue
-            both = [split(h.residual[trial.id], trial) for h in (self.before, self.after)]
-            counted = split(self.after.counted[trial.id], trial)
-            for block in trial.blocks:
-                for c, channel in enumerate(block.channels):
-                    good = counted[channel].astype(bool)
-                    a, b = (float(np.sum((r[channel][good] / block.weight[c][good]) ** 2)) for r in both)
-                    old = out.get(channel, (0.0, 0.0, 0))
-                    out[channel] = (old[0] + a, old[1] + b, old[2] + int(good.sum()))
-        return out
+        both = [t for t in self.trials if t.id in self.before.residual and t.id in self.after.residual]
+        before, after = (squares_of(h.residual, both, self.after.counted) for h in (self.before, self.after))
+        return {c: (square, *after[c]) for c, (square, _) in before.items()}

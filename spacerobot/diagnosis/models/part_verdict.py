@@ -234,13 +234,14 @@ def _detectable(parts: Sequence[Part]) -> list[dict[str, Any]]:
 
 def _entry(part: Part, verdict: str) -> dict[str, Any]:
     before, after = (float(np.sqrt(h.mean_square)) for h in (part.before, part.after))
+    loudness = part.loudness
     return {
         "part": part.name,
         "verdict": verdict,
         "confidence": part.confidence,
-        "effects": named_entries(part),
+        "effects": [] if verdict == UNKNOWN else named_entries(part),
         "compared": part.model.metric,
-        **({"rms_over_stated_noise": part.loudness} if part.model.expected else {}),
+        **({"rms_over_stated_noise": loudness} if loudness else {}),
         "error_ratio": after / before if before else None,
         "values": _fitted(part),
         "relative_to": list(part.model.relative_to),

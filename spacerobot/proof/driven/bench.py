@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from spacerobot.diagnosis.fitted import Fit
+from spacerobot.diagnosis.data import TrialData
 from spacerobot.diagnosis.hypothesis import Site
 from spacerobot.diagnosis.models.bench import Bench
 from spacerobot.diagnosis.models.choose import models_for
 from spacerobot.diagnosis.models.model import Model
-from spacerobot.diagnosis.models.noise import correlation_time, split
+from spacerobot.diagnosis.models.noise import correlation_time, squares_of
 from spacerobot.recordings.study import load_study
 from spacerobot.support.errors import SimulationError
 
@@ -80,11 +80,12 @@ def _fitted(model: Model, labels: Labels, starts: Mapping[str, float]) -> Fitted
     unseen = bench.held_out(fit)
     if unseen is None:
         raise SimulationError("unseen trials cannot be predicted")
-    (channel,) = model.expected
-    square, readings = _left(bench, fit, channel)
+    ((channel, noise),) = model.expected({}).items()
     rms = unseen.rms(bench.trials)
-    noise = model.expected[channel]
-    return Fitted(square / noise**2 * readings, rms[channel] / noise, rms, readings)
+    left = {k: f.residual for k, f in fit.trials.items()}
+    square, readings = squares_of(left, bench.trials)[channel]
+    independent = _independent(left, bench.trials)
+    return Fitted(square / readings / noise**2 * independent, rms[channel] / noise, rms, independent)
 
 
 def _starts(sites: list[Site], starts: Mapping[str, float]) -> dict[str, float]:
@@ -96,13 +97,11 @@ def _starts(sites: list[Site], starts: Mapping[str, float]) -> dict[str, float]:
     return found
 
 
-def _left(bench: Bench, fit: Fit, channel: str) -> tuple[float, float]:
-    """(mean square of what a fit leaves [SI], independent readings)."""
-    total, count, independent = 0.0, 0, 0.0
-    for trial in bench.trials:
+def _independent(left: Mapping[str, np.ndarray], trials: Sequence[TrialData]) -> float:
+    """How many independent readings the residual of a joint's one channel counts for."""
+    total = 0.0
+    for trial in trials:
         (block,) = trial.blocks
-        good = block.weight[0] > 0.0
-        left = split(fit.trials[trial.id].residual, trial)[channel][good] / block.weight[0][good]
-        total, count = total + float(left @ left), count + left.size
-        independent += left.size / correlation_time(left)
-    return total / count, independent
+        good = left[trial.id][block.weight[0] > 0.0]
+        total += good.size / correlation_time(good)
+    return total
