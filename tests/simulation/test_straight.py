@@ -146,6 +146,29 @@ def test_no_gap_is_jumped_over(exponent: float, speed: float) -> None:
     assert [e.time for e in reference.events if e.kind == "edge"][:5] == pytest.approx(kinks[1][:5], abs=1e-7)
 
 
+@pytest.mark.parametrize("beside", ["a spinning target", "quadratic_damping", "hunt_crossley"])
+@settings(max_examples=8, deadline=None)
+@given(st.floats(-5.5, -3.5), st.floats(0.03, 0.12))
+def test_no_gap_is_jumped_over_beside_what_is_curved(beside: str, exponent: float, speed: float) -> None:
+    """There other guards are looked for at a few moments of a step; the gap's edges are not."""
+    values, start, gap = PLAIN, {"target": -0.005}, 10.0**exponent
+    if beside == "a spinning target":
+        values = {**PLAIN, "target.yaw_inertia": 0.43, "target.contact_point.lateral": 0.05}
+        start["target.yaw"] = 0.01
+    mechanism = effect("backlash").apply(rig(values), "wrist", {"half_gap_m": gap})
+    if beside == "quadratic_damping":
+        mechanism = effect(beside).apply(mechanism, "wrist", {"coefficient_Ns2_m2": 1e-9})
+    if beside == "hunt_crossley":
+        mechanism = effect(beside).apply(mechanism, "contact", {"exponent": 1.2, "chi_over_k_s_m": 0.5})
+    runs = [
+        simulate(mechanism, position=start, velocity={"target": speed}, end=1.0, tolerance=1e-9, max_step=step)
+        for step in (0.05, min(1e-3, gap / speed))
+    ]
+    rough, fine = ([e.time for e in r.events if e.kind == "edge"] for r in runs)
+    assert len(fine) > 4
+    assert rough[: len(fine)] == pytest.approx(fine, abs=1e-6)
+
+
 @pytest.mark.parametrize("names", [(), ("coulomb_friction", "backlash")])
 def test_a_target_hit_in_line_with_its_centre_is_straight_although_it_could_turn(names: tuple[str, ...]) -> None:
     mechanism = rig({**PLAIN, "target.yaw_inertia": 0.3}, lateral=True)

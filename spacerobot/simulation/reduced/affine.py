@@ -68,24 +68,24 @@ def straight(x: Any, c: Any, modes: Any) -> bool:
             plain = c[c[LAW] + j] == NATIVE_CONTACT and x[first + 2] == 1.0 and x[first + 3] == 0.0
             if pressed and not plain:
                 return False
-        elif c[c[SLOPE] + j] < 0 or (turning and (_swings(c, c[c[PORT] + j]) or _swings(c, c[c[SENSE] + j]))):
+        elif c[c[SLOPE] + j] < 0 or (turning and (swings(c, c[c[PORT] + j]) or swings(c, c[c[SENSE] + j]))):
             return False
     base = 1 + c[FORCES]
     for r in range(c[FRICTIONS]):
         p = c[c[FRICTION_PORT] + r]
         if modes[base + r] == STICK:
-            if (turning and _swings(c, p)) or _coupled(x, c, modes, r):
+            if (turning and swings(c, p)) or _coupled(x, c, modes, r):
                 return False
         elif c[c[FRICTION_NORMAL] + r] == 1:
             if pressed:
                 return False
-        elif c[c[FRICTION_STEADY] + r] == 0 or (turning and _swings(c, p)):
+        elif c[c[FRICTION_STEADY] + r] == 0 or (turning and swings(c, p)):
             return False
     return True
 
 
 @lean
-def _swings(c: Any, port: int) -> bool:
+def swings(c: Any, port: int) -> bool:
     """Whether a port's row would turn with the target."""
     return bool(port == c[PRESS] or port == c[SLIDE])
 

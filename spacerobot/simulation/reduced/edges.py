@@ -11,7 +11,8 @@ from typing import Any
 
 from spacerobot.effects.kernel import PARAMETERS
 from spacerobot.simulation.polynomial import rate, turn, value
-from spacerobot.simulation.reduced.arrays import EDGE, FORCES, PARAMETER, SENSE, W_ROWS, N
+from spacerobot.simulation.reduced.affine import swings
+from spacerobot.simulation.reduced.arrays import EDGE, FORCES, PARAMETER, SENSE, SLOPE, W_ROWS, YAW, N
 from spacerobot.simulation.reduced.crossings import AT
 from spacerobot.simulation.reduced.forces import call_law
 from spacerobot.support.jit import lean
@@ -23,17 +24,20 @@ HALVINGS = 52
 def first_edge(
     x: Any, c: Any, laws: Any, modes: Any, w: Any, y: Any, h: float, q: Any, order: int, p: Any, mode: int, theta: float
 ) -> Any:
-    """First edge to be crossed within a step before another guard falls: (mode, theta).
+    """First edge of a straight law to be crossed within a step before another guard falls: (mode, theta).
+
+    An edge of what turns with the target is left to `events.find_event`.
 
     Args:
         y, h, q, order: of the step, see `stepper.interpolate`.
         p: scratch, shape (at least order + 1,).
-        mode, theta: of the guard that falls first, of `crossings.first_fall`; returned where no edge comes before.
+        mode, theta: of the guard that falls first, of `crossings.first_fall` or `events.find_event`; returned where
+            no edge comes before.
     """
     n = c[N]
     for j in range(c[FORCES]):
         edge = c[c[EDGE] + j]
-        if edge < 0:
+        if edge < 0 or c[c[SLOPE] + j] < 0 or (c[YAW] >= 0 and swings(c, c[c[SENSE] + j])):
             continue
         row = c[W_ROWS] + c[c[SENSE] + j] * n
         p[0] = 0.0

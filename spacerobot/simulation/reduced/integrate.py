@@ -181,10 +181,10 @@ def integrate(
         hit = -1
         if linear >= 0:
             hit, theta = first_fall(rows, owner, linear, y, full, q, order, p)
-            if edged:
-                hit, theta = first_edge(x, c, laws, modes, w, y, full, q, order, p, hit, theta)
         elif watched:
             hit, theta = find_event(x, c, laws, t, y, full, q, order, modes, u, w, temp, slope, samples, rates)
+        if edged:  # a gap may be entered and left between the moments at which `find_event` looks
+            hit, theta = first_edge(x, c, laws, modes, w, y, full, q, order, p, hit, theta)
         part = full
         if hit >= 0 and even:
             shorten(q, theta)

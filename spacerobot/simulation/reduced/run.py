@@ -59,6 +59,10 @@ class ReducedRun:
         time, which, mode = self.switched
         return time[(which == 0) & (mode == PRESSED)]
 
+    def switches(self) -> np.ndarray:
+        """Times at which a mode changes, ascending, shape (E,) [s]."""
+        return self.switched[0]
+
     def sample(self, times: np.ndarray) -> Sample:
         """States at `times`, shape (T,), ascending; outside the run the ends are held."""
         y, rate, force, friction = sample(
