@@ -37,6 +37,9 @@ class Run(Protocol):
     def port(self, name: str, states: np.ndarray) -> np.ndarray:
         """A port's value from the coordinates', shape (T,)."""
 
+    def switches(self) -> np.ndarray:
+        """Times at which a mode changes, ascending, shape (E,) [s]: there forces and accelerations jump."""
+
 
 def read_channels(run: Run, mechanism: Mechanism, channels: Iterable[str], times: np.ndarray) -> dict[str, np.ndarray]:
     """The channels as the sensors would record them at `times`.
@@ -122,18 +125,23 @@ def _raw(run: Run, readout: Readout, inertias: list[ChannelMap], taken: _Taken) 
 def _filtered(
     run: Run, readout: Readout, inertias: list[ChannelMap], cutoffs: list[float], times: np.ndarray
 ) -> np.ndarray:
-    """First-order filters, exact for an input that is linear between the points of a grid.
+    """First-order filters, exact for an input that is linear between the points of a grid but for jumps at events.
 
-    So the grid need not resolve the filter, only the channel: a contact lasts milliseconds, a body moves smoothly.
+    So the grid need not resolve the filter, only the channel: a contact lasts milliseconds, a body moves smoothly. A
+    jump is taken when it happens: moved to the grid it would move the reading by its height, and the cost of a fit
+    would jump wherever a touch crosses a point of the grid.
     """
     spacing = float(np.median(np.diff(times))) if times.size > 1 else 1e-3
     fastest = 1.0 / (2.0 * math.pi * max(cutoffs))
-    step = max(min(0.5 * spacing, 0.25 * fastest), 1e-3 if readout.kind == "position" and not inertias else 1e-4)
+    smooth = readout.kind == "position" and not inertias
+    step = max(min(0.5 * spacing, 0.25 * fastest), 1e-3) if smooth else min(0.5 * spacing, 0.25 * fastest, 2e-4)
+    step = max(step, 1e-4)
     # start early enough that the filter has forgotten its start
     begin = times[0] - 12.0 / (2.0 * math.pi * min(cutoffs))
     begin = max(begin, run.start - step)
     grid = np.arange(begin, times[-1] + step, step)
     value = _raw(run, readout, inertias, _Taken(run, grid))
+    at, jump = _jumps(run, readout, inertias, grid)
     from scipy.signal import lfilter, lfiltic
 
     for cutoff in cutoffs:
@@ -143,4 +151,23 @@ def _filtered(
         early = (1.0 - decay) - late
         b, den = [late, early], [1.0, -decay]
         value, _ = lfilter(b, den, value, zi=lfiltic(b, den, y=[value[0]], x=[value[0]]))
+        if at.size:  # by the next point a step has come through this far, the ramp that stands for it so far
+            after = np.searchsorted(grid, at)
+            beyond = np.zeros_like(grid)
+            np.add.at(beyond, after, jump * (-np.expm1(-a * (grid[after] - at) / step) - late))
+            value = value + lfilter([1.0], den, beyond)
+            at = at[:0]  # what comes out has no jumps
     return np.interp(times, grid, value)
+
+
+def _jumps(run: Run, readout: Readout, inertias: list[ChannelMap], grid: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Where a readout jumps within a grid, and by how much, shape (E,) each."""
+    if readout.kind == "position" and not inertias:
+        return np.empty(0), np.empty(0)
+    at = np.unique(run.switches())
+    at = at[(at > grid[0]) & (at < grid[-1])]
+    if not at.size:
+        return at, at
+    sides = np.stack([np.nextafter(at, -np.inf), at], axis=1)
+    before, after = _raw(run, readout, inertias, _Taken(run, sides.ravel())).reshape(-1, 2).T
+    return at, after - before

@@ -97,6 +97,10 @@ class MultibodyRun:
         """Times of all step ends, shape (m + 1,) [s]."""
         return np.append(self.steps.time, self.end)
 
+    def switches(self) -> np.ndarray:
+        """Times at which a mode changes, ascending, shape (E,) [s]."""
+        return np.array([event.time for event in self.events])
+
     def sample(self, times: np.ndarray) -> MultibodySample:
         """States at `times`, shape (T,); at an event's own time the side after it, outside the run the ends."""
         times = np.ascontiguousarray(times, dtype=float)
