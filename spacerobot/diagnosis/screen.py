@@ -31,7 +31,7 @@ class Screened:
 
     site: Site
     start: Mapping[str, float]
-    column: np.ndarray  # (S,) over all trials
+    column: np.ndarray  # (S + P,) over all trials' readings, then over the free parameters' priors
     gain: float  # predicted fall of the cost
     amplitude: float  # multiple of the column at which it would come
     norm: float  # |column|^2
@@ -43,7 +43,7 @@ class Screen:
 
     fit: Fit
     scored: tuple[Screened, ...]  # best first, one per site and start
-    residual: np.ndarray  # (S,) weighted and masked, freed of what the fit can imitate
+    residual: np.ndarray  # (S + P,) weighted and masked, freed of what the fit can imitate
 
     def best(self) -> dict[tuple[str, str], Screened]:
         """The best start of each site, best first."""
@@ -88,7 +88,7 @@ class Screener:
         if state is None:
             raise SimulationError("a finished fit can no longer be simulated")
         project = _Projector(fitter, fit, state)
-        residual = project.free(project.stack(state.raw))
+        residual = project.free(project.stack(state.raw), fit.z)
         scored = []
         for site in sites:
             starts = [*effect_starts([site]), *informed_starts(site, fitter.trials), *moments(site, fitter.trials)]
@@ -116,7 +116,7 @@ class Screener:
             return None
         if moved is None:
             return None
-        column = project.free(project.stack(moved.raw) - project.stack(state.raw))
+        column = project.free(project.stack(moved.raw) - project.stack(state.raw), np.zeros_like(fit.z))
         norm = float(column @ column)
         if norm < 1e-12:
             return Screened(site, start, column, 0.0, 0.0, norm)
@@ -153,14 +153,18 @@ def faint(site: Site, start: Mapping[str, float], share: float = FAINT) -> dict[
 
 
 class _Projector:
-    """Takes out of a column what the free parameters, with their priors, can imitate."""
+    """Takes out of a column what the free parameters can imitate.
+
+    Priors are readings too, of the parameters themselves: what a fit has absorbed by pulling believed values shows in
+    them, and an effect that would let go of these values is worth what they no longer pay.
+    """
 
     def __init__(self, fitter: Fitter, fit: Fit, state: State) -> None:
         made, known = fit.hypothesis, fitter.rows_at(fit)
         self.fitter = fitter
         self.weights = {t.id: state.weights(t) * state.keep[t.id] for t in fitter.trials}
         count = len(made.free)
-        prior = np.array([f.prior for f in made.free], dtype=float)
+        self.pull = np.sqrt([float(f.prior) for f in made.free])
         self.global_rows = []
         self.own = []
         for trial in fitter.trials:
@@ -169,20 +173,28 @@ class _Projector:
             shared = rows[:, :count]
             self.own.append(own)
             self.global_rows.append(shared - own @ (own.T @ shared))
-        normal = sum(g.T @ g for g in self.global_rows) + np.diag(prior)
+        normal = sum(g.T @ g for g in self.global_rows) + np.diag(self.pull**2)
         self.inverse = np.linalg.pinv(normal, rcond=1e-12, hermitian=True)
 
     def stack(self, raw: Mapping[str, np.ndarray]) -> np.ndarray:
-        """Residuals of all trials, weighted and masked, in one vector."""
+        """Residuals of all trials, weighted and masked, in one vector, shape (S,)."""
         return np.concatenate([raw[t.id] * self.weights[t.id] for t in self.fitter.trials])
 
-    def free(self, column: np.ndarray) -> np.ndarray:
-        """The part of a column that no free parameter can imitate."""
+    def free(self, column: np.ndarray, z: np.ndarray) -> np.ndarray:
+        """The part of a column that no free parameter can imitate, shape (S + P,).
+
+        Args:
+            column: of readings, shape (S,).
+            z: how far the free parameters are from what is believed, shape (P,).
+        """
         parts, first = [], 0
         for own in self.own:
             piece = column[first : first + own.shape[0]]
             first += own.shape[0]
             parts.append(piece - own @ (own.T @ piece))
-        shared = sum(g.T @ p for g, p in zip(self.global_rows, parts, strict=True))
+        paid = self.pull * z
+        shared = sum(g.T @ p for g, p in zip(self.global_rows, parts, strict=True)) + self.pull * paid
         step = self.inverse @ shared
-        return np.concatenate([p - g @ step for g, p in zip(self.global_rows, parts, strict=True)])
+        return np.concatenate(
+            [*(p - g @ step for g, p in zip(self.global_rows, parts, strict=True)), paid - self.pull * step]
+        )

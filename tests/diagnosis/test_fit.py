@@ -79,6 +79,22 @@ def test_screening_puts_the_planted_effect_first(rubbing: Workshop) -> None:
     assert screen.pairs()[0][0] >= screen.scored[0].gain - 1e-6  # a pair never explains less than its best half
 
 
+def test_screening_counts_what_pulled_values_pay(tmp_path: Path) -> None:
+    """A scale error that believed values have taken up leaves little in the readings, and much in their priors."""
+    planted = [("scale", "force_sensor", {"factor": 1.06}), ("time_offset", "mocap", {"delay_s": 0.004})]
+    workshop = Workshop(write_study(tmp_path, planted=planted))
+    late = workshop.run(Task((("time_offset", "mocap"),), {"time_offset@mocap.delay_s": 0.004}))
+    assert late is not None
+    paid = late.cost - late.chi2
+    assert paid > 100.0
+    scale = Site(effect("scale"), "force_sensor")
+    (first, *_) = Screener(workshop.fitter(), workshop.model.believed).screen(late, [scale]).scored
+    both = workshop.run(Task(tuple(sorted([scale.label, *late.hypothesis.label])), dict(first.start), near=late))
+    assert both is not None
+    assert late.cost - both.cost > 0.7 * paid
+    assert first.gain == pytest.approx(late.cost - both.cost, rel=0.5)
+
+
 def test_scores_do_not_depend_on_how_the_sites_are_parted(rubbing: Workshop) -> None:
     base = rubbing.run(Task((), {}))
     assert base is not None
