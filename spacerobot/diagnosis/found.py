@@ -86,6 +86,8 @@ def run_tasks(
     """
 
     def prepared(task: Task) -> Task:
+        if task.patient:
+            return task
         bar = found.best.cost + CLEAR if found.fits else np.inf
         if task.eager:
             bar = min(bar, found.baseline.cost - WORTH_A_FIT)

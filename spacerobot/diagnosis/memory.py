@@ -32,6 +32,7 @@ def task_name(task: Any) -> str:
         task.without,
         task.loose,
         task.eager,
+        task.patient,
         task.only,
         None if near is None else [list(near.hypothesis.label), near.z.tolist()],
         None if task.initials is None else sorted((k, v.tolist()) for k, v in task.initials.items()),

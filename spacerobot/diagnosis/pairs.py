@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from spacerobot.diagnosis.candidates import contains, mirrored, simpler
 from spacerobot.diagnosis.fit import HOPE
 from spacerobot.diagnosis.fitted import Fit
@@ -29,6 +31,9 @@ TOP_PAIRS = 4
 ROUNDS = 2
 """Times that pairs are sought; again where what they could do without shows a better single effect."""
 
+ALIKE = 0.9
+"""Cosine between what two effects do to the baseline's residuals from which they count as twins."""
+
 
 def pairs(pool: Pool, found: Found, first: Screen, report: Report) -> None:
     """Fit the most promising pairs, and what the best of them could do without.
@@ -47,6 +52,7 @@ def pairs(pool: Pool, found: Found, first: Screen, report: Report) -> None:
         _fit_pairs(pool, found, single, None if paired else first, report)
         paired.add(single.hypothesis.label)
         run_tasks(pool, found, _mirrored(found), report, "late for early")
+        run_tasks(pool, found, _twins(found, first), report, "what acts alike")
         _simplify(pool, found, report)
         if explained(found.best):
             break
@@ -92,6 +98,31 @@ def _mirrored(found: Found) -> list[Task]:
     return [] if other is None else [Task(other[0], {**found.best.values(), **other[1]})]
 
 
+def _twins(found: Found, first: Screen) -> list[Task]:
+    """The best set with an effect exchanged for one that moved the baseline alike.
+
+    Which of the two has led the pairs may be a matter of the last digits: a late stream and a smoothed one.
+    """
+    best, known = found.best, first.best()
+    here = [s.label for s in best.hypothesis.sites]
+    tasks = []
+    for own in here if len(here) > 1 else ():
+        for other, item in known.items():
+            if other in here or own not in known or not _alike(known[own].column, item.column):
+                continue
+            label = tuple(sorted([*(one for one in here if one != own), other]))
+            alone = found.fits.get((other,))
+            start = item.start if alone is None else effect_values(alone)
+            if label not in found.fits:
+                tasks.append(Task(label, {**start, **effect_values(best)}, near=best, max_iterations=20))
+    return tasks
+
+
+def _alike(a: np.ndarray, b: np.ndarray) -> bool:
+    size = float(np.linalg.norm(a) * np.linalg.norm(b))
+    return size > 0.0 and abs(float(a @ b)) > ALIKE * size
+
+
 def _simplify(pool: Pool, found: Found, report: Report) -> None:
     """What the best sets could do without: their special cases and subsets, from where they ended.
 
@@ -99,9 +130,11 @@ def _simplify(pool: Pool, found: Found, report: Report) -> None:
     of the first. Those that were fitted already too: contact makes many minima, and what is left out may have led to
     a better one.
     """
-    tasks = []
+    tasks, known = [], {s.label for s in found.singles}
     for best in {id(f): f for f in (found.preferred([*found.fits.values()]), found.best)}.values():
         for label in simpler(best.hypothesis.label):
+            if not known.issuperset(label):  # a special case that the catalogue was to do without
+                continue
             sites = [Site(effect(name), where) for name, where in label]
             starts = effect_starts(sites, effect_values(best))[: 1 if label in found.fits else 2]
             starts += [{**starts[0], **own} for own in _inherited(sites, best)]

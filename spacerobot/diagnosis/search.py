@@ -112,8 +112,9 @@ def _starts(found: Found, labels: Sequence[Label], trials: Sequence[TrialData]) 
         sites = [by_label[one] for one in label]
         starts = [s for site in sites for s in informed_starts(site, trials)] if len(sites) == 1 else []
         for k, start in enumerate([*starts, *effect_starts(sites)][: 1 if good else 2]):
-            # from the free approaches: a baseline that misses much has bent the trials' starts as well
-            cold[k].append(Task(label, start))
+            # from the free approaches: a baseline that misses much has bent the trials' starts as well; where a law is
+            # replaced, far from where it will fit, so that it falls by fits and starts
+            cold[k].append(Task(label, start, patient=any(site.effect.removes for site in sites)))
     return [*near, *cold[0], *cold[1]]
 
 

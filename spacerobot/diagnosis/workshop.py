@@ -33,6 +33,7 @@ class Task:
         near: a finished fit to begin at instead.
         loose: whether it may end on old derivatives.
         eager: whether it may be given up on what a step promises.
+        patient: whether it is never given up.
         hopeless: cost above which it may be given up.
         max_iterations: of each fit.
         without: trials left out.
@@ -48,6 +49,7 @@ class Task:
     near: Fit | None = None
     loose: bool = False
     eager: bool = False
+    patient: bool = False
     only: Only = ()
 
     def sites(self) -> list[Site]:

@@ -132,6 +132,14 @@ def test_what_has_no_name_is_not_given_another(tmp_path: Path) -> None:
     assert verdict["effects"] == []
 
 
+def test_a_special_case_that_is_left_out_stays_out(tmp_path: Path) -> None:
+    """Where its general effect fits, which would be said more simply."""
+    study = write_study(tmp_path, planted=[("coulomb_friction", "wrist", {"force_N": 0.6})])
+    found = diagnose(study, jobs=1, without=("coulomb_friction",))
+    assert any("asymmetric_friction" in e for label in found.found.fits for e, _ in label)
+    assert not any(e == "coulomb_friction" for label in found.found.fits for e, _ in label)
+
+
 def test_the_papers_puzzle(tmp_path: Path) -> None:
     """A c_eq that fits one speed; Coulomb friction that explains all of them, and speeds not seen."""
     force, fitted_speed = 0.3, 0.07
