@@ -15,10 +15,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import stdtrit
 
-from spacerobot.diagnosis.candidates import CONTAINS
 from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.hypothesis import Label, Site
 from spacerobot.diagnosis.models.bench import Bench, Promise
+from spacerobot.diagnosis.models.generals import general_sites, inherited, not_excluded
 from spacerobot.diagnosis.models.held_out import HeldOut, parent
 from spacerobot.diagnosis.models.kept import Kept
 from spacerobot.diagnosis.models.model import Model
@@ -127,7 +127,8 @@ class Growth:
         benches: the models, with their trials under the weights that the chosen model asks for.
         before: the baseline.
         after: the chosen candidate; the baseline where nothing pays.
-        rivals: candidates of no more parameters, in no more effects, that predict as well.
+        rivals: candidates of no more parameters, in no more effects, that predict as well; and those with a general
+            effect for a special case that stated noise does not exclude.
         considered: every candidate that was tried on unseen trials, best first.
         screened: cost that each set of effects promised, by its sensitivities, whether fitted then or not.
     """
@@ -233,6 +234,9 @@ class _Search:
             bench.weigh(fit)
         before = self.tested(self.again(baseline))
         after = before if chosen is baseline else self.tested(self.again(chosen))
+        if len(self.benches) == 1 and self.benches[0].model.expected({}):
+            more = not_excluded(self.benches[0], after.fits[0], self.sites[0])
+            rivals = (*rivals, *(self.tested(Candidate((fit,))) for fit in more))
         return Growth(self.benches, before, after, rivals, ranked, tuple(self.screened.items()))
 
     def layer(self, ahead: list[Ahead], baseline: Candidate) -> list[Candidate]:
@@ -266,7 +270,9 @@ class _Search:
             known.add(label)
             fits = []
             for bench, fit, sites in zip(self.benches, chosen.fits, self.sites, strict=True):
-                start = {k: v for s, special in wording if special is not None for k, v in _inherited(s, special, fit)}
+                start: dict[str, float] = {}
+                for new, special in wording:
+                    start |= {} if special is None else inherited(new, special, fit)
                 fits.append(bench.fitted_as(fit, [sites[s.label] for s, _ in wording], start))
             good = tuple(f for f in fits if f is not None)
             if len(good) == len(fits):
@@ -360,22 +366,12 @@ def _wordings(
         The sites, each with the special case that it stands for, or None.
     """
     for special in chosen:
-        for general, name in sorted(CONTAINS):
-            new = known.get((general, special.where))
-            if name != special.effect.name or new is None:
-                continue
+        for new in general_sites(special, known):
             spare = len(new.effect.parameters) - len(special.effect.parameters)
             rest = [s for s in chosen if s is not special]
             for left_out in rest:
                 if len(left_out.effect.parameters) == spare:
                     yield [(new, special), *((s, None) for s in rest if s is not left_out)]
-
-
-def _inherited(new: Site, special: Site, fit: Fit) -> list[tuple[str, float]]:
-    """Start values of a general effect: its special case's own where the units agree."""
-    first = special.effect.parameters[0]
-    value = fit.values()[special.key(first.name)]
-    return [(new.key(p.name), value if p.unit == first.unit else p.starts[0]) for p in new.effect.parameters]
 
 
 def _null(fit: Fit, index: int) -> float:

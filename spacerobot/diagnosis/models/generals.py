@@ -1,0 +1,56 @@
+"""General effects beside their special cases: friction of two levels beside friction of one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from scipy.special import chdtri
+
+from spacerobot.diagnosis.candidates import CONTAINS
+from spacerobot.diagnosis.fitted import Fit
+from spacerobot.diagnosis.hypothesis import Site
+from spacerobot.diagnosis.models.bench import Bench
+from spacerobot.diagnosis.models.plausible import redundant
+
+CHANCE = 0.05
+"""Probability with which a special case that is right costs more than its general effect by as much as counts."""
+
+Known = Mapping[tuple[str, str], Site]
+"""Sites by effect and place."""
+
+
+def general_sites(special: Site, known: Known) -> Iterator[Site]:
+    """Every effect at its place of which it is a special case."""
+    for general, name in sorted(CONTAINS):
+        if name == special.effect.name and (general, special.where) in known:
+            yield known[general, special.where]
+
+
+def inherited(new: Site, special: Site, fit: Fit) -> dict[str, float]:
+    """Start values of a general effect: its special case's own where the units agree."""
+    first = special.effect.parameters[0]
+    value = fit.values()[special.key(first.name)]
+    return {new.key(p.name): value if p.unit == first.unit else p.starts[0] for p in new.effect.parameters}
+
+
+def not_excluded(bench: Bench, fit: Fit, known: Known) -> list[Fit]:
+    """The fit with a general effect for each special case, where that costs less than chance would have it.
+
+    An effect size says what is worth naming; where the noise is stated, the readings say what is not excluded.
+
+    Args:
+        bench: under the weights of the fit.
+        fit: the chosen one.
+        known: sites to take the general effects from.
+    """
+    out = []
+    for special in fit.hypothesis.sites:
+        for new in general_sites(special, known):
+            sites = [new if s is special else s for s in fit.hypothesis.sites]
+            if redundant(sites):
+                continue
+            found = bench.fitted_as(fit, sites, inherited(new, special, fit))
+            spare = len(new.effect.parameters) - len(special.effect.parameters)
+            if found is not None and fit.cost - found.cost > float(chdtri(spare, CHANCE)):
+                out.append(found)
+    return out
