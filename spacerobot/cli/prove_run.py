@@ -6,6 +6,7 @@ import argparse
 import importlib.util
 import json
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -13,10 +14,10 @@ from typing import Any
 
 from spacerobot import __version__
 from spacerobot.proof.batch import draw_seed, run_batch
-from spacerobot.proof.code_hash import code_hashes
+from spacerobot.proof.code_hash import WRIST, code_hashes
 from spacerobot.proof.driven import orders as driven
 from spacerobot.proof.orders import FULL, KINDS, QUICK, Order, schedule
-from spacerobot.proof.published import as_lines, check_orders, read_batch, still_valid
+from spacerobot.proof.published import as_lines, changed, check_orders, read_batch, seed_of, still_valid
 from spacerobot.proof.summary import as_json
 from spacerobot.support.errors import InputError, NotFoundError
 from spacerobot.support.executors.choose import executor, not_both
@@ -52,8 +53,8 @@ def run(args: argparse.Namespace) -> int:
         if not folder.finished:
             begun = folder.load("batch") or begun or _new(asked)
             folder.save("batch", begun)
-            say(f"seed {begun['seed']}, code {in_words(codes)}")
-            orders = _orders(args.quick, begun["seed"], kinds, share)
+            say(f"seed {seeds_in_words(begun)}, code {in_words(codes)}")
+            orders = _orders(args.quick, begun, kinds, share)
             _take_up(folder, orders, known, args.resume)
             _play(folder, args, orders, begun, jobs, codes, minutes)
         text = (folder.folder / "proof.json").read_text(encoding="utf-8")
@@ -64,16 +65,20 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _begun(path: str | None, asked: int | None, codes: dict[str, str]) -> tuple[dict[str, Any], list[dict[str, Any]]]:
-    """Seed and date, and the records, of the batch to go on with; nothing where a new one begins."""
+    """Seeds and dates, and the records, of the batch to go on with; nothing where a new one begins.
+
+    Scenes whose code has changed since get a new seed: what was seen of the old one may be why it changed.
+    """
     if path is None:
         return {}, []
     if asked is not None:
         raise InputError("the batch has its seed", given=f"--seed {asked}", valid="--resume without --seed")
     batch, records = read_batch(path)
     valid = still_valid(batch, records, codes, path)
+    redrawn = batch["redrawn"] | {name: _new(None) for name in changed(batch, codes)}
     if len(valid) < len(records):
-        say(f"{len(records) - len(valid)} campaigns were diagnosed by other code and are played again")
-    return {"seed": batch["seed"], "date": batch["date"]}, valid
+        say(f"{len(records) - len(valid)} campaigns were diagnosed by other code; others are played, from a new seed")
+    return {"seed": batch["seed"], "date": batch["date"], "redrawn": redrawn}, valid
 
 
 def _new(asked: int | None) -> dict[str, Any]:
@@ -102,6 +107,7 @@ def _play(
             folder, orders, workers=workers, rivals=not args.no_rivals, verbose=args.verbose, seconds=60.0 * minutes
         )
     about: dict[str, Any] = {**begun, "version": __version__, "code": in_words(codes), "command": _command(args)}
+    about["seeds"] = seeds_in_words(begun)
     about["planned"] = len(orders)
     names = {}
     for name, draw in FIGURES.items():
@@ -123,7 +129,13 @@ def in_words(codes: dict[str, str]) -> str:
     return ", ".join(f"{code} ({name})" for name, code in codes.items())
 
 
-def _orders(quick: bool, seed: int, kinds: list[str], share: float) -> list[Order]:
+def seeds_in_words(batch: Mapping[str, Any]) -> str:
+    """The seeds of a batch as the page and the command tell them."""
+    own = [f"{name}: {new['seed']}, {new['date']}" for name, new in batch.get("redrawn", {}).items()]
+    return f"{batch['seed']}, {batch['date']}" + (f" ({'; '.join(own)})" if own else "")
+
+
+def _orders(quick: bool, batch: Mapping[str, Any], kinds: list[str], share: float) -> list[Order]:
     size, arm = (QUICK, driven.QUICK) if quick else (FULL, driven.FULL)
 
     def some(count: int) -> int:
@@ -137,7 +149,8 @@ def _orders(quick: bool, seed: int, kinds: list[str], share: float) -> list[Orde
         withheld_rounds=some(size.withheld_rounds),
     )
     logged = {kind: some(count) for kind, count in arm.items()}
-    orders = [o for o in (*schedule(smaller, seed), *driven.schedule(logged, seed)) if o.kind in kinds]
+    every = (*schedule(smaller, seed_of(batch, WRIST)), *driven.schedule(logged, seed_of(batch, driven.FAMILY)))
+    orders = [o for o in every if o.kind in kinds]
     if not orders:
         raise InputError("this batch has no campaign of these kinds", given=" ".join(kinds), where="--kinds")
     return orders

@@ -37,7 +37,13 @@ def read_batch(path: str | Path) -> tuple[dict[str, Any], list[dict[str, Any]]]:
         if not isinstance(first.get(key), kind):
             raise InputError(f"the batch states no {key}", given=first.get(key), where=where)
     batch = {key: first[key] for key in ("seed", "date", "codes")}
+    batch["redrawn"] = _redrawn(first.get("redrawn", {}), where)
     return batch, [_scored(record, where) for where, record in lines]
+
+
+def changed(batch: Mapping[str, Any], codes: Mapping[str, str]) -> list[str]:
+    """The groups of scenes whose code is not the one that a batch was played with."""
+    return [name for name, code in codes.items() if batch["codes"].get(name) != code]
 
 
 def still_valid(
@@ -48,7 +54,7 @@ def still_valid(
     Raises:
         InputError: there is none.
     """
-    same = {name for name, code in codes.items() if batch["codes"].get(name) == code}
+    same = codes.keys() - changed(batch, codes)
     if not same:
         raise InputError(
             "these campaigns were diagnosed by other code; they do not count in this batch",
@@ -56,6 +62,11 @@ def still_valid(
             valid="a new batch, without --resume",
         )
     return [r for r in records if group(str(r.get("family"))) in same]
+
+
+def seed_of(batch: Mapping[str, Any], name: str) -> int:
+    """The seed of a group of scenes: the batch's, or the one drawn after the code of that group had changed."""
+    return int(batch.get("redrawn", {}).get(name, batch)["seed"])
 
 
 def check_orders(records: Sequence[Mapping[str, Any]], orders: Sequence[Order], where: str) -> None:
@@ -68,6 +79,20 @@ def check_orders(records: Sequence[Mapping[str, Any]], orders: Sequence[Order], 
     for record in records:
         if seeds.get(record["name"]) != record["seed"]:
             raise InputError("this record is of no campaign of the batch", given=record["name"], where=where)
+
+
+def _redrawn(given: Any, where: str) -> dict[str, dict[str, Any]]:
+    if not isinstance(given, dict) or not all(
+        isinstance(g, dict) and isinstance(g.get("seed"), int) and isinstance(g.get("date"), str)
+        for g in given.values()
+    ):
+        raise InputError(
+            "the batch's seeds that were drawn anew are none",
+            given=str(given)[:60],
+            valid="group of scenes -> seed and date",
+            where=where,
+        )
+    return given
 
 
 def _lines(path: Path) -> Iterator[tuple[str, dict[str, Any]]]:

@@ -191,7 +191,7 @@ def test_the_command_writes_page_and_figures(tmp_path: Path, capsys: pytest.Capt
 
 
 def test_the_page_lists_what_went_wrong_and_nothing_else(tmp_path: Path) -> None:
-    about = {"seed": 1, "date": "d", "version": "v", "code": "c", "command": "x"}
+    about = {"seeds": "1, d", "version": "v", "code": "c", "command": "x"}
     fields = {"withheld": None, "wrong_values": [], "moved": []}
     whole = {**fields, "held_out_ratio": 1.0, "strength": 5.0, "hidden": [["preload", "wrist"]]}
     orders = {o.kind: o for o in schedule(FULL, 1)}

@@ -8,10 +8,11 @@ from pathlib import Path
 import pytest
 
 from spacerobot.cli.main import main
+from spacerobot.cli.prove_run import seeds_in_words
 from spacerobot.proof.code_hash import code_hashes
 from spacerobot.proof.driven.orders import FAMILY
 from spacerobot.proof.orders import QUICK, schedule
-from spacerobot.proof.published import SCORED, as_lines, check_orders, read_batch, still_valid
+from spacerobot.proof.published import SCORED, as_lines, changed, check_orders, read_batch, seed_of, still_valid
 from spacerobot.support.errors import InputError
 
 BATCH = {"seed": 7, "date": "2026-01-02", "codes": {"wrist": "c0de", FAMILY: "c1de"}}
@@ -28,7 +29,7 @@ def written(folder: Path, text: str | None = None) -> Path:
 
 
 def test_what_was_written_comes_back(tmp_path: Path) -> None:
-    assert read_batch(written(tmp_path)) == (BATCH, RECORDS)
+    assert read_batch(written(tmp_path)) == ({**BATCH, "redrawn": {}}, RECORDS)
     check_orders(RECORDS, schedule(QUICK, 7), "here")
 
 
@@ -54,6 +55,16 @@ def test_records_count_as_long_as_what_they_depend_on_is_unchanged() -> None:
         still_valid(BATCH, every, dict.fromkeys(codes, "other"), "here")
 
 
+def test_scenes_whose_code_has_changed_have_a_seed_of_their_own(tmp_path: Path) -> None:
+    codes = {"wrist": "c0de", FAMILY: "mended"}
+    assert changed(BATCH, codes) == [FAMILY]
+    batch = {**BATCH, "redrawn": {FAMILY: {"seed": 11, "date": "2026-01-03"}}}
+    batch, _ = read_batch(written(tmp_path, as_lines(batch, RECORDS)))
+    assert seed_of(batch, FAMILY) == 11
+    assert seed_of(batch, "wrist") == seed_of(BATCH, FAMILY) == 7
+    assert seeds_in_words(batch) == "7, 2026-01-02 (driven arm: 11, 2026-01-03)"
+
+
 @pytest.mark.parametrize(
     ("text", "reason"),
     [
@@ -64,6 +75,7 @@ def test_records_count_as_long_as_what_they_depend_on_is_unchanged() -> None:
         ('{"format": 1, "seed": 7, "date": "d", "codes": {}}\n[1]\n', "not a JSON object"),
         ('{"format": 1, "seed": 7, "date": "d", "codes": {}}\n{"seed": 3}\n', "without name and seed"),
         ('{"format": 1, "seed": 7, "date": "d", "codes": {}}\n{"seed": 3, "name": "a"}\n', "lacks said"),
+        ('{"format": 1, "seed": 7, "date": "d", "codes": {}, "redrawn": {"a": 3}}\n', "drawn anew"),
         ("[" * 100_000, "not a line of JSON"),
     ],
 )

@@ -67,7 +67,7 @@ def page(records: Sequence[Record], about: Mapping[str, Any], figures: Mapping[s
 
     Args:
         records: of the batch.
-        about: seed, date, version, code, command.
+        about: seeds (with their dates), version, code, command.
         figures: name -> path relative to the page.
     """
     counted = sealed(records)
@@ -75,7 +75,7 @@ def page(records: Sequence[Record], about: Mapping[str, Any], figures: Mapping[s
     parts = [
         _INTRODUCTION,
         f"{len(counted)} sealed campaigns ({moving} of them with moving joints, a free base or a spinning target) and "
-        f"{len(usable(records)) - len(counted)} more for the power curves; seed {about['seed']}, {about['date']}, "
+        f"{len(usable(records)) - len(counted)} more for the power curves; seed {about['seeds']}, "
         f"version {about['version']}, code {about['code']}. `{about['command']}`{_part(records, about)}\n",
         "## Against what was asked\n",
         _targets(records),
