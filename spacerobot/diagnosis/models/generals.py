@@ -4,16 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from scipy.special import chdtri
-
 from spacerobot.diagnosis.candidates import CONTAINS
 from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.hypothesis import Site
 from spacerobot.diagnosis.models.bench import Bench
+from spacerobot.diagnosis.models.chance import by_chance
 from spacerobot.diagnosis.models.plausible import redundant
-
-CHANCE = 0.05
-"""Probability with which a special case that is right costs more than its general effect by as much as counts."""
 
 Known = Mapping[tuple[str, str], Site]
 """Sites by effect and place."""
@@ -34,7 +30,7 @@ def inherited(new: Site, special: Site, fit: Fit) -> dict[str, float]:
 
 
 def not_excluded(bench: Bench, fit: Fit, known: Known) -> list[Fit]:
-    """The fit with a general effect for each special case, where that costs less than chance would have it.
+    """The fit with a general effect for each special case, where that costs less than chance would make it.
 
     An effect size says what is worth naming; where the noise is stated, the readings say what is not excluded.
 
@@ -51,6 +47,6 @@ def not_excluded(bench: Bench, fit: Fit, known: Known) -> list[Fit]:
                 continue
             found = bench.fitted_as(fit, sites, inherited(new, special, fit))
             spare = len(new.effect.parameters) - len(special.effect.parameters)
-            if found is not None and fit.cost - found.cost > float(chdtri(spare, CHANCE)):
+            if found is not None and not by_chance(fit.cost - found.cost, spare):
                 out.append(found)
     return out

@@ -2,7 +2,9 @@
 
 For recordings whose noise is not known and whose best model is not exact, where information criteria keep
 rewarding arbitrary terms: what is left out of a fit decides, not what is in it. The search is a beam over the
-number of parameters that effects bring along; the choice among all that it met is made at the end.
+number of parameters that effects bring along; the choice among all that it met is made at the end. It was made under
+weights that no noise bears out, so that descents end where they should; where the noise is stated, the choice must
+gain more under it than chance would bring.
 
 Several models may grow together: bodies of one kind, which lack the same physics, each with its own numbers.
 """
@@ -18,6 +20,7 @@ from scipy.special import stdtrit
 from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.hypothesis import Label, Site
 from spacerobot.diagnosis.models.bench import Bench, Promise
+from spacerobot.diagnosis.models.chance import by_chance
 from spacerobot.diagnosis.models.generals import general_sites, inherited, not_excluded
 from spacerobot.diagnosis.models.held_out import HeldOut, parent
 from spacerobot.diagnosis.models.kept import Kept
@@ -230,14 +233,26 @@ class _Search:
         near = [c for c in tested if c is not chosen and c is not baseline and c.simplicity <= chosen.simplicity]
         rivals = tuple(c for c in near if c.error < (1.0 + TIE) * chosen.error)
         ranked = tuple(sorted(tested, key=lambda c: c.error))
-        for bench, fit in zip(self.benches, chosen.fits, strict=True):
-            bench.weigh(fit)
-        before = self.tested(self.again(baseline))
-        after = before if chosen is baseline else self.tested(self.again(chosen))
-        if len(self.benches) == 1 and self.benches[0].model.expected({}):
+        before, after = self.weighed(chosen, baseline)
+        stated = all(b.model.expected({}) for b in self.benches)
+        if stated and after is not before and by_chance(before.cost - after.cost, after.size * len(self.benches)):
+            self.say(f"  {words(after.label)}: no more than chance would gain under the stated noise")
+            before, after = self.weighed(before, before)
+            rivals = ()
+        if stated and len(self.benches) == 1:
             more = not_excluded(self.benches[0], after.fits[0], self.sites[0])
             rivals = (*rivals, *(self.tested(Candidate((fit,))) for fit in more))
         return Growth(self.benches, before, after, rivals, ranked, tuple(self.screened.items()))
+
+    def weighed(self, chosen: Candidate, baseline: Candidate) -> tuple[Candidate, Candidate]:
+        """Baseline and choice, fitted and tried again under the weights that what the choice leaves over asks for.
+
+        Both were fitted under the present weights.
+        """
+        for bench, fit in zip(self.benches, chosen.fits, strict=True):
+            bench.weigh(fit)
+        before = self.tested(self.again(baseline))
+        return before, before if chosen is baseline else self.tested(self.again(chosen))
 
     def layer(self, ahead: list[Ahead], baseline: Candidate) -> list[Candidate]:
         """The most promising candidates of one size, fitted and tried on unseen trials."""

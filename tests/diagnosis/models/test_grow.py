@@ -1,0 +1,51 @@
+"""Where the noise is stated, a choice must gain more under it than chance brings."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("mujoco", reason="the extra `proof` is not installed")
+
+from spacerobot.diagnosis.hypothesis import Label
+from spacerobot.diagnosis.models import grow as module
+from spacerobot.diagnosis.models.choose import models_for
+from spacerobot.diagnosis.models.grow import Candidate, grow
+from spacerobot.effects.registry import effect
+from spacerobot.proof.driven.campaign import drawn, write_study
+from spacerobot.proof.engine.missing import Missing
+from spacerobot.recordings.study import load_study
+
+JOINT = "S1"
+
+
+def chosen_rashly(folder: Path, monkeypatch: pytest.MonkeyPatch, hidden: tuple[Missing, ...]) -> Label:
+    """What stands of a search that always wants an effect, whatever unseen trials say of it."""
+
+    def rash(self: object, tested: Sequence[Candidate], baseline: Candidate) -> Candidate:
+        return min((c for c in tested if c.sites), key=lambda c: c.error)
+
+    monkeypatch.setattr(module._Search, "chosen", rash)
+    whole = drawn(np.random.default_rng(4))
+    campaign = replace(whole, tracks=dict(list(whole.tracks.items())[-2:]), hidden=hidden)
+    write_study(folder, campaign, campaign.logs())
+    (model,) = [m for m in models_for(load_study(folder)) if m.name == JOINT]
+    found = grow(model, effects=[effect("coulomb_friction"), effect("viscous_friction")])
+    assert (found.after is found.before) == (not found.after.sites)
+    assert found.after.sites or not found.rivals
+    return found.after.label
+
+
+def test_what_gains_nothing_under_the_stated_noise_is_not_chosen(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert chosen_rashly(tmp_path, monkeypatch, ()) == ()
+
+
+def test_what_is_there_stands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    item = Missing("coulomb_friction", f"joint.{JOINT}", {"force_Nm": 0.3})
+    assert ("coulomb_friction", f"joint.{JOINT}") in chosen_rashly(tmp_path, monkeypatch, (item,))
