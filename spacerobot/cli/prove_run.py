@@ -75,10 +75,11 @@ def _begun(path: str | None, asked: int | None, codes: dict[str, str]) -> tuple[
         raise InputError("the batch has its seed", given=f"--seed {asked}", valid="--resume without --seed")
     batch, records = read_batch(path)
     valid = still_valid(batch, records, codes, path)
-    redrawn = batch["redrawn"] | {name: _new(None) for name in changed(batch, codes)}
+    redrawn = batch.get("redrawn", {}) | {name: _new(None) for name in changed(batch, codes)}
     if len(valid) < len(records):
         say(f"{len(records) - len(valid)} campaigns were diagnosed by other code; others are played, from a new seed")
-    return {"seed": batch["seed"], "date": batch["date"], "redrawn": redrawn}, valid
+    begun = {"seed": batch["seed"], "date": batch["date"]}
+    return (begun | {"redrawn": redrawn} if redrawn else begun), valid
 
 
 def _new(asked: int | None) -> dict[str, Any]:

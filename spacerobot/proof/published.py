@@ -37,7 +37,8 @@ def read_batch(path: str | Path) -> tuple[dict[str, Any], list[dict[str, Any]]]:
         if not isinstance(first.get(key), kind):
             raise InputError(f"the batch states no {key}", given=first.get(key), where=where)
     batch = {key: first[key] for key in ("seed", "date", "codes")}
-    batch["redrawn"] = _redrawn(first.get("redrawn", {}), where)
+    if redrawn := _redrawn(first.get("redrawn", {}), where):
+        batch["redrawn"] = redrawn
     return batch, [_scored(record, where) for where, record in lines]
 
 

@@ -29,7 +29,7 @@ def written(folder: Path, text: str | None = None) -> Path:
 
 
 def test_what_was_written_comes_back(tmp_path: Path) -> None:
-    assert read_batch(written(tmp_path)) == ({**BATCH, "redrawn": {}}, RECORDS)
+    assert read_batch(written(tmp_path)) == (BATCH, RECORDS)
     check_orders(RECORDS, schedule(QUICK, 7), "here")
 
 
