@@ -34,6 +34,11 @@ RATE = {
 }
 """Kind of concealment -> rate that it counts in; all others have an effect to be named."""
 
+FIRST = {"nothing": 205, "value": 205, "outside": 222, "named": 170}
+"""Rate -> campaigns with which it has its 200: some outside the catalogue are set apart, an effect that is named has
+more than one parameter, and the power curves name effects too. The power curves come before those beyond.
+"""
+
 
 def draw_seed() -> int:
     """A seed from the operating system."""
@@ -82,15 +87,16 @@ def run_batch(
 
 
 def in_turn(orders: Sequence[Order]) -> list[Order]:
-    """The kinds that make up a rate in turn, so that all rates fill alike; what fills the power curves comes last.
+    """The kinds that make up a rate in turn, so that all rates fill alike, then the power curves, then the others.
 
     Within a rate they come in the order of their seeds, which is a random one.
     """
-    place: dict[Order, tuple[bool, int]] = {}
+    place: dict[Order, tuple[int, int]] = {}
     counts = Counter[str]()
     for order in sorted(orders, key=lambda o: (o.seed, o.name)):
         rate = RATE.get(order.kind, "named")
-        place[order] = (rate == "power", counts[rate])
+        stage = 1 if rate == "power" else 0 if counts[rate] < FIRST[rate] else 2
+        place[order] = (stage, counts[rate])
         counts[rate] += 1
     return sorted(orders, key=lambda o: (*place[o], o.seed, o.name))
 

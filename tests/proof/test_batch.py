@@ -110,8 +110,11 @@ def test_rates_fill_alike_and_power_curves_last() -> None:
     assert sorted(o.name for o in turns) == sorted(o.name for o in orders)
     first = Counter(batch.RATE.get(o.kind, "named") for o in turns[:400])
     assert set(first.values()) == {100}
-    sealed = [o for o in orders if o.kind != "power"]
-    assert all(o.kind != "power" for o in turns[: len(sealed)])
+    every = Counter(batch.RATE.get(o.kind, "named") for o in orders)
+    begin = next(i for i, o in enumerate(turns) if o.kind == "power")
+    before = Counter(batch.RATE.get(o.kind, "named") for o in turns[:begin])
+    assert before == {rate: min(count, every[rate]) for rate, count in batch.FIRST.items()}
+    assert all(o.kind == "power" for o in turns[begin : begin + every["power"]])
     for rate in set(batch.RATE.values()):
         seeds = [o.seed for o in turns if batch.RATE.get(o.kind) == rate]
         assert seeds == sorted(seeds)
