@@ -40,6 +40,11 @@ more than one parameter, and the power curves name effects too. The power curves
 """
 
 
+def rate_of(order: Order) -> str:
+    """The rate that an order counts in."""
+    return RATE.get(order.kind, "named")
+
+
 def draw_seed() -> int:
     """A seed from the operating system."""
     return int.from_bytes(os.urandom(6), "big")
@@ -91,14 +96,15 @@ def in_turn(orders: Sequence[Order]) -> list[Order]:
 
     Within a rate they come in the order of their seeds, which is a random one.
     """
-    place: dict[Order, tuple[int, int]] = {}
+    drawn = sorted(orders, key=lambda o: (o.seed, o.name))
+    place: dict[Order, tuple[bool, bool, int]] = {}
     counts = Counter[str]()
-    for order in sorted(orders, key=lambda o: (o.seed, o.name)):
-        rate = RATE.get(order.kind, "named")
-        stage = 1 if rate == "power" else 0 if counts[rate] < FIRST[rate] else 2
-        place[order] = (stage, counts[rate])
+    for order in drawn:
+        rate = rate_of(order)
+        beyond = rate != "power" and counts[rate] >= FIRST[rate]
+        place[order] = (beyond, rate == "power", counts[rate])
         counts[rate] += 1
-    return sorted(orders, key=lambda o: (*place[o], o.seed, o.name))
+    return sorted(drawn, key=place.__getitem__)  # a stable sort: of one place, in the order drawn
 
 
 def _while_time(orders: Sequence[Order], until: float) -> Iterator[Order]:

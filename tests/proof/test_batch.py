@@ -78,7 +78,7 @@ def test_the_full_batch_is_what_was_asked_for() -> None:
     assert set(counts) | {"power"} == set(KINDS)
     assert len(sealed) >= 300
     assert sum(o.family in MOVING for o in sealed) >= len(sealed) / 3
-    filled = Counter(batch.RATE.get(o.kind, "named") for o in sealed)
+    filled = Counter(batch.rate_of(o) for o in sealed)
     assert set(filled) == {"nothing", "value", "outside", "named"}
     assert min(filled.values()) >= 200
     assert len(OUTSIDERS) >= 4
@@ -104,15 +104,15 @@ def test_seeds_differ_and_depend_on_the_batch_alone() -> None:
     assert all(seed == {o.name: o.seed for o in first}[name] for name, seed in small.items())
 
 
-def test_rates_fill_alike_and_power_curves_last() -> None:
+def test_rates_fill_alike_then_the_power_curves() -> None:
     orders = schedule(FULL, 4)
     turns = batch.in_turn(orders)
     assert sorted(o.name for o in turns) == sorted(o.name for o in orders)
-    first = Counter(batch.RATE.get(o.kind, "named") for o in turns[:400])
+    first = Counter(batch.rate_of(o) for o in turns[:400])
     assert set(first.values()) == {100}
-    every = Counter(batch.RATE.get(o.kind, "named") for o in orders)
+    every = Counter(batch.rate_of(o) for o in orders)
     begin = next(i for i, o in enumerate(turns) if o.kind == "power")
-    before = Counter(batch.RATE.get(o.kind, "named") for o in turns[:begin])
+    before = Counter(batch.rate_of(o) for o in turns[:begin])
     assert before == {rate: min(count, every[rate]) for rate, count in batch.FIRST.items()}
     assert all(o.kind == "power" for o in turns[begin : begin + every["power"]])
     for rate in set(batch.RATE.values()):
