@@ -6,6 +6,7 @@ import argparse
 import importlib.util
 import json
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import replace
 from datetime import UTC, datetime
@@ -45,6 +46,7 @@ def run(args: argparse.Namespace) -> int:
     minutes = parse_numbers([args.minutes], "--minutes", count=1)[0] if args.minutes is not None else math.inf
     if minutes <= 0.0:
         raise InputError("not a time", given=minutes, valid="above 0", where="--minutes")
+    name = _page_name(args.page)
     codes = code_hashes()
     begun, known = _begun(args.resume, asked, codes)
     seed = begun["seed"] if begun else asked
@@ -59,7 +61,7 @@ def run(args: argparse.Namespace) -> int:
             _play(folder, args, orders, begun, jobs, codes, minutes)
         text = (folder.folder / "proof.json").read_text(encoding="utf-8")
         if args.docs:
-            _into(Path(args.docs), folder.folder)
+            _into(Path(args.docs), folder.folder, name)
         print(text.rstrip("\n") if args.json else _told(json.loads(text), folder.folder))
     return 0
 
@@ -179,11 +181,20 @@ def _command(args: argparse.Namespace) -> str:
     return " ".join(w for w in words if w)
 
 
-def _into(docs: Path, run: Path) -> None:
-    for name, theirs in (("proof.md", "proof.md"), ("proof_records.jsonl", "records.jsonl")):
-        write_text(docs / name, (run / theirs).read_text(encoding="utf-8"))
+def _page_name(given: str) -> str:
+    if not re.fullmatch(r"[a-z0-9_]{1,40}", given):
+        raise InputError("not a page's name", given=given[:60], valid="letters a to z, digits, _", where="--page")
+    return given
+
+
+def _into(docs: Path, run: Path, name: str) -> None:
+    """Page, figures and records under the page's name, by which they know each other."""
+    text = (run / "proof.md").read_text(encoding="utf-8")
+    text = text.replace("proof_records.jsonl", f"{name}_records.jsonl").replace("figures/proof_", f"figures/{name}_")
+    write_text(docs / f"{name}.md", text)
+    write_text(docs / f"{name}_records.jsonl", (run / "records.jsonl").read_text(encoding="utf-8"))
     for figure in sorted((run / "figures").glob("proof_*.png")):
-        with atomic(docs / "figures" / figure.name, "wb") as stream:
+        with atomic(docs / "figures" / f"{name}{figure.name.removeprefix('proof')}", "wb") as stream:
             stream.write(figure.read_bytes())
 
 

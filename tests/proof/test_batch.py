@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import pickle
+import re
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
@@ -191,6 +192,23 @@ def test_the_command_writes_page_and_figures(tmp_path: Path, capsys: pytest.Capt
     assert main(elsewhere) == 0
     assert len(PLAYED) == count + 3
     assert (tmp_path / "elsewhere" / "records.jsonl").read_text() == "".join(kept)
+
+
+def test_a_second_batch_is_published_beside_the_first(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    docs, asked = tmp_path / "docs", ["prove", "--share", "0.05", "--seed", "5", "--docs", str(tmp_path / "docs")]
+    assert main([*asked, "--out", str(tmp_path / "a")]) == 0
+    first = {p: p.read_bytes() for p in docs.rglob("*") if p.is_file()}
+    assert main([*asked, "--out", str(tmp_path / "b"), "--page", "proof_later"]) == 0
+    assert {p: p.read_bytes() for p in first} == first
+    text = (docs / "proof_later.md").read_text()
+    named = set(re.findall(r"figures/\w+\.png", text))
+    assert named
+    assert all((docs / n).exists() and n.startswith("figures/proof_later_") for n in named)
+    assert "`proof_later_records.jsonl`" in text
+    assert (docs / "proof_later_records.jsonl").exists()
+    capsys.readouterr()
+    assert main([*asked, "--out", str(tmp_path / "c"), "--page", "../x"]) != 0
+    assert "--page" in capsys.readouterr().err
 
 
 def test_the_page_lists_what_went_wrong_and_nothing_else(tmp_path: Path) -> None:
