@@ -16,8 +16,8 @@ from spacerobot.support.errors import SimulationError
 SHARE = 0.6
 """Part of all that is left over, beyond what the other trials leave, that the one trial must hold."""
 
-STANDS_OUT = 8.0
-"""Excess of the trial's chi-squared in its standard errors."""
+STANDS_OUT, CHANCE = 4.0, 2.0
+"""Excess of the trial's chi-squared in its standard errors, and how much of it any trial may have by chance."""
 
 TRIED = 3
 """Starts that are fitted."""
@@ -31,10 +31,11 @@ def odd_one_out(fit: Fit, trials: tuple[TrialData, ...]) -> TrialData | None:
         level[trial.id] = float(np.square(fit.trials[trial.id].residual).sum()) / count
         counts[trial.id] = count
     usual = float(np.median(list(level.values())))
-    over = {t: (level[t] - usual) * counts[t] for t in level}
+    error = {t: usual * np.sqrt(2.0 * counts[t]) for t in level}
+    over = {t: (level[t] - usual) * counts[t] - CHANCE * error[t] for t in level}
     total = sum(max(v, 0.0) for v in over.values())
     worst = max(over, key=lambda t: over[t])
-    significant = over[worst] > STANDS_OUT * usual * np.sqrt(2.0 * counts[worst])
+    significant = over[worst] > (STANDS_OUT - CHANCE) * error[worst]
     if len(trials) < 3 or not significant or over[worst] < SHARE * total:
         return None
     return next(t for t in trials if t.id == worst)
