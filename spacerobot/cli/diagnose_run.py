@@ -135,7 +135,8 @@ def _show(args: argparse.Namespace, verdict: Mapping[str, Any], folder: RunFolde
     if verdict["verdict"] == "ambiguous":
         for other in verdict["alternatives"]:
             names = " + ".join(f"{e['effect']} at {e['where']}" for e in other["effects"])
-            print(f"  {names}   (score {other['score']:+.1f})")
+            wrong = "another " + " and ".join(other["parameters"])
+            print(f"  {names or wrong}   (score {other['score']:+.1f})")
     for name, p in verdict["parameters"].items():
         print(f"  {name} moved from {_number(p['believed'])} to {_number(p['value'])} {p['unit']}")
     from spacerobot.view.report.when import happened

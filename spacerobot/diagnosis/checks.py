@@ -41,7 +41,8 @@ def nested(found: Found, chosen: Fit) -> dict[str, Any]:
     bad = []
     chosen_label = set(chosen.hypothesis.label)
     for fit in [found.baseline, *found.fits.values()]:
-        if set(fit.hypothesis.label) < chosen_label and fit.cost < chosen.cost - SLACK:
+        less = set(fit.hypothesis.label) < chosen_label and set(fit.hypothesis.freed) <= set(chosen.hypothesis.freed)
+        if less and fit.cost < chosen.cost - SLACK:
             bad.append(fit.hypothesis.label)
     detail = "no smaller model costs less" if not bad else f"a smaller model costs less: {bad[0]}"
     return {"name": "nested cost", "passed": not bad, "detail": detail}
@@ -107,12 +108,12 @@ def _copied_fit(workshop: Workshop, chosen: Fit, seed: int) -> tuple[Fitter, Fit
     start = {f.key: f.centre for f in chosen.hypothesis.free if f.kind == "effect" and f.log}
     start = {**effect_values(chosen), **start}
     only: Only = tuple((s.label, s.trials) for s in chosen.hypothesis.sites if s.trials)
-    again = copy.run(Task(chosen.hypothesis.label, start, only=only))
+    again = copy.run(Task(chosen.hypothesis.label, start, only=only, freed=chosen.hypothesis.freed))
     if state is None or again is None:
         return None
     prior = np.array([f.prior for f in chosen.hypothesis.free], dtype=float)
     truth = state.chi2() + float(prior @ state.z**2)
-    for task in _other_starts(chosen, again, only):  # a search begins more than once too
+    for task in _other_starts(copy, chosen, again, only):  # a search begins more than once too
         if again.cost <= truth + SLACK:
             break
         other = copy.run(task)
@@ -121,13 +122,29 @@ def _copied_fit(workshop: Workshop, chosen: Fit, seed: int) -> tuple[Fitter, Fit
     return fitter, again, truth
 
 
-def _other_starts(chosen: Fit, ended: Fit, only: Only) -> Iterator[Task]:
-    """Where else a fit of the copy begins: where the first one ended, the effects' own starts, their true values."""
-    label = chosen.hypothesis.label
-    yield Task(label, {}, near=ended, max_iterations=30)
+def _other_starts(copy: Workshop, chosen: Fit, ended: Fit, only: Only) -> Iterator[Task]:
+    """Where else a fit of the copy begins: where the first one ended, the effects' own starts, their true values, and
+    one effect after the other, as a search finds them.
+    """
+    label, freed = chosen.hypothesis.label, chosen.hypothesis.freed
+    yield Task(label, {}, near=ended, max_iterations=30, freed=freed)
     for start in effect_starts(chosen.hypothesis.sites)[:2]:
-        yield Task(label, start, only=only)
-    yield Task(label, effect_values(chosen), only=only)
+        yield Task(label, start, only=only, freed=freed)
+    values = effect_values(chosen)
+    yield Task(label, values, only=only, freed=freed)
+    for one in label if len(label) > 1 else ():
+        alone = copy.run(Task((one,), {}, near=_part(chosen, one), only=only, freed=freed))
+        if alone is not None:
+            yield Task(label, values, near=alone, max_iterations=30, only=only, freed=freed)
+
+
+def _part(fit: Fit, one: tuple[str, str]) -> Fit:
+    """A fit without all but one of its effects."""
+    made = fit.hypothesis
+    keys = {s.key(p.name) for s in made.sites if s.label != one for p in s.effect.parameters}
+    kept = [k for k, f in enumerate(made.free) if f.key not in keys]
+    sites = tuple(s for s in made.sites if s.label == one)
+    return replace(fit, hypothesis=replace(made, sites=sites, free=tuple(made.free[k] for k in kept)), z=fit.z[kept])
 
 
 def misses(truth: Fit, again: Fit) -> dict[str, float]:

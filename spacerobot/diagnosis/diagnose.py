@@ -5,19 +5,20 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Sequence
-from dataclasses import asdict, replace
+from dataclasses import asdict
 
 from spacerobot import __version__
 from spacerobot.diagnosis import evidence as ev
-from spacerobot.diagnosis.adequacy import Left, left_over
+from spacerobot.diagnosis.adequacy import Left
 from spacerobot.diagnosis.ahead import help_compiling
 from spacerobot.diagnosis.candidates import candidate_sites, contains
 from spacerobot.diagnosis.checks import nested, synthetic, widened
 from spacerobot.diagnosis.confirm import confirm
 from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.found import Found, Report
+from spacerobot.diagnosis.freed import baseline_freed, set_free
 from spacerobot.diagnosis.held_out import hold_out
-from spacerobot.diagnosis.judge import AMBIGUOUS, NAMED, Judgement, judge, moved
+from spacerobot.diagnosis.judge import AMBIGUOUS, NAMED, Judgement, judge
 from spacerobot.diagnosis.locate.located import LEVEL, Located
 from spacerobot.diagnosis.memory import Store
 from spacerobot.diagnosis.next_experiment import next_experiment
@@ -42,9 +43,6 @@ of the best that explains nearly all.
 
 SHOWN = 40
 """Located patterns that a report lists."""
-
-LOOSE = 30.0
-"""Factor on a believed value's sigma that sets it free."""
 
 
 def _silent(what: str, done: int, total: int) -> None:
@@ -99,7 +97,8 @@ def diagnose(
         locating = pool.aside(_located, seed)
         found = search(pool, sites, report)
         report("judging", 0, 1)
-        freed = _freed(workshop, found.baseline)
+        freed = baseline_freed(pool, found.baseline)
+        set_free(pool, found, report)
         left_of = _finalists(workshop, found, freed)
         inflation = min(left.inflation for left in left_of.values())
         first = judge(found, left_of, freed, ())
@@ -188,17 +187,6 @@ def _stated(judgement: Judgement) -> list[str]:
     ]
 
 
-def _freed(workshop: Workshop, base: Fit) -> Fit | None:
-    """The baseline with the values it moves set free of their priors."""
-    out = moved(base)
-    if not out:
-        return None
-    free = tuple(replace(f, step=f.step * LOOSE) if f.key in out else f for f in base.hypothesis.free)
-    return workshop.fitter().fit(
-        replace(base.hypothesis, free=free), warm=base.values(), initials=base.initials(), robust=False
-    )
-
-
 def _finalists(workshop: Workshop, found: Found, freed: Fit | None) -> dict[int, Left]:
     ranked = sorted(found.fits.values(), key=lambda f: f.cost)
     least = found.best.cost
@@ -212,13 +200,4 @@ def _finalists(workshop: Workshop, found: Found, freed: Fit | None) -> dict[int,
         or (contains(found.best.hypothesis.label, f.hypothesis.label) and f.cost < least + slight)
     ]
     fits = [found.baseline, *ranked, *([freed] if freed is not None else [])]
-    return {id(fit): _left(workshop, fit) for fit in fits}
-
-
-def _left(workshop: Workshop, fit: Fit) -> Left:
-    touches = {}
-    for trial in workshop.trials:
-        mechanism = workshop.model.trial_mechanism(fit.hypothesis, fit.z, trial)
-        seen = workshop.model.predict(mechanism, trial, fit.trials[trial.id].initial).touches
-        touches[trial.id] = min(seen, default=float("inf"))
-    return left_over(fit, workshop.trials, touches)
+    return {id(fit): workshop.left_by(fit) for fit in fits}

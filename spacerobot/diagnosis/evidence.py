@@ -147,10 +147,11 @@ def formulas(labels: Sequence[Label]) -> list[dict[str, str]]:
 
 def removed_by_fit(fit: Fit) -> list[dict[str, Any]]:
     """Believed values that the fit moves, in their sigmas."""
+    sigmas = fit.hypothesis.sigmas(fit.z)
     return [
-        {"parameter": f.key, "believed": f.centre, "value": f.value(float(z)), "sigma_shift": float(z)}
+        {"parameter": f.key, "believed": f.centre, "value": f.value(float(z)), "sigma_shift": sigmas[f.key]}
         for f, z in zip(fit.hypothesis.free, fit.z, strict=True)
-        if f.kind == "believed" and abs(z) > 1.0
+        if abs(sigmas.get(f.key, 0.0)) > 1.0
     ]
 
 

@@ -15,7 +15,7 @@ from spacerobot.diagnosis.weigh import score, simplest
 from spacerobot.diagnosis.workshop import Task, Workshop
 
 EXPLAINED = 1.02
-"""chi-squared per sample below which a single effect explains the data well enough not to start others afresh."""
+"""chi-squared per sample below which a set may explain the data well enough not to start others afresh."""
 
 WORTH_A_FIT = 15.0
 """Fall of the cost below which an effect is screened only: far from what it would have to earn."""
@@ -40,6 +40,7 @@ class Found:
         screens: what was screened, at the baseline and at the best single.
         screened: predicted fall of the cost by set of effects, fitted or not.
         singles: every site that was tried.
+        noise: whether a fit leaves nothing but noise.
     """
 
     baseline: Fit
@@ -47,6 +48,7 @@ class Found:
     screens: list[Screen] = field(default_factory=list)
     screened: dict[Label, float] = field(default_factory=dict)
     singles: tuple[Site, ...] = ()
+    noise: Callable[[Fit], bool] = lambda fit: True
 
     def keep(self, fit: Fit | None) -> None:
         """Remember a fit if it is the best of its kind."""
@@ -61,6 +63,15 @@ class Found:
         """The fit of least cost, the baseline included."""
         return min([self.baseline, *self.fits.values()], key=lambda f: f.cost)
 
+    def explains(self, fit: Fit) -> bool:
+        """Whether a fit leaves so little over that others need not begin afresh."""
+        return fit.chi2 < EXPLAINED * fit.samples and self.noise(fit)
+
+    @property
+    def explained(self) -> bool:
+        """Whether the best fit does."""
+        return self.explains(self.best)
+
     def preferred(self, fits: Sequence[Fit]) -> Fit:
         """The one of these that a verdict would prefer."""
         scores = {id(f): score(f) for f in [self.baseline, *fits]}
@@ -69,11 +80,6 @@ class Found:
     def singles_by_cost(self) -> list[Fit]:
         """Fits of one effect, best first."""
         return sorted((f for f in self.fits.values() if len(f.hypothesis.sites) == 1), key=lambda f: f.cost)
-
-
-def explained(fit: Fit) -> bool:
-    """Whether a fit leaves so little over that others need not begin afresh."""
-    return fit.chi2 < EXPLAINED * fit.samples
 
 
 def run_tasks(
@@ -93,25 +99,26 @@ def run_tasks(
             bar = min(bar, found.baseline.cost - WORTH_A_FIT)
         return replace(task, hopeless=min(bar, task.hopeless))
 
-    given_up, already = [], explained(found.best)
+    given_up, already = [], found.explained
     for done, (task, fit) in enumerate(pool.run(tasks, prepared), 1):
         found.keep(fit)
         if fit is not None and fit.given_up:
             given_up.append(task)
         report(what, done, len(tasks))
-        if stop and not already and explained(found.best):
+        if stop and not already and found.explained:
             break
     return given_up
 
 
-def screened(pool: Pool, fit: Fit, sites: Sequence[Site]) -> Screen:
-    """Scores of adding each site to a fit, a part of the sites in each process."""
-    parts = [pool.aside(_screened_here, fit, sites[k::PARTS]) for k in range(min(PARTS, max(len(sites), 1)))]
+def screened(pool: Pool, fit: Fit, sites: Sequence[Site], *, full: bool = False) -> Screen:
+    """Scores of adding each site to a fit, a part of the sites in each process; `full`: at full sizes."""
+    parts = [pool.aside(_screened_here, fit, sites[k::PARTS], full) for k in range(min(PARTS, max(len(sites), 1)))]
     return together([part() for part in parts], sites)
 
 
-def _screened_here(workshop: Workshop, fit: Fit, sites: Sequence[Site]) -> Screen:
-    return Screener(workshop.fitter(), workshop.model.believed).screen(fit, sites)
+def _screened_here(workshop: Workshop, fit: Fit, sites: Sequence[Site], full: bool) -> Screen:
+    screener = Screener(workshop.fitter(), workshop.model.believed)
+    return screener.screen_full(fit, sites) if full else screener.screen(fit, sites)
 
 
 def share_of(item: Screened) -> float:

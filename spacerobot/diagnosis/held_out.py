@@ -68,7 +68,15 @@ def hold_out(pool: Pool, fits: Mapping[str, Fit]) -> dict[str, HeldOut]:
     tasks, names = [], {}
     for name, fit in fits.items():
         for out in sets:
-            task = Task(fit.hypothesis.label, {}, near=_without(fit, out), max_iterations=8, without=out, loose=True)
+            task = Task(
+                fit.hypothesis.label,
+                {},
+                near=_without(fit, out),
+                max_iterations=8,
+                without=out,
+                loose=True,
+                freed=fit.hypothesis.freed,
+            )
             names[id(task)] = name
             tasks.append(task)
     found: dict[str, dict[str, np.ndarray]] = {name: {} for name in fits}
@@ -91,7 +99,7 @@ def frozen(made: Hypothesis, values: Mapping[str, float], free: tuple[str, ...])
     held = tuple(
         f if f.key in free else replace(f, lower=values[f.key], upper=values[f.key], prior=False) for f in made.free
     )
-    return Hypothesis(made.sites, held, made.removed)
+    return replace(made, free=held)
 
 
 def _predict(workshop: Workshop, trained: Fit, out: tuple[str, ...]) -> dict[str, np.ndarray]:

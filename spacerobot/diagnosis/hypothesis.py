@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -14,6 +14,10 @@ from spacerobot.effects.mechanism import Mechanism
 
 Label = tuple[tuple[str, str], ...]
 """((effect, where), ...), sorted: what a hypothesis is called."""
+
+
+LOOSE = 30.0
+"""Factor on a believed value's sigma that sets it free."""
 
 
 @dataclass(frozen=True)
@@ -50,6 +54,7 @@ class Believed:
         conditions: names of the conditions.
         unknown: values that are not stated, with a plausible centre each.
         absorbing: constants whose job is to absorb left-out physics.
+        freed: values of which what is stated counts for next to nothing.
     """
 
     values: Mapping[str, float]
@@ -58,6 +63,12 @@ class Believed:
     conditions: tuple[str, ...]
     unknown: Mapping[str, float] = field(default_factory=dict)
     absorbing: tuple[str, ...] = ()
+    freed: tuple[str, ...] = ()
+
+    def free_of(self, names: Sequence[str]) -> Believed:
+        """The same with these values set free of what is stated of them."""
+        sigma = {k: v * (LOOSE if k in names else 1.0) for k, v in self.sigma.items()}
+        return replace(self, sigma=sigma, freed=tuple(names)) if names else self
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,6 +78,7 @@ class Hypothesis:
     sites: tuple[Site, ...]
     free: tuple[Free, ...]
     removed: tuple[str, ...] = ()
+    freed: tuple[str, ...] = ()
 
     @property
     def label(self) -> Label:
@@ -87,6 +99,11 @@ class Hypothesis:
         return frozenset(
             s.key(p.name) for s in self.sites if s.trials and trial not in s.trials for p in s.effect.parameters
         )
+
+    def sigmas(self, z: np.ndarray) -> dict[str, float]:
+        """How far the believed values are from what is stated of them, in stated sigmas."""
+        pairs = zip(self.free, z, strict=True)
+        return {f.key: float(x) * (LOOSE if f.key in self.freed else 1.0) for f, x in pairs if f.kind == "believed"}
 
     def values(self, z: np.ndarray) -> dict[str, float]:
         """Physical values of the free parameters."""
@@ -161,4 +178,4 @@ def hypothesis(believed: Believed, sites: Sequence[Site], starts: Mapping[str, f
         for parameter in site.effect.parameters:
             start = starts.get(site.key(parameter.name), parameter.starts[0])
             free.append(parameters.of_effect(site.effect.name, site.where, parameter, start))
-    return Hypothesis(tuple(sites), tuple(free), removed)
+    return Hypothesis(tuple(sites), tuple(free), removed, believed.freed)

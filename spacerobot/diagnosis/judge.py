@@ -25,6 +25,9 @@ MARGIN = 10.0
 MOVED = 3.0
 """Stated sigmas beyond which a believed value counts as wrong."""
 
+SEVERAL = 2
+"""Believed values that must be wrong together, for an effect that explains as much to be as likely."""
+
 FEW = 2
 """Believed values that may be wrong at once; where more would have to be, something is missing that bends them all."""
 
@@ -59,11 +62,9 @@ class Judgement:
         return min((r.score for r in self.rivals if not contains(r.fit.hypothesis.label, label)), default=0.0)
 
 
-def moved(fit: Fit, free: Fit | None = None) -> tuple[str, ...]:
+def moved(fit: Fit) -> tuple[str, ...]:
     """Believed values that the data move beyond MOVED stated sigmas."""
-    return tuple(
-        f.key for f, z in zip(fit.hypothesis.free, fit.z, strict=True) if f.kind == "believed" and abs(z) > MOVED
-    )
+    return tuple(k for k, s in fit.hypothesis.sigmas(fit.z).items() if abs(s) > MOVED)
 
 
 def judge(found: Found, left_of: dict[int, Left], freed: Fit | None, failed: Sequence[str]) -> Judgement:
@@ -80,7 +81,7 @@ def judge(found: Found, left_of: dict[int, Left], freed: Fit | None, failed: Seq
     inflation = min((left_of[id(f)].inflation for f in candidates if id(f) in left_of), default=1.0)
     scores = {id(f): score(f, inflation) for f in candidates}
     many = freed is not None and len(moved(base)) > FEW
-    at_will = np.inf if freed is None else score(freed, inflation) + PENALTY * len(moved(base))
+    at_will = np.inf if freed is None else score(freed, inflation)
     if not many:
         scores[id(base)] = min(scores[id(base)], at_will)
     ranked = sorted(candidates, key=lambda f: scores[id(f)])
@@ -88,6 +89,9 @@ def judge(found: Found, left_of: dict[int, Left], freed: Fit | None, failed: Seq
     lead = scores[id(base)] - scores[id(favourite)]
     bent = many and at_will < scores[id(favourite)] - MARGIN  # many wrong values do better than any effect
     if favourite is base or lead < EARN or bent:
+        instead = [] if freed is None or bent else _instead(base, freed, at_will, ranked, scores, left_of)
+        if instead and not failed:
+            return _either(instead, freed, at_will, ranked, scores)
         return _without_effect(base, freed, ranked, scores, left_of, failed)
     rivals = []
     equal = []
@@ -124,6 +128,42 @@ def judge(found: Found, left_of: dict[int, Left], freed: Fit | None, failed: Seq
         tuple(rivals),
         moved(favourite),
     )
+
+
+def _instead(
+    base: Fit,
+    freed: Fit | None,
+    at_will: float,
+    ranked: Sequence[Fit],
+    scores: dict[int, float],
+    left_of: dict[int, Left],
+) -> list[Fit]:
+    """Effects that put back believed values and cost less than wrong values do, best first.
+
+    One thing that is missing is no less likely than two values that are both stated wrongly; beside one wrong value it
+    must cost clearly less.
+    """
+    if freed is None:
+        return []
+    bar = at_will - (0.0 if len(moved(freed)) >= SEVERAL else MARGIN)
+    better = [f for f in ranked if len(f.hypothesis.sites) == 1 and scores[id(f)] < bar and not moved(f)]
+    return [f for f in better if id(f) in left_of and left_of[id(f)].adequate]
+
+
+def _either(
+    instead: Sequence[Fit], freed: Fit | None, at_will: float, ranked: Sequence[Fit], scores: dict[int, float]
+) -> Judgement:
+    """Ambiguous: one of these effects, or values that are stated wrongly."""
+    assert freed is not None  # there are values that moved
+    least = scores[id(instead[0])]
+    equal = [f for f in instead if scores[id(f)] < least + MARGIN]
+    rivals = [Rival(f, scores[id(f)] - least, "not told apart from it") for f in equal[1:]]
+    rivals.append(Rival(freed, at_will - least, "not told apart: wrong values instead of an effect"))
+    others = [f for f in ranked if f not in equal]
+    rivals += [Rival(f, scores[id(f)] - least, "explains less") for f in others]
+    weight = float(np.exp(-0.5 * np.clip([r.score for r in rivals], 0.0, 700.0)).sum())
+    confidence = float(np.clip(1.0 / (1.0 + weight), 0.05, 0.99))
+    return Judgement(AMBIGUOUS, confidence, instead[0], (*equal, freed), tuple(rivals), ())
 
 
 def _without_effect(

@@ -34,7 +34,8 @@ def task_name(task: Any) -> str:
         task.eager,
         task.patient,
         task.only,
-        None if near is None else [list(near.hypothesis.label), near.z.tolist()],
+        task.freed,
+        None if near is None else [list(near.hypothesis.label), near.hypothesis.freed, near.z.tolist()],
         None if task.initials is None else sorted((k, v.tolist()) for k, v in task.initials.items()),
     )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 
 import numpy as np
@@ -14,7 +15,6 @@ from spacerobot.diagnosis.found import (
     Found,
     Report,
     effect_values,
-    explained,
     run_tasks,
     screened,
     share_of,
@@ -28,6 +28,15 @@ from spacerobot.diagnosis.workshop import Task
 from spacerobot.effects.registry import effect
 
 TOP_PAIRS = 4
+TOP_SINGLES = 5
+"""Single effects that are paired with one another by what they were fitted to, whatever their screening promised."""
+
+TOP_BESIDE = 3
+"""Single effects beside which others are sought, where what is found beside the preferred one is not enough."""
+
+TOP_FULL = 6
+"""Effects that are fitted beside a fit for what they promise at full size."""
+
 ROUNDS = 2
 """Times that pairs are sought; again where what they could do without shows a better single effect."""
 
@@ -54,13 +63,12 @@ def pairs(pool: Pool, found: Found, first: Screen, report: Report) -> None:
         run_tasks(pool, found, _mirrored(found), report, "late for early")
         run_tasks(pool, found, _twins(found, first), report, "what acts alike")
         _simplify(pool, found, report)
-        if explained(found.best):
+        if found.explained:
             break
 
 
 def _fit_pairs(pool: Pool, found: Found, single: Fit, first: Screen | None, report: Report) -> None:
     """Pairs of a single effect with what promises most beside it, and those that promise most at the baseline."""
-    gained = found.baseline.cost - single.cost
     rest = [s for s in found.singles if s.label not in single.hypothesis.label]
     report("screening pairs", 0, len(rest))
     second = screened(pool, single, rest)
@@ -68,28 +76,75 @@ def _fit_pairs(pool: Pool, found: Found, single: Fit, first: Screen | None, repo
     pairs = [] if first is None else first.pairs()
     for gain, a, b in pairs:
         found.screened.setdefault(tuple(sorted((a.site.label, b.site.label))), gain)
-    near, afresh = [], []
-    for label, item in list(second.best().items())[:TOP_PAIRS]:
-        both = tuple(sorted((*single.hypothesis.label, label)))
-        found.screened[both] = max(found.screened.get(both, 0.0), gained + item.gain)
-        if item.gain > max(WORTH_A_FIT, worth(gained) / HOPE):
-            start = faint(item.site, item.start, share_of(item))
-            bar = single.cost - worth(gained)
-            near.append(Task(both, start, near=single, max_iterations=20, hopeless=bar, eager=True))
-    for gain, a, b in pairs[: 0 if explained(single) else TOP_PAIRS]:
+    near, afresh = _beside(found, single, second), []
+    for gain, a, b in pairs[: 0 if found.explains(single) else TOP_PAIRS]:
         both = tuple(sorted((a.site.label, b.site.label)))
         nested = contains([a.site.label], [b.site.label]) or contains([b.site.label], [a.site.label])
         if nested or gain < WORTH_A_FIT or any(t.label == both for t in near):
             continue
         afresh.append(Task(both, {**a.start, **b.start}, max_iterations=30))
     run_tasks(pool, found, near, report, "pairs of effects")  # all of them: two may explain the data
-    if not explained(found.best):
+    if first is not None and not found.explained:
+        run_tasks(pool, found, _of_singles(found), report, "pairs of the best single effects", stop=True)
+        for other in [f for f in found.singles_by_cost()[:TOP_BESIDE] if f is not single]:
+            if found.explained:
+                break
+            others = [s for s in found.singles if s.label not in other.hypothesis.label]
+            run_tasks(pool, found, _beside(found, other, screened(pool, other, others)), report, "pairs of effects")
+    if not found.explained:
+        full = at_full_size(pool, found, single, rest, report)
+        run_tasks(pool, found, full, report, "pairs of effects, full size", stop=True)
+    if not found.explained:
         run_tasks(pool, found, afresh, report, "pairs of effects, afresh", stop=True)
     best, best_of = found.best, found.best.hypothesis.label
-    if len(best_of) > 1 and not explained(best):
-        again = [Task(best_of, effect_values(best))]  # a single that misses much has bent the trials' starts
+    if len(best_of) > 1:
+        # a single that misses much has bent the trials' starts
+        again = [] if found.explains(best) else [Task(best_of, effect_values(best))]
         again += [] if best.converged else [Task(best_of, {}, near=best, max_iterations=30)]
         run_tasks(pool, found, again, report, "the best pair to its end")
+
+
+def _beside(found: Found, single: Fit, second: Screen) -> list[Task]:
+    """A single effect with those that promise most beside it."""
+    gained = found.baseline.cost - single.cost
+    tasks = []
+    for label, item in list(second.best().items())[:TOP_PAIRS]:
+        both = tuple(sorted((*single.hypothesis.label, label)))
+        found.screened[both] = max(found.screened.get(both, 0.0), gained + item.gain)
+        if item.gain > max(WORTH_A_FIT, worth(gained) / HOPE):
+            start = faint(item.site, item.start, share_of(item))
+            bar = single.cost - worth(gained)
+            tasks.append(Task(both, start, near=single, max_iterations=20, hopeless=bar, eager=True))
+    return tasks
+
+
+def at_full_size(pool: Pool, found: Found, near: Fit, sites: Sequence[Site], report: Report) -> list[Task]:
+    """Further effects beside a fit that promise more at full size than any fit has found, those that promise most."""
+    report("screening at full size", 0, len(sites))
+    tasks = []
+    for item in screened(pool, near, sites, full=True).scored:
+        label = tuple(sorted((*near.hypothesis.label, item.site.label)))
+        known = found.fits.get(label)
+        least = near.cost if known is None else min(near.cost, known.cost)
+        if near.cost - item.gain < least - WORTH_A_FIT:
+            tasks.append(Task(label, item.start, near=near, max_iterations=20))
+    return tasks[:TOP_FULL]
+
+
+def _of_singles(found: Found) -> list[Task]:
+    """Pairs of the best single effects, from the values that each was fitted to alone.
+
+    Friction that brings a body to rest hardly moves the recordings where it is faint, so no screening promises it.
+    """
+    top = [f for f in found.singles_by_cost() if found.baseline.cost - f.cost > WORTH_A_FIT][:TOP_SINGLES]
+    tasks = []
+    for one, other in itertools.combinations(top, 2):  # the better one first: the fit begins at it
+        a, b = one.hypothesis.label, other.hypothesis.label
+        both = tuple(sorted((*a, *b)))
+        alone = any(s.trials for f in (one, other) for s in f.hypothesis.sites)
+        if not (alone or contains(a, b) or contains(b, a)):
+            tasks.append(Task(both, effect_values(other), near=one, max_iterations=20))
+    return sorted(tasks, key=lambda t: found.fits[t.near.hypothesis.label].cost if t.near else np.inf)
 
 
 def _mirrored(found: Found) -> list[Task]:

@@ -6,7 +6,6 @@ on what is left of the residual, says how much chi-squared would fall; and how s
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -15,7 +14,7 @@ import numpy as np
 from spacerobot.diagnosis.fit import Fitter
 from spacerobot.diagnosis.fitted import Fit, State
 from spacerobot.diagnosis.hypothesis import Believed, Site, hypothesis
-from spacerobot.diagnosis.starts import effect_starts, informed_starts, moments
+from spacerobot.diagnosis.starts import effect_starts, full_starts, informed_starts, moments, sized
 from spacerobot.support.errors import InputError, SimulationError
 
 FAINT = 0.1
@@ -83,10 +82,7 @@ class Screener:
 
     def screen(self, fit: Fit, sites: Sequence[Site]) -> Screen:
         """Scores of adding each site to the fit's own hypothesis."""
-        fitter = self.fitter
-        state = fitter.state(fit.hypothesis, fit.z, fit.initials())
-        if state is None:
-            raise SimulationError("a finished fit can no longer be simulated")
+        fitter, state = self.fitter, self._state(fit)
         project = _Projector(fitter, fit, state)
         residual = project.free(project.stack(state.raw), fit.z)
         scored = []
@@ -98,6 +94,43 @@ class Screener:
         scored.sort(key=lambda s: -s.gain)
         return Screen(fit, tuple(scored), residual)
 
+    def screen_full(self, fit: Fit, sites: Sequence[Site]) -> Screen:
+        """The same at full sizes: of each effect the start and size after which least would be left over.
+
+        A line that is slack, or friction that brings a body to rest, hardly moves a recording while it is faint, and
+        not in proportion. Only what the free parameters do about it is still taken to be in proportion.
+        """
+        state = self._state(fit)
+        project = _Projector(self.fitter, fit, state, robust=False)
+        residual = project.free(project.stack(state.raw), fit.z)
+        least = float(residual @ residual)
+        scored = []
+        for site in sites:
+            found = []
+            for start in full_starts(site, self.fitter.trials):
+                moved = self._moved(fit, state, site, start)
+                if moved is not None:
+                    left = project.free(project.stack(moved.raw), fit.z)
+                    norm = float(np.square(left - residual).sum())
+                    found.append(Screened(site, start, np.zeros(0), least - float(left @ left), 1.0, norm))
+            scored += sorted(found, key=lambda s: -s.gain)[:1]
+        scored.sort(key=lambda s: -s.gain)
+        return Screen(fit, tuple(scored), residual)
+
+    def _state(self, fit: Fit) -> State:
+        state = self.fitter.state(fit.hypothesis, fit.z, fit.initials())
+        if state is None:
+            raise SimulationError("a finished fit can no longer be simulated")
+        return state
+
+    def _moved(self, fit: Fit, state: State, site: Site, start: Mapping[str, float]) -> State | None:
+        """The fit's state with an effect added to it; None where that cannot be simulated."""
+        made = hypothesis(self.believed, (*fit.hypothesis.sites, site), start)
+        try:
+            return self.fitter.state(made, made.start({**fit.values(), **start}), state.own)
+        except InputError:
+            return None
+
     def _score(
         self,
         fit: Fit,
@@ -107,13 +140,7 @@ class Screener:
         site: Site,
         start: Mapping[str, float],
     ) -> Screened | None:
-        sites = (*fit.hypothesis.sites, site)
-        made = hypothesis(self.believed, sites, start)
-        values = {**fit.values(), **faint(site, start)}
-        try:
-            moved = self.fitter.state(made, made.start(values), state.own)
-        except InputError:
-            return None
+        moved = self._moved(fit, state, site, {**start, **faint(site, start)})
         if moved is None:
             return None
         column = project.free(project.stack(moved.raw) - project.stack(state.raw), np.zeros_like(fit.z))
@@ -137,19 +164,10 @@ def together(screens: Sequence[Screen], sites: Sequence[Site]) -> Screen:
 def faint(site: Site, start: Mapping[str, float], share: float = FAINT) -> dict[str, float]:
     """The start with its strengths cut to a share, so that the residual still moves in proportion.
 
-    A stiffness or cut-off that is null at infinity acts by its inverse. An effect whose law takes the place of the
+    An effect whose law takes the place of the
     baseline's own is no small change at any strength, and starts whole.
     """
-    out = dict(start)
-    if site.effect.removes:
-        return out
-    for p in site.effect.parameters:
-        key = site.key(p.name)
-        if math.isinf(p.null):
-            out[key] = min(max(start[key] / abs(share), p.lower), p.upper)
-        elif not (p.shape or p.log):
-            out[key] = p.null + share * (start[key] - p.null)
-    return out
+    return dict(start) if site.effect.removes else sized(site, start, share)
 
 
 class _Projector:
@@ -157,12 +175,16 @@ class _Projector:
 
     Priors are readings too, of the parameters themselves: what a fit has absorbed by pulling believed values shows in
     them, and an effect that would let go of these values is worth what they no longer pay.
+
+    Args:
+        fitter, fit, state: where the column starts from.
+        robust: whether channels of trials that do not fit yet weigh less.
     """
 
-    def __init__(self, fitter: Fitter, fit: Fit, state: State) -> None:
+    def __init__(self, fitter: Fitter, fit: Fit, state: State, *, robust: bool = True) -> None:
         made, known = fit.hypothesis, fitter.rows_at(fit)
         self.fitter = fitter
-        self.weights = {t.id: state.weights(t) * state.keep[t.id] for t in fitter.trials}
+        self.weights = {t.id: (state.weights(t) if robust else 1.0) * state.keep[t.id] for t in fitter.trials}
         count = len(made.free)
         self.pull = np.sqrt([float(f.prior) for f in made.free])
         self.global_rows = []

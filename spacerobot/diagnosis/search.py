@@ -2,25 +2,27 @@
 
 from __future__ import annotations
 
+import functools
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from spacerobot.diagnosis.data import TrialData
 from spacerobot.diagnosis.fit import HOPE
 from spacerobot.diagnosis.fitted import Fit
-from spacerobot.diagnosis.found import WORTH_A_FIT, Found, Report, explained, run_tasks, screened, share_of
+from spacerobot.diagnosis.found import WORTH_A_FIT, Found, Report, effect_values, run_tasks, screened, share_of
 from spacerobot.diagnosis.hypothesis import Label, Site
 from spacerobot.diagnosis.minima import other_minima
 from spacerobot.diagnosis.one_trial import knocks
-from spacerobot.diagnosis.pairs import pairs
+from spacerobot.diagnosis.pairs import at_full_size, pairs
 from spacerobot.diagnosis.pool import Pool
 from spacerobot.diagnosis.screen import faint
-from spacerobot.diagnosis.starts import effect_starts, informed_starts
-from spacerobot.diagnosis.workshop import Task
+from spacerobot.diagnosis.starts import effect_starts, informed_starts, sized
+from spacerobot.diagnosis.workshop import Task, Workshop
 
 TOP_SCREENED = 4
 TOP_FITTED = 4
+TOP_RESIZED = 5
 STARTS = 4
 """Starts of one effect that are fitted, of all that are screened."""
 
@@ -42,7 +44,7 @@ def search(pool: Pool, sites: Sequence[Site], report: Report, *, baseline: Fit |
     if baseline is None:
         baseline = pool.here(Task((), {}))
         assert baseline is not None  # the believed rig itself can be simulated, or RigModel had refused it
-    found = Found(baseline, singles=tuple(sites))
+    found = Found(baseline, singles=tuple(sites), noise=_noise(workshop))
     report("screening", 0, len(sites))
     first = screened(pool, baseline, sites)
     found.screens.append(first)
@@ -62,20 +64,22 @@ def search(pool: Pool, sites: Sequence[Site], report: Report, *, baseline: Fit |
         # a further start of which so little is promised would be given up at its first step
         (tasks if s is best[s.site.label] or HOPE * s.gain > WORTH_A_FIT else hopeless).append(task)
     given_up = run_tasks(pool, found, tasks, report, "single effects") + hopeless
-    if not explained(found.best):
+    if not found.explained:
         run_tasks(pool, found, _unfinished(found), report, "single effects, the best to their end")
-    if not explained(found.best):  # then what its first step promised may have been too little to go by
+    if not found.explained:  # then what its first step promised may have been too little to go by
         run_tasks(pool, found, [replace(t, eager=False) for t in given_up], report, "single effects, at leisure")
-    if not explained(found.best):
+    if not found.explained:
         alone = knocks(workshop.fitter(), workshop.model.believed, found.baseline, found.singles)
         run_tasks(pool, found, alone, report, "knocks in one trial alone")
+        run_tasks(pool, found, at_full_size(pool, found, baseline, sites, report), report, "single effects, full size")
+        run_tasks(pool, found, _resized(found), report, "single effects, from other sizes")
     promising = [f.hypothesis.label for f in found.singles_by_cost()[:TOP_FITTED]]
     # what adds little near the baseline may still fit from a start of its own
     promising += [(k,) for k in list(first.best())[:TOP_SCREENED] if (k,) not in promising]
     # so may what hardly shows before it is met, where the recordings say how far things went
     promising += [
         (s.label,)
-        for s in (() if explained(found.best) else found.singles)
+        for s in (() if found.explained else found.singles)
         if (s.label,) not in promising and informed_starts(s, workshop.trials)
     ]
     # and one that takes a law's place: near the baseline, which has that law, it was no fit at all
@@ -97,6 +101,11 @@ def search(pool: Pool, sites: Sequence[Site], report: Report, *, baseline: Fit |
     return found
 
 
+def _noise(workshop: Workshop) -> Callable[[Fit], bool]:
+    """Whether a fit leaves nothing but noise, each asked once."""
+    return functools.cache(lambda fit: workshop.left_by(fit).adequate)
+
+
 def _starts(found: Found, labels: Sequence[Label], trials: Sequence[TrialData]) -> list[Task]:
     """From where the near fits stopped, then each from its own first start, then from its second.
 
@@ -105,7 +114,7 @@ def _starts(found: Found, labels: Sequence[Label], trials: Sequence[TrialData]) 
     by_label = {s.label: s for s in found.singles}
     near = [t for t in _unfinished(found) if t.label in labels]
     some = {f.hypothesis.label for f in found.fits.values() if any(s.trials for s in f.hypothesis.sites)}
-    good = {label for label, f in found.fits.items() if explained(f)}
+    good = {label for label, f in found.fits.items() if found.explains(f)}
     labels = [label for label in labels if label not in some | good]  # the first have begun everywhere already
     cold: list[list[Task]] = [[], []]
     for label in labels:
@@ -116,6 +125,20 @@ def _starts(found: Found, labels: Sequence[Label], trials: Sequence[TrialData]) 
             # replaced, far from where it will fit, so that it falls by fits and starts
             cold[k].append(Task(label, start, patient=any(site.effect.removes for site in sites)))
     return [*near, *cold[0], *cold[1]]
+
+
+def _resized(found: Found) -> list[Task]:
+    """The best single effects from half and from twice the strength that they came to.
+
+    Friction that stops a body in one more trial, or in one less, is a minimum of its own.
+    """
+    tasks = []
+    for fit in found.singles_by_cost()[:TOP_RESIZED]:
+        site, values = fit.hypothesis.sites[0], effect_values(fit)
+        if fit.cost < found.baseline.cost - WORTH_A_FIT and not (site.trials or site.effect.removes):
+            starts = [sized(site, values, by) for by in (0.5, 2.0)]
+            tasks += [Task((site.label,), start, near=found.baseline, max_iterations=20) for start in starts]
+    return tasks
 
 
 def _unfinished(found: Found) -> list[Task]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+import math
 from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
@@ -17,6 +19,12 @@ JUST_BELOW = 0.99
 
 MOMENTS = 24
 """Times at which a momentary effect is tried."""
+
+EVERY = 2
+"""Of these times, those at which a momentary effect is tried at full size."""
+
+SIZES, SIZES_OF_LAWS = (0.4, 1.0, 2.5), (1.0,)
+"""Multiples of the start values at which effects are tried at full size; of those that take a law's place."""
 
 GOOD = 1.3
 """chi-squared per sample above which a fit is tried again with its unstated values back at their centres."""
@@ -48,6 +56,45 @@ def informed_starts(site: Site, trials: Sequence[TrialData]) -> list[dict[str, f
     usual = effect_starts([site])
     at = {site.key(p.name): min(max(JUST_BELOW * max(seen), p.lower), p.upper) for p in reach}
     return [{**usual[len(usual) // 2], **at}, {**usual[-1], **at}]
+
+
+def sized(site: Site, start: Mapping[str, float], share: float) -> dict[str, float]:
+    """A start with its strengths at a share of their size.
+
+    A stiffness or cut-off that is null at infinity acts by its inverse.
+    """
+    out = dict(start)
+    for p in site.effect.parameters:
+        key = site.key(p.name)
+        if math.isinf(p.null):
+            out[key] = min(max(start[key] / abs(share), p.lower), p.upper)
+        elif not (p.shape or p.log):
+            out[key] = min(max(p.null + share * (start[key] - p.null), p.lower), p.upper)
+    return out
+
+
+def full_starts(site: Site, trials: Sequence[TrialData]) -> list[dict[str, float]]:
+    """Every start of how strongly an effect acts, at several sizes, with every start of how it acts."""
+    parameters = site.effect.parameters
+    strong = [{k: s[k] for p in parameters if not p.shape for k in [site.key(p.name)]} for s in effect_starts([site])]
+    places: list[dict[str, float]] = [
+        {k: s[k] for p in parameters if p.shape for k in [site.key(p.name)]}
+        for s in [*moments(site, trials)[::EVERY], *informed_starts(site, trials)]
+    ]
+    keys = [site.key(p.name) for p in parameters if p.shape]
+    if not any(p.moment for p in parameters):
+        places += [
+            dict(zip(keys, s, strict=True)) for s in itertools.product(*(p.starts for p in parameters if p.shape))
+        ]
+    sizes = SIZES if not all(p.lower < p.null for p in parameters[:1]) else (*SIZES, *(-s for s in SIZES))
+    out: list[dict[str, float]] = []
+    for one in strong:
+        for size in SIZES_OF_LAWS if site.effect.removes else sizes:
+            for place in places:
+                start = sized(site, {**one, **place}, size)
+                if start not in out:
+                    out.append(start)
+    return out
 
 
 def _displacements(where: str, trial: TrialData) -> Iterator[np.ndarray]:
@@ -148,12 +195,15 @@ def known_rows(fitter: Fitter, made: Hypothesis, near: Fit) -> dict[str, np.ndar
         return None
     source = [keys.index(k) for k in old]
     target = [made.keys.index(k) for k in old]
+    # a value that is set free is counted in larger steps
+    steps = [made.free[to].step / near.hypothesis.free[of].step for to, of in zip(target, source, strict=True)]
     out = {}
     for name, rows in fitter.rows_at(near).items():
         own = rows.shape[1] - len(keys)
         wide = np.zeros((rows.shape[0], len(made.free) + own), order="F")
-        for to, of in [*zip(target, source, strict=True), *((len(made.free) + k, len(keys) + k) for k in range(own))]:
-            wide[:, to] = rows[:, of]
+        for to, of, step in zip(target, source, steps, strict=True):
+            wide[:, to] = step * rows[:, of]
+        wide[:, len(made.free) :] = rows[:, len(keys) :]
         out[name] = wide
     return out
 

@@ -10,7 +10,7 @@ from spacerobot.diagnosis.data import TrialData
 from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.held_out import HeldOut
 from spacerobot.diagnosis.hypothesis import Label
-from spacerobot.diagnosis.judge import AMBIGUOUS, NAMED, Judgement
+from spacerobot.diagnosis.judge import AMBIGUOUS, MOVED, NAMED, Judgement
 from spacerobot.diagnosis.screen import FAINT, Screen
 from spacerobot.effects.effect import Parameter
 
@@ -53,13 +53,23 @@ def effect_entries(fit: Fit, inflation: float, profiled: Intervals | None = None
     return entries
 
 
-def alternative(fit: Fit, best: Fit) -> dict[str, Any]:
-    """One of several sets that the data cannot tell apart; its score is -2 ln of the likelihood over the best's."""
+def alternative(fit: Fit, best: Fit, sigma: Mapping[str, float]) -> dict[str, Any]:
+    """One of several sets that the data cannot tell apart; its score is -2 ln of the likelihood over the best's.
+
+    One without an effect is told by the believed values that it moves.
+    """
+    stated = set() if fit.hypothesis.sites else _wrong(fit, sigma)
     return {
         "effects": [{"effect": e, "where": w} for e, w in fit.hypothesis.label],
-        "parameters": {k: v for k, v in fit.values().items() if "@" in k},
+        "parameters": {k: v for k, v in fit.values().items() if "@" in k or k in stated},
         "score": fit.cost - best.cost,
     }
+
+
+def _wrong(fit: Fit, sigma: Mapping[str, float]) -> set[str]:
+    """Believed values that a fit has beyond MOVED of their stated sigmas, whatever it was told of them."""
+    pairs = [(f, f.value(float(z))) for f, z in zip(fit.hypothesis.free, fit.z, strict=True) if f.kind == "believed"]
+    return {f.key for f, value in pairs if abs(value - f.centre) > MOVED * abs(f.centre) * sigma[f.key]}
 
 
 def moved_values(
@@ -182,10 +192,10 @@ def verdict_dict(
     named = judgement.verdict == NAMED
     alternatives: list[dict[str, Any]] = []
     if judgement.verdict == AMBIGUOUS:
-        alternatives = [alternative(f, judgement.alternatives[0]) for f in judgement.alternatives]
+        alternatives = [alternative(f, judgement.alternatives[0], sigma) for f in judgement.alternatives]
     else:
         near = [r.fit for r in judgement.rivals if r.fit.hypothesis.sites][:5]
-        alternatives = [alternative(f, chosen) for f in near]
+        alternatives = [alternative(f, chosen, sigma) for f in near]
     return {
         "format": 1,
         "spacerobot": version,

@@ -23,6 +23,7 @@ def score(fit: Fit, inflation: float = 1.0) -> float:
     """Penalised cost in units of the noise as it is."""
     count = sum(1 for f in fit.hypothesis.free if f.kind == "effect")
     count += sum(1 for s in fit.hypothesis.sites if s.trials)  # which trial was a choice too
+    count += len(fit.hypothesis.freed)  # a belief that is given up
     return fit.cost / inflation + PENALTY * count
 
 

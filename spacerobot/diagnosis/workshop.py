@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from spacerobot.diagnosis.adequacy import Left, left_over
 from spacerobot.diagnosis.data import trial_data
 from spacerobot.diagnosis.fit import Fitter
 from spacerobot.diagnosis.fitted import Fit
@@ -38,6 +39,7 @@ class Task:
         max_iterations: of each fit.
         without: trials left out.
         only: effects and places that act in some trials alone, and which; those of `near` are known by it.
+        freed: believed values that are set free of what is stated of them.
     """
 
     label: Label
@@ -51,6 +53,7 @@ class Task:
     eager: bool = False
     patient: bool = False
     only: Only = ()
+    freed: tuple[str, ...] = ()
 
     def sites(self) -> list[Site]:
         """What is to be fitted."""
@@ -78,14 +81,23 @@ class Workshop:
             self.fitters[without] = Fitter(self.model, kept, hasty=True)
         return self.fitters[without]
 
+    def left_by(self, fit: Fit) -> Left:
+        """What a finished fit leaves over."""
+        touches = {}
+        for trial in self.trials:
+            mechanism = self.model.trial_mechanism(fit.hypothesis, fit.z, trial)
+            seen = self.model.predict(mechanism, trial, fit.trials[trial.id].initial).touches
+            touches[trial.id] = min(seen, default=float("inf"))
+        return left_over(fit, self.trials, touches)
+
     def run(self, task: Task) -> Fit | None:
         """Do a task; None where it cannot be simulated."""
-        sites = task.sites()
+        sites, believed = task.sites(), self.model.believed.free_of(task.freed)
         try:
             if task.near is not None:
                 return fit_near(
                     self.fitter(task.without),
-                    self.model.believed,
+                    believed,
                     sites,
                     task.near,
                     task.start,
@@ -96,7 +108,7 @@ class Workshop:
                 )
             return fit_from(
                 self.fitter(task.without),
-                self.model.believed,
+                believed,
                 sites,
                 task.start,
                 task.initials,

@@ -218,3 +218,27 @@ def test_simpler_sets_are_contained_in_what_they_came_from() -> None:
     assert (("coulomb_friction", "wrist"), ("quadratic_drag", "target")) in less
     assert all(contains(label, one) for one in less)
     assert simpler((("coulomb_friction", "wrist"),)) == []
+
+
+def test_a_copy_is_fitted_one_effect_after_the_other_too(shop: Workshop, chosen: Fit) -> None:
+    """As a search finds them: of two effects, one near the truth alone, then the other beside it."""
+    other = ("table_tilt", "target")
+    both = shop.run(Task(tuple(sorted((*LABEL, other))), {}, near=chosen))
+    assert both is not None
+    tasks = list(checks._other_starts(shop, both, both, ()))
+    stepwise = [t for t in tasks if t.near is not None and len(t.near.hypothesis.sites) == 1]
+    assert {t.near.hypothesis.label for t in stepwise if t.near is not None} == {LABEL, (other,)}
+    for task in stepwise:
+        assert task.label == both.hypothesis.label
+    assert not [
+        t for t in checks._other_starts(shop, chosen, chosen, ()) if t.near is not None and t.near is not chosen
+    ]
+
+
+def test_a_part_of_a_fit_has_the_same_values(shop: Workshop, chosen: Fit) -> None:
+    both = shop.run(Task(tuple(sorted((*LABEL, ("table_tilt", "target")))), {}, near=chosen))
+    assert both is not None
+    part, values = checks._part(both, LABEL[0]), both.values()
+    assert part.hypothesis.label == LABEL
+    assert part.values() == {k: v for k, v in values.items() if not k.startswith("table_tilt")}
+    assert part.z.size == len(part.hypothesis.free)

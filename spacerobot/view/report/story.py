@@ -148,7 +148,8 @@ def _ambiguous(verdict: Mapping[str, Any], evidence: Evidence) -> Story:
     sets = [_alternative(a) for a in verdict["alternatives"]]
     listed = joined(sets[:4], "or")
     rest = f" ({len(sets) - 4} more below)" if len(sets) > 4 else ""
-    sentence = f"Something is missing, and these data cannot tell which: {listed}{rest}."
+    what = "is missing" if all(a["effects"] for a in verdict["alternatives"]) else "is missing, or was believed wrongly"
+    sentence = f"Something {what}, and these data cannot tell which: {listed}{rest}."
     more = [f"The favourite, by a margin that proves nothing, is {sets[0]}."] if sets else []
     step = verdict.get("next_experiment")
     if step:
