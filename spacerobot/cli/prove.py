@@ -11,6 +11,7 @@ examples:
   spacerobot prove --out proof --minutes 60 --docs docs
   spacerobot prove --out proof --resume docs/proof_records.jsonl --docs docs
   spacerobot prove --out proof --kinds nothing_missing outsider --seed 7 --json
+  spacerobot prove --out again --again docs/proof_records.jsonl --jobs 2
 
 Needs the extra `proof` (pip install "spacerobot[proof]"). Seeds are drawn when a batch begins, unless --seed is given,
 and printed. Every scored campaign is kept at once: a batch that was interrupted goes on where it stopped, as long as
@@ -28,6 +29,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--minutes", metavar="M", help="begin no campaign after so long; the next run goes on")
     parser.add_argument("--seed", metavar="N", help="of the batch; drawn from the operating system if absent")
     parser.add_argument("--resume", metavar="FILE", help="go on with the batch whose records these are")
+    parser.add_argument(
+        "--again", metavar="FILE", help="play the campaigns of these records that went wrong again, with today's code"
+    )
     parser.add_argument("--jobs", metavar="N", help="campaigns at a time; default: 1")
     parser.add_argument("--dask", metavar="ADDRESS", help="play them on this Dask scheduler's workers")
     parser.add_argument("--no-rivals", action="store_true", help="leave mujoco.sysid, PySINDy and the bare refit out")

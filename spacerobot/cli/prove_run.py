@@ -36,6 +36,10 @@ def run(args: argparse.Namespace) -> int:
     """Play the batch, or what is left of it, and write its page."""
     if importlib.util.find_spec("mujoco") is None:
         raise InputError("MuJoCo is not installed", valid='pip install "spacerobot[proof]"')
+    if args.again is not None:
+        from spacerobot.cli.prove_again import run_again
+
+        return run_again(args)
     kinds = _kinds(args.kinds)
     share = parse_numbers([args.share], "--share", count=1)[0]
     if not 0.0 < share <= 1.0:
@@ -190,7 +194,10 @@ def _page_name(given: str) -> str:
 def _into(docs: Path, run: Path, name: str) -> None:
     """Page, figures and records under the page's name, by which they know each other."""
     text = (run / "proof.md").read_text(encoding="utf-8")
-    text = text.replace("proof_records.jsonl", f"{name}_records.jsonl").replace("figures/proof_", f"figures/{name}_")
+    for ours, called in (("proof_records.jsonl", f"{name}_records.jsonl"), ("figures/proof_", f"figures/{name}_")):
+        text = text.replace(ours, called)
+    if name != "proof":
+        text = text.replace("--docs docs`", f"--docs docs --page {name}`")
     write_text(docs / f"{name}.md", text)
     write_text(docs / f"{name}_records.jsonl", (run / "records.jsonl").read_text(encoding="utf-8"))
     for figure in sorted((run / "figures").glob("proof_*.png")):

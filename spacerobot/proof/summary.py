@@ -54,6 +54,26 @@ def noticeable(records: Sequence[Record]) -> list[Record]:
     return [r for r in usable(records) if r["expected"] == "named" and r["strength"] >= 3.0]
 
 
+def missed(records: Sequence[Record]) -> list[Record]:
+    """Campaigns whose answer was wrong: it claims to know what is not so, or lacks what is clearly there.
+
+    Those of the power curves count too; withheld effects with a stand-in that predicts as well do not.
+    """
+    clear = {id(r) for r in noticeable(records)}
+    apart, _ = outside(records)
+    return [
+        r
+        for r in usable(records)
+        if not r["same"]
+        and (r["confidently_wrong"] or (id(r) in clear and not r["in_set"]) or (r in apart and not r["abstained"]))
+    ]
+
+
+def right(record: Record) -> bool:
+    """Whether an answer is none of these."""
+    return not missed([record])
+
+
 def outside(records: Sequence[Record]) -> tuple[list[Record], list[Record]]:
     """(what no catalogue holds and no rival predicts as well, withheld effects that a rival stands in for)."""
     every = [r for r in sealed(records) if r["expected"] == "unknown"]
