@@ -89,9 +89,10 @@ def judge(found: Found, left_of: dict[int, Left], freed: Fit | None, failed: Seq
     lead = scores[id(base)] - scores[id(favourite)]
     bent = many and at_will < scores[id(favourite)] - MARGIN  # many wrong values do better than any effect
     if favourite is base or lead < EARN or bent:
-        instead = [] if freed is None or bent else _instead(base, freed, at_will, ranked, scores, left_of)
-        if instead and not failed:
-            return _either(instead, freed, at_will, ranked, scores)
+        if freed is not None and not (bent or failed):
+            instead = _instead(freed, at_will, ranked, scores, left_of)
+            if instead:
+                return _either(instead, freed, at_will, ranked, scores)
         return _without_effect(base, freed, ranked, scores, left_of, failed)
     rivals = []
     equal = []
@@ -131,30 +132,22 @@ def judge(found: Found, left_of: dict[int, Left], freed: Fit | None, failed: Seq
 
 
 def _instead(
-    base: Fit,
-    freed: Fit | None,
-    at_will: float,
-    ranked: Sequence[Fit],
-    scores: dict[int, float],
-    left_of: dict[int, Left],
+    freed: Fit, at_will: float, ranked: Sequence[Fit], scores: dict[int, float], left_of: dict[int, Left]
 ) -> list[Fit]:
     """Effects that put back believed values and cost less than wrong values do, best first.
 
     One thing that is missing is no less likely than two values that are both stated wrongly; beside one wrong value it
     must cost clearly less.
     """
-    if freed is None:
-        return []
     bar = at_will - (0.0 if len(moved(freed)) >= SEVERAL else MARGIN)
     better = [f for f in ranked if len(f.hypothesis.sites) == 1 and scores[id(f)] < bar and not moved(f)]
     return [f for f in better if id(f) in left_of and left_of[id(f)].adequate]
 
 
 def _either(
-    instead: Sequence[Fit], freed: Fit | None, at_will: float, ranked: Sequence[Fit], scores: dict[int, float]
+    instead: Sequence[Fit], freed: Fit, at_will: float, ranked: Sequence[Fit], scores: dict[int, float]
 ) -> Judgement:
     """Ambiguous: one of these effects, or values that are stated wrongly."""
-    assert freed is not None  # there are values that moved
     least = scores[id(instead[0])]
     equal = [f for f in instead if scores[id(f)] < least + MARGIN]
     rivals = [Rival(f, scores[id(f)] - least, "not told apart from it") for f in equal[1:]]

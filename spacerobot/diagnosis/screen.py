@@ -164,8 +164,7 @@ def together(screens: Sequence[Screen], sites: Sequence[Site]) -> Screen:
 def faint(site: Site, start: Mapping[str, float], share: float = FAINT) -> dict[str, float]:
     """The start with its strengths cut to a share, so that the residual still moves in proportion.
 
-    An effect whose law takes the place of the
-    baseline's own is no small change at any strength, and starts whole.
+    An effect whose law takes the place of the baseline's own is no small change at any strength, and starts whole.
     """
     return dict(start) if site.effect.removes else sized(site, start, share)
 
