@@ -9,7 +9,7 @@ import pytest
 
 from spacerobot.proof.published import read_batch
 from spacerobot.proof.rates import Record
-from spacerobot.proof.summary import MOVES, rates, sealed
+from spacerobot.proof.summary import MOVES, missed, rates, sealed
 
 ROOT = Path(__file__).parents[2]
 RECORDS = ROOT / "docs" / "proof_records.jsonl"
@@ -17,13 +17,19 @@ RECORDS = ROOT / "docs" / "proof_records.jsonl"
 pytestmark = pytest.mark.skipif(not RECORDS.exists(), reason="not in the source tree: the records are not installed")
 
 
+MENDED = ROOT / "docs" / "proof_mended_records.jsonl"
+AGAIN = ROOT / "docs" / "proof_again.md"
+
+
 @pytest.fixture(scope="module")
 def records() -> list[Record]:
     return list(read_batch(RECORDS)[1])
 
 
-def test_every_rate_of_the_page_follows_from_the_records(records: list[Record]) -> None:
-    text = (ROOT / "docs" / "proof.md").read_text(encoding="utf-8")
+@pytest.mark.parametrize("path", [RECORDS, MENDED], ids=["proof", "mended"])
+def test_every_rate_of_the_page_follows_from_the_records(path: Path) -> None:
+    records: list[Record] = list(read_batch(path)[1])
+    text = (ROOT / "docs" / f"{path.stem.removesuffix('_records')}.md").read_text(encoding="utf-8")
     assert f"{len(sealed(records))} sealed campaigns" in text
     for key, found in rates(records).items():
         assert str(found) in text, key
@@ -35,6 +41,32 @@ def test_every_rate_of_the_page_follows_from_the_records(records: list[Record]) 
 def test_a_third_of_them_have_moving_joints_or_a_free_base(records: list[Record]) -> None:
     counted = sealed(records)
     assert sum(r["family"] in MOVES for r in counted) >= len(counted) / 3
+
+
+def test_what_went_wrong_was_played_again(records: list[Record]) -> None:
+    rows = [line.split("|") for line in AGAIN.read_text(encoding="utf-8").splitlines() if line.startswith("| ")][1:]
+    said = {row[1].strip(): (row[4].strip(), row[-2].strip()) for row in rows}
+    assert {name: then for name, (then, _) in said.items()} == {r["name"]: r["said"] for r in missed(records)}
+    mended = sum(now == "yes" for _, now in said.values())
+    readme = re.sub(r"\s+", " ", (ROOT / "README.md").read_text(encoding="utf-8"))
+    assert f"{mended} of the {len(said)}" in readme
+
+
+def test_the_mended_codes_seed_was_drawn_after_it() -> None:
+    """The second batch is of the code that the first one's misses were played again with, and of another seed."""
+    batch, first = read_batch(MENDED)[0], read_batch(RECORDS)[0]
+    assert batch["seed"] != first["seed"]
+    assert all(code in AGAIN.read_text(encoding="utf-8") for code in batch["codes"].values())
+    assert not set(batch["codes"].values()) & set(first["codes"].values())
+
+
+def test_the_readme_quotes_the_mended_code_too() -> None:
+    batch, found = read_batch(MENDED)
+    text = re.sub(r"\s+", " ", (ROOT / "README.md").read_text(encoding="utf-8"))
+    assert f"seed {batch['seed']}" in text
+    own = rates(list(found))
+    for key in ("nothing_missing", "wrong_parameter", "abstained", "top", "in_set", "confidently_wrong"):
+        assert f"{own[key].hits} of {own[key].total}" in text, key
 
 
 def test_the_readme_quotes_them(records: list[Record]) -> None:
