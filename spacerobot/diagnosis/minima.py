@@ -1,7 +1,10 @@
-"""Further minima of the best set: contact makes the cost jagged along what is fitted by factors."""
+"""Further minima of the best set: contact makes the cost jagged along what is fitted by factors, and along moments."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.found import WORTH_A_FIT, Found, Report, run_tasks
 from spacerobot.diagnosis.pool import Pool
 from spacerobot.diagnosis.workshop import Task
@@ -9,9 +12,16 @@ from spacerobot.diagnosis.workshop import Task
 FACTORS = ((0.75, 1.33), (0.88, 1.14))
 """Of each such value, from which the set is fitted again: widely first, then closely about the best of these."""
 
+STEPS = ((0.3, 0.6), (0.15, 0.3))
+"""Of each moment, in units of its scale, from which the set is fitted again where it leaves more than noise."""
+
 
 def other_minima(pool: Pool, found: Found, report: Report) -> None:
-    """Fit the set that a verdict would prefer again, from either side of each value that is fitted by factors."""
+    """Fit the set that a verdict would prefer again, from either side of each value that is fitted by factors.
+
+    Where it leaves more than noise, from before and after each moment too: what a knock does depends on which bounce it
+    falls between.
+    """
     for factors in FACTORS if found.fits else ():
         best = found.preferred([*found.fits.values()])
         if found.baseline.cost - best.cost < WORTH_A_FIT:
@@ -25,3 +35,26 @@ def other_minima(pool: Pool, found: Found, report: Report) -> None:
             for by in factors
         ]
         run_tasks(pool, found, tasks, report, "from either side of the best")
+    for steps in STEPS if found.fits else ():
+        tasks = _moved_in_time(found.preferred([*found.fits.values()]), steps)
+        if tasks and not found.explained:
+            run_tasks(pool, found, tasks, report, "before and after the best")
+
+
+def _moved_in_time(best: Fit, steps: Sequence[float]) -> list[Task]:
+    """The set from other moments of what happens at one, by these shares of the moment's scale, earlier and later."""
+    values = best.values()
+    only = tuple((s.label, s.trials) for s in best.hypothesis.sites if s.trials)
+    moments = [(s.key(p.name), p.scale) for s in best.hypothesis.sites for p in s.effect.parameters if p.moment]
+    return [
+        Task(
+            best.hypothesis.label,
+            {**values, key: values[key] + by * scale},
+            best.initials(),
+            max_iterations=20,
+            only=only,
+        )
+        for key, scale in moments
+        for step in steps
+        for by in (-step, step)
+    ]

@@ -67,3 +67,35 @@ def _at(fit: Fit, cutoff: float) -> Any:
     z = fit.z.copy()
     z[k] = fit.hypothesis.free[k].z(cutoff)
     return z
+
+
+def test_a_moment_is_looked_for_before_and_after_while_more_than_noise_is_left(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    label, when = (("external_impulse", "target"),), "external_impulse@target.time_s"
+    planted = [(*label[0], {"impulse_Ns": -0.1, "time_s": 0.5})]
+    own = Workshop(write_study(tmp_path, planted=planted))
+    base = own.run(Task((), {}))
+    right = own.run(Task(label, {"external_impulse@target.impulse_Ns": -0.1, when: 0.5}))
+    assert base is not None
+    assert right is not None
+    z = right.z.copy()
+    index = right.hypothesis.keys.index(when)
+    z[index] = right.hypothesis.free[index].z(0.52)
+    found = Found(base)
+    found.keep(replace(right, chi2=2.0 * right.chi2, z=z))
+    begun: list[list[float]] = []
+
+    def run_tasks(pool: Pool, found: Found, tasks: Sequence[Task], *rest: Any) -> list[Task]:
+        begun.extend([[t.start[when] for t in tasks]] if tasks else [])
+        for task in tasks:
+            found.keep(own.run(task))
+        return []
+
+    monkeypatch.setattr(minima, "run_tasks", run_tasks)
+    minima.other_minima(cast(Pool, None), found, lambda *a: None)
+    (first, *_) = begun
+    assert sorted(first) == pytest.approx([0.49, 0.505, 0.535, 0.55])  # 0.3 and 0.6 of the moment's scale, 0.05 s
+    assert found.fits[label].values()[when] == pytest.approx(0.5, abs=2e-3)
+    assert found.fits[label].cost < right.cost + 0.5
+    assert len(begun) == 1  # then it was explained
