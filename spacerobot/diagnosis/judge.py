@@ -11,7 +11,7 @@ from spacerobot.diagnosis.adequacy import Left
 from spacerobot.diagnosis.candidates import contains, plausible
 from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.found import Found
-from spacerobot.diagnosis.weigh import PENALTY, score, simplest
+from spacerobot.diagnosis.weigh import PENALTY, SLIGHT, score, simplest
 
 NAMED, AMBIGUOUS, UNKNOWN = "named", "ambiguous", "unknown"
 NOTHING_MISSING, WRONG_PARAMETER, NOT_TRUSTED = "nothing_missing", "wrong_parameter", "not_trusted"
@@ -102,6 +102,9 @@ def judge(found: Found, left_of: dict[int, Left], freed: Fit | None, failed: Seq
         gap = scores[id(fit)] - scores[id(favourite)]
         if contains(fit.hypothesis.label, favourite.hypothesis.label):
             lost = "holds the favourite as a special case and gains too little by it"
+        elif _its_own_defect(fit, favourite, gap, scores[id(base)] - scores[id(fit)]):
+            equal.append(fit)
+            lost = "not told apart: what it leaves may be a defect of its own law"
         elif gap < MARGIN:
             equal.append(fit)
             lost = f"not told apart: chi-squared differs by {fit.cost - favourite.cost:+.1f}"
@@ -129,6 +132,12 @@ def judge(found: Found, left_of: dict[int, Left], freed: Fit | None, failed: Seq
         tuple(rivals),
         moved(favourite),
     )
+
+
+def _its_own_defect(fit: Fit, favourite: Fit, gap: float, explained: float) -> bool:
+    """Whether all that a favourite does more than a part of it may be that the part's law is too simple."""
+    part = bool(fit.hypothesis.sites) and contains(favourite.hypothesis.label, fit.hypothesis.label)
+    return part and gap < SLIGHT * explained and any(s.effect.stands_for for s in fit.hypothesis.sites)
 
 
 def _instead(

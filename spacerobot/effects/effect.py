@@ -73,6 +73,7 @@ class Effect(ABC):
         replaces: baseline constants whose job was to absorb it, with {where} for the place: refitted freely.
         removes: baseline constants that its own law makes meaningless, set to zero with it.
         kind: "force", "body", "gravity", "contact" or "sensor", for grouping in reports.
+        stands_for: what its law is the simplest form of, where that has more to it; what it leaves may be its own.
     """
 
     name: ClassVar[str]
@@ -83,6 +84,7 @@ class Effect(ABC):
     replaces: ClassVar[tuple[str, ...]] = ()
     removes: ClassVar[tuple[str, ...]] = ()
     kind: ClassVar[str] = "force"
+    stands_for: ClassVar[str] = ""
 
     @abstractmethod
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:

@@ -19,6 +19,7 @@ class ArmCompliance(Effect):
     formula = r"m_h \ddot x_h = -k_h x_h - c_h \dot x_h + f_w"
     source = "first bending mode of the arm; assumption of a rigid arm in Uyama et al. (2012)"
     kind = "body"
+    stands_for = "an arm of several modes"
     parameters = (
         Parameter("mass_kg", "kg", 20.0, 2.0, 0.05, 1e4, (20.0, 8.0, 60.0), log=True, shape=True),
         Parameter("stiffness_N_m", "N/m", math.inf, 4e3, 10.0, math.inf, (4e4, 2e5, 1e4), log=True),
