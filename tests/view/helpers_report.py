@@ -88,8 +88,8 @@ def verdict(kind: str) -> dict[str, Any]:
         "confidence": 0.97 if kind == "named" else 0.62,
         "effects": [copy.deepcopy(FRICTION)] if kind == "named" else [],
         "alternatives": [
-            {"effects": [FRICTION], "parameters": {}, "score": 0.0},
-            {"effects": [STRIBECK], "parameters": {}, "score": -0.002},
+            {"effects": [FRICTION], "parameters": {"coulomb_friction@wrist.force_N": 0.604}, "score": 0.0},
+            {"effects": [STRIBECK], "parameters": {"stribeck_friction@wrist.static_force_N": 0.61}, "score": -0.002},
         ]
         if kind == "ambiguous"
         else [],

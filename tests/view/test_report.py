@@ -94,6 +94,15 @@ def test_each_kind_of_verdict_is_told_in_its_own_words(tmp_path: Path, kind: str
     assert text.index(SAYS[kind]) < text.index("Located:") < text.index("Rivals:") < text.index("Limits:")
 
 
+def test_wrong_values_may_be_one_of_the_explanations(tmp_path: Path) -> None:
+    told = verdict("ambiguous")
+    told["alternatives"].append({"effects": [], "parameters": {"target.mass": 9.4, "wrist.mass": 0.72}, "score": -2.6})
+    text = Page(report(tmp_path, told)).text.replace("\u00a0", " ")
+    assert "Something is missing, or was believed wrongly, and these data cannot tell which" in text
+    assert "another target mass and wrist mass than believed" in text
+    assert "@" not in text.split("Located:")[0]
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_page_is_well_formed_small_and_asks_for_nothing(tmp_path: Path, kind: str) -> None:
     text = report(tmp_path, verdict(kind))

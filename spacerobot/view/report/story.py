@@ -216,7 +216,7 @@ def _not_trusted(verdict: Mapping[str, Any], evidence: Evidence) -> Story:
 
 def _alternative(item: Mapping[str, Any]) -> str:
     effects = item.get("effects") or ()
-    parameters = item.get("parameters") or {}
+    parameters = [name for name in item.get("parameters") or {} if "@" not in name]  # an effect's own go without saying
     parts = [effects_phrase(effects)] if effects else []
     if parameters:
         names = joined([parameter_label(name) for name in parameters])
