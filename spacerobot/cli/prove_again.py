@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import argparse
-import math
 from pathlib import Path
 
-from spacerobot.cli.prove_run import in_words, seeds_in_words
+from spacerobot.cli.prove_run import in_words, jobs_and_minutes, orders_of, seeds_in_words
 from spacerobot.proof.batch import run_batch
-from spacerobot.proof.code_hash import WRIST, code_hashes
-from spacerobot.proof.driven import orders as driven
-from spacerobot.proof.orders import FULL, schedule
-from spacerobot.proof.published import check_orders, read_batch, seed_of
-from spacerobot.proof.summary import missed, right
+from spacerobot.proof.code_hash import code_hashes
+from spacerobot.proof.orders import KINDS
+from spacerobot.proof.published import check_orders, read_batch
+from spacerobot.proof.summary import missed, right, usable
 from spacerobot.support.errors import InputError
-from spacerobot.support.executors.choose import executor, not_both
+from spacerobot.support.executors.choose import executor
 from spacerobot.support.files import write_text
 from spacerobot.support.jsonio import dumps
-from spacerobot.support.numbers import parse_numbers, parse_whole
 from spacerobot.support.progress import say
 from spacerobot.support.runs import RunFolder, combined_hash
 from spacerobot.view.proof.again import page
@@ -33,15 +30,13 @@ def run_again(args: argparse.Namespace) -> int:
     for name in _ELSE:
         if getattr(args, name):
             raise InputError("what is played again is chosen by the records", given=f"--{name}", valid="--again alone")
-    not_both(args.jobs, args.dask)
-    jobs = 1 if args.jobs is None else parse_whole(args.jobs, "--jobs", least=1)
-    minutes = math.inf if args.minutes is None else parse_numbers([args.minutes], "--minutes", count=1)[0]
+    jobs, minutes = jobs_and_minutes(args)
     batch, records = read_batch(args.again)
     wrong = {r["name"]: r for r in missed(records)}
     if not wrong:
         say("nothing went wrong in this batch")
         return 0
-    every = [*schedule(FULL, seed_of(batch, WRIST)), *driven.schedule(driven.FULL, seed_of(batch, driven.FAMILY))]
+    every = orders_of(False, batch, list(KINDS), 1.0)
     check_orders([*wrong.values()], every, args.again)
     orders = [o for o in every if o.name in wrong]
     codes = code_hashes()
@@ -49,14 +44,15 @@ def run_again(args: argparse.Namespace) -> int:
     with RunFolder(args.out, "prove", key, overwrite=args.overwrite, code=" ".join(codes.values())) as folder:
         if not folder.finished:
             with executor(jobs, args.dask) as workers:
-                now = run_batch(
+                played = run_batch(
                     folder, orders, workers=workers, rivals=False, verbose=args.verbose, seconds=60.0 * minutes
                 )
+            now = usable(played)  # one that cannot be made any more is not right for it
             about = {"seeds": seeds_in_words(batch), "then": in_words(batch["codes"]), "now": in_words(codes)}
             folder.write(NAME, page(records, now, about))
             told = {"wrong": len(wrong), "played": len(now), "right_now": sum(right(r) for r in now), "records": now}
             folder.write("again.json", dumps({**about, **told}) + "\n")
-            if len(now) == len(orders):
+            if len(played) == len(orders):
                 folder.finish()
         text = (folder.folder / NAME).read_text(encoding="utf-8")
         if args.docs:

@@ -44,12 +44,8 @@ def run(args: argparse.Namespace) -> int:
     share = parse_numbers([args.share], "--share", count=1)[0]
     if not 0.0 < share <= 1.0:
         raise InputError("not a share", given=share, valid="above 0, up to 1", where="--share")
-    not_both(args.jobs, args.dask)
-    jobs = 1 if args.jobs is None else parse_whole(args.jobs, "--jobs", least=1)
+    jobs, minutes = jobs_and_minutes(args)
     asked = None if args.seed is None else parse_whole(args.seed, "--seed")
-    minutes = parse_numbers([args.minutes], "--minutes", count=1)[0] if args.minutes is not None else math.inf
-    if minutes <= 0.0:
-        raise InputError("not a time", given=minutes, valid="above 0", where="--minutes")
     name = _page_name(args.page)
     codes = code_hashes()
     begun, known = _begun(args.resume, asked, codes)
@@ -60,7 +56,7 @@ def run(args: argparse.Namespace) -> int:
             begun = folder.load("batch") or begun or _new(asked)
             folder.save("batch", begun)
             say(f"seed {seeds_in_words(begun)}, code {in_words(codes)}")
-            orders = _orders(args.quick, begun, kinds, share)
+            orders = orders_of(args.quick, begun, kinds, share)
             _take_up(folder, orders, known, args.resume)
             _play(folder, args, orders, begun, jobs, codes, minutes)
         text = (folder.folder / "proof.json").read_text(encoding="utf-8")
@@ -68,6 +64,20 @@ def run(args: argparse.Namespace) -> int:
             _into(Path(args.docs), folder.folder, name)
         print(text.rstrip("\n") if args.json else _told(json.loads(text), folder.folder))
     return 0
+
+
+def jobs_and_minutes(args: argparse.Namespace) -> tuple[int, float]:
+    """How many campaigns at a time, and for how long.
+
+    Raises:
+        InputError: neither a number of jobs nor a time, or jobs where a cluster is to play.
+    """
+    not_both(args.jobs, args.dask)
+    jobs = 1 if args.jobs is None else parse_whole(args.jobs, "--jobs", least=1)
+    minutes = parse_numbers([args.minutes], "--minutes", count=1)[0] if args.minutes is not None else math.inf
+    if minutes <= 0.0:
+        raise InputError("not a time", given=minutes, valid="above 0", where="--minutes")
+    return jobs, minutes
 
 
 def _begun(path: str | None, asked: int | None, codes: dict[str, str]) -> tuple[dict[str, Any], list[dict[str, Any]]]:
@@ -142,7 +152,8 @@ def seeds_in_words(batch: Mapping[str, Any]) -> str:
     return f"{batch['seed']}, {batch['date']}" + (f" ({'; '.join(own)})" if own else "")
 
 
-def _orders(quick: bool, batch: Mapping[str, Any], kinds: list[str], share: float) -> list[Order]:
+def orders_of(quick: bool, batch: Mapping[str, Any], kinds: list[str], share: float) -> list[Order]:
+    """The campaigns of a batch, from its seeds."""
     size, arm = (QUICK, driven.QUICK) if quick else (FULL, driven.FULL)
 
     def some(count: int) -> int:

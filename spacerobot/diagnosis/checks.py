@@ -107,7 +107,7 @@ def _copied_fit(workshop: Workshop, chosen: Fit, seed: int) -> tuple[Fitter, Fit
     state = fitter.state(chosen.hypothesis, chosen.z, {k: t.initial for k, t in chosen.trials.items()})
     start = {f.key: f.centre for f in chosen.hypothesis.free if f.kind == "effect" and f.log}
     start = {**effect_values(chosen), **start}
-    only: Only = tuple((s.label, s.trials) for s in chosen.hypothesis.sites if s.trials)
+    only = chosen.hypothesis.only
     again = copy.run(Task(chosen.hypothesis.label, start, only=only, freed=chosen.hypothesis.freed))
     if state is None or again is None:
         return None

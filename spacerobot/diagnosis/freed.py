@@ -32,7 +32,7 @@ def set_free(pool: Pool, found: Found, report: Report) -> None:
     """
     best = sorted(found.fits.values(), key=lambda f: f.cost)[:BEST]
     held = [f for f in found.fits.values() if any(contains(b.hypothesis.label, f.hypothesis.label) for b in best)]
-    bent = [f for f in {id(f): f for f in [*best, *held]}.values() if 0 < len(moved(f)) <= FEW]
+    bent = [f for f in found.fits.values() if (f in best or f in held) and 0 < len(moved(f)) <= FEW]
     tasks = [Task(f.hypothesis.label, {}, near=f, max_iterations=STEPS, patient=True, freed=moved(f)) for f in bent]
     freed = Found(found.baseline)
     run_tasks(pool, freed, tasks, report, "without what is stated of bent values")

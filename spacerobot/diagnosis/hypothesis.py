@@ -90,6 +90,11 @@ class Hypothesis:
         """Keys of the free parameters."""
         return tuple(f.key for f in self.free)
 
+    @property
+    def only(self) -> tuple[tuple[tuple[str, str], tuple[str, ...]], ...]:
+        """Effects and places that act in some trials alone, and which."""
+        return tuple((s.label, s.trials) for s in self.sites if s.trials)
+
     def acting(self, trial: str) -> tuple[Site, ...]:
         """The sites whose effects act in a trial."""
         return tuple(s for s in self.sites if not s.trials or trial in s.trials)

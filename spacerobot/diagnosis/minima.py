@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.found import WORTH_A_FIT, Found, Report, run_tasks
 from spacerobot.diagnosis.pool import Pool
@@ -26,35 +24,21 @@ def other_minima(pool: Pool, found: Found, report: Report) -> None:
         best = found.preferred([*found.fits.values()])
         if found.baseline.cost - best.cost < WORTH_A_FIT:
             return
-        label, values = best.hypothesis.label, best.values()
-        only = tuple((s.label, s.trials) for s in best.hypothesis.sites if s.trials)
-        tasks = [
-            Task(label, {**values, f.key: by * values[f.key]}, best.initials(), max_iterations=20, only=only)
-            for f in best.hypothesis.free
-            if f.kind == "effect" and f.log
-            for by in factors
-        ]
+        values = best.values()
+        logs = [f.key for f in best.hypothesis.free if f.kind == "effect" and f.log]
+        tasks = [_again(best, key, by * values[key]) for key in logs for by in factors]
         run_tasks(pool, found, tasks, report, "from either side of the best")
     for steps in STEPS if found.fits else ():
-        tasks = _moved_in_time(found.preferred([*found.fits.values()]), steps)
+        best = found.preferred([*found.fits.values()])
+        values = best.values()
+        moments = [(s.key(p.name), p.scale) for s in best.hypothesis.sites for p in s.effect.parameters if p.moment]
+        signed = [by for step in steps for by in (-step, step)]
+        tasks = [_again(best, key, values[key] + by * scale) for key, scale in moments for by in signed]
         if tasks and not found.explained:
             run_tasks(pool, found, tasks, report, "before and after the best")
 
 
-def _moved_in_time(best: Fit, steps: Sequence[float]) -> list[Task]:
-    """The set from other moments of what happens at one, by these shares of the moment's scale, earlier and later."""
-    values = best.values()
-    only = tuple((s.label, s.trials) for s in best.hypothesis.sites if s.trials)
-    moments = [(s.key(p.name), p.scale) for s in best.hypothesis.sites for p in s.effect.parameters if p.moment]
-    return [
-        Task(
-            best.hypothesis.label,
-            {**values, key: values[key] + by * scale},
-            best.initials(),
-            max_iterations=20,
-            only=only,
-        )
-        for key, scale in moments
-        for step in steps
-        for by in (-step, step)
-    ]
+def _again(best: Fit, key: str, value: float) -> Task:
+    """The set again, from where it ended but for one value."""
+    made = best.hypothesis
+    return Task(made.label, {**best.values(), key: value}, best.initials(), max_iterations=20, only=made.only)

@@ -144,7 +144,7 @@ def _of_singles(found: Found) -> list[Task]:
         alone = any(s.trials for f in (one, other) for s in f.hypothesis.sites)
         if not (alone or contains(a, b) or contains(b, a)):
             tasks.append(Task(both, effect_values(other), near=one, max_iterations=20))
-    return sorted(tasks, key=lambda t: found.fits[t.near.hypothesis.label].cost if t.near else np.inf)
+    return tasks
 
 
 def _mirrored(found: Found) -> list[Task]:

@@ -148,8 +148,7 @@ class Screener:
         if norm < 1e-12:
             return Screened(site, start, column, 0.0, 0.0, norm)
         amplitude = -float(column @ residual) / norm
-        two_sided = all(p.lower < p.null for p in site.effect.parameters[:1])
-        if amplitude < 0.0 and not two_sided:
+        if amplitude < 0.0 and not site.effect.two_sided:
             return Screened(site, start, column, 0.0, amplitude, norm)
         return Screened(site, start, column, amplitude**2 * norm, amplitude, norm)
 

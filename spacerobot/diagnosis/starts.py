@@ -86,7 +86,7 @@ def full_starts(site: Site, trials: Sequence[TrialData]) -> list[dict[str, float
         places += [
             dict(zip(keys, s, strict=True)) for s in itertools.product(*(p.starts for p in parameters if p.shape))
         ]
-    sizes = SIZES if not all(p.lower < p.null for p in parameters[:1]) else (*SIZES, *(-s for s in SIZES))
+    sizes = (*SIZES, *(-s for s in SIZES)) if site.effect.two_sided else SIZES
     out: list[dict[str, float]] = []
     for one in strong:
         for size in SIZES_OF_LAWS if site.effect.removes else sizes:

@@ -95,6 +95,11 @@ class Effect(ABC):
         """The mechanism with this effect in it; at null values, the same physics as before."""
 
     @property
+    def two_sided(self) -> bool:
+        """Whether its first parameter, its strength, may lie on either side of nothing."""
+        return self.parameters[0].lower < self.parameters[0].null
+
+    @property
     def nulls(self) -> dict[str, float]:
         """Parameter values at which nothing changes."""
         return {p.name: p.null for p in self.parameters}

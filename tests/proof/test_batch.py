@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 from spacerobot.cli.main import main
-from spacerobot.cli.prove_run import _orders
+from spacerobot.cli.prove_run import orders_of
 from spacerobot.effects.registry import all_effects
 from spacerobot.proof import batch
 from spacerobot.proof.engine.outsiders import OUTSIDERS
@@ -155,7 +155,7 @@ def test_a_batch_that_runs_out_of_time_writes_what_it_has_and_goes_on(
     monkeypatch.setattr(batch.time, "monotonic", lambda: clock[0])
     out, docs = tmp_path / "out", tmp_path / "docs"
     asked = ["prove", "--share", "0.01", "--seed", "3", "--out", str(out), "--docs", str(docs), "--minutes", "5"]
-    whole = len(_orders(False, {"seed": 3}, list(KINDS), 0.01))
+    whole = len(orders_of(False, {"seed": 3}, list(KINDS), 0.01))
     assert main(asked) == 0
     assert f"6 of {whole} campaigns" in capsys.readouterr().err
     assert f"6 of {whole} campaigns" in (docs / "proof.md").read_text()

@@ -7,6 +7,7 @@ from typing import Any
 
 from spacerobot.proof.rates import Record
 from spacerobot.proof.summary import missed, right
+from spacerobot.view.proof.page import favoured_in, hidden_in, strength_of, table
 
 _INTRODUCTION = """\
 # Proof: what went wrong, again
@@ -32,20 +33,19 @@ def page(before: Sequence[Record], now: Sequence[Record], about: Mapping[str, An
     rows = [
         [
             r["name"],
-            " + ".join(" at ".join(h) for h in r["hidden"]) or ", ".join(r["wrong_values"]) or "nothing",
-            "-" if r["strength"] is None else f"{r['strength']:.1f}",
+            hidden_in(r),
+            strength_of(r),
             old[r["name"]]["said"],
             r["said"],
-            " + ".join(" at ".join(f) for f in r["favourite"]) or ", ".join(r["moved"]) or "-",
+            favoured_in(r),
             "yes" if right(r) else "no",
         ]
         for r in sorted(now, key=lambda r: (right(r), r["name"]))
     ]
-    lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head), *("| " + " | ".join(r) + " |" for r in rows)]
     part = "" if len(now) == len(wrong) else f" {len(now)} of them have been played so far."
     said = (
         f"{len(wrong)} campaigns went wrong in the batch of seed {about['seeds']}, code {about['then']}: a claim that "
         f"was false, or an effect of three detection limits or more that was not in the set given.{part} Of {len(now)} "
         f"**{mended}** are right with code {about['now']}."
     )
-    return f"{_INTRODUCTION}\n{said}\n\n" + "\n".join(lines) + "\n"
+    return f"{_INTRODUCTION}\n{said}\n\n{table(head, rows)}"

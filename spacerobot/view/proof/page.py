@@ -99,7 +99,23 @@ def page(records: Sequence[Record], about: Mapping[str, Any], figures: Mapping[s
     return "\n".join(p for p in parts if p).rstrip() + "\n"
 
 
-def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+def hidden_in(record: Record) -> str:
+    """What was hidden in a campaign, in words."""
+    return " + ".join(" at ".join(h) for h in record["hidden"]) or ", ".join(record["wrong_values"]) or "nothing"
+
+
+def favoured_in(record: Record) -> str:
+    """What a diagnosis held likeliest: effects, else the values it moved."""
+    return " + ".join(" at ".join(f) for f in record["favourite"]) or ", ".join(record["moved"]) or "-"
+
+
+def strength_of(record: Record) -> str:
+    """Strength of what was hidden, in detection limits."""
+    return "-" if record["strength"] is None else f"{record['strength']:.1f}"
+
+
+def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """A table in Markdown."""
     lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
     lines += ["| " + " | ".join(row) + " |" for row in rows]
     return "\n".join(lines) + "\n"
@@ -125,7 +141,7 @@ def _targets(records: Sequence[Record]) -> str:
     title, sense, bound = TARGETS["held_out_ratio"]
     said = "-" if math.isnan(ratio) else f"{ratio:.3f}"
     rows.append([title, f"{sense} {bound:g}", said, _tick(met("held_out_ratio", ratio))])
-    return _table(["", "asked", "found", "reached"], rows)
+    return table(["", "asked", "found", "reached"], rows)
 
 
 def _tick(reached: bool | None) -> str:
@@ -158,7 +174,7 @@ def _rows(records: Sequence[Record]) -> str:
             ]
         )
     head = ["hidden", "scene", "n", "favourite right", "in the set", "abstained", "confidently wrong"]
-    return _table([*head, "parameter error", "coverage", "held-out / oracle", "time"], rows)
+    return table([*head, "parameter error", "coverage", "held-out / oracle", "time"], rows)
 
 
 def _scenes(records: Sequence[Record]) -> str:
@@ -168,7 +184,7 @@ def _scenes(records: Sequence[Record]) -> str:
         found = rates(own)
         shares = [found[key] for key in ("nothing_missing", "wrong_parameter", "top", "abstained", "confidently_wrong")]
         rows.append([title, str(len(own)), *(f"{r.hits} of {r.total}" if r.total else "-" for r in shares)])
-    return _table([*head, "confidently wrong"], rows)
+    return table([*head, "confidently wrong"], rows)
 
 
 def _apart(records: Sequence[Record]) -> str:
@@ -196,21 +212,19 @@ def _misses(records: Sequence[Record]) -> str:
         return ""
     rows = []
     for r in sorted(counted, key=lambda r: (not r["confidently_wrong"], KINDS.index(r["kind"]), r["name"])):
-        hidden = " + ".join(" at ".join(h) for h in r["hidden"]) or ", ".join(r["wrong_values"]) or "nothing"
-        favourite = " + ".join(" at ".join(f) for f in r["favourite"]) or ", ".join(r["moved"])
         gap = r["favoured"]["cost"] - r["oracle"]["cost"] if "favoured" in r and "oracle" in r else None
         rows.append(
             [
                 r["name"],
-                hidden + (" (withheld)" if r["withheld"] else ""),
-                "-" if r["strength"] is None else f"{r['strength']:.1f}",
+                hidden_in(r) + (" (withheld)" if r["withheld"] else ""),
+                strength_of(r),
                 f"**{r['said']}**" if r["confidently_wrong"] else r["said"],
-                favourite or "-",
+                favoured_in(r),
                 "-" if gap is None else f"{gap:+.0f}",
             ]
         )
     head = ["campaign", "hidden", "strength", "said", "favourite, or values moved", "chi-squared over the oracle's"]
-    return f"{_MISSES}\n{_table(head, rows)}"
+    return f"{_MISSES}\n{table(head, rows)}"
 
 
 def _figure(figures: Mapping[str, str], name: str, caption: str) -> str:
@@ -222,7 +236,7 @@ def _smallest(records: Sequence[Record]) -> str:
     if not found:
         return ""
     rows = [[s["effect"], str(s["campaigns"]), "-" if s["limits"] is None else f"{s['limits']:.2g}"] for s in found]
-    return "Strength from which on an effect is named in at least half of its campaigns:\n\n" + _table(
+    return "Strength from which on an effect is named in at least half of its campaigns:\n\n" + table(
         ["effect", "campaigns", "detection limits"], rows
     )
 
@@ -257,12 +271,12 @@ def _rivals(records: Sequence[Record]) -> str:
         ]
     )
     head = ["", "n", "held out, target [mm]", "held out, slider [mm]", "speaks up, physics missing"]
-    table = _table([*head, "speaks up, nothing missing", "time"], rows)
+    found = table([*head, "speaks up, nothing missing", "time"], rows)
     samples = "\n".join(_quotes(own))
     return (
         "Median rms over conditions left out in turn. PySINDy is driven by the recorded force, so it predicts the "
         "slider alone. No rival names an effect of physics: `mujoco.sysid` reports values and their bounds, PySINDy "
-        f"terms of a library, the refit which values moved.\n\n{table}\n{samples}\n"
+        f"terms of a library, the refit which values moved.\n\n{found}\n{samples}\n"
     )
 
 
