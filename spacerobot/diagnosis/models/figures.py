@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from spacerobot.diagnosis.data import TrialData
-from spacerobot.diagnosis.models.grow import Candidate
+from spacerobot.diagnosis.models.candidate import Candidate
 from spacerobot.diagnosis.models.held_out import HEAD, HeldOut, parent, predict_held_out
 from spacerobot.diagnosis.models.model import Model
 from spacerobot.diagnosis.models.noise import split

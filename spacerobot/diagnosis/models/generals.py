@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 from spacerobot.diagnosis.candidates import CONTAINS
 from spacerobot.diagnosis.fitted import Fit
@@ -50,3 +50,18 @@ def not_excluded(bench: Bench, fit: Fit, known: Known) -> list[Fit]:
             if found is not None and not by_chance(fit.cost - found.cost, spare):
                 out.append(found)
     return out
+
+
+def wordings(chosen: Sequence[Site], known: Known) -> Iterator[list[tuple[Site, Site | None]]]:
+    """Sets with as many parameters in which a general effect stands for its special case and others.
+
+    Yields:
+        The sites, each with the special case that it stands for, or None.
+    """
+    for special in chosen:
+        for new in general_sites(special, known):
+            spare = len(new.effect.parameters) - len(special.effect.parameters)
+            rest = [s for s in chosen if s is not special]
+            for left_out in rest:
+                if len(left_out.effect.parameters) == spare:
+                    yield [(new, special), *((s, None) for s in rest if s is not left_out)]

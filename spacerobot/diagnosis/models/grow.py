@@ -11,45 +11,26 @@ Several models may grow together: bodies of one kind, which lack the same physic
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import stdtrit
 
-from spacerobot.diagnosis.fitted import Fit
-from spacerobot.diagnosis.hypothesis import Label, Site
+from spacerobot.diagnosis.data import TrialData
+from spacerobot.diagnosis.hypothesis import Label
 from spacerobot.diagnosis.models.bench import Bench, Promise
+from spacerobot.diagnosis.models.candidate import Candidate, words
 from spacerobot.diagnosis.models.chance import by_chance
-from spacerobot.diagnosis.models.generals import general_sites, inherited, not_excluded
-from spacerobot.diagnosis.models.held_out import HeldOut, parent
+from spacerobot.diagnosis.models.generals import inherited, not_excluded, wordings
+from spacerobot.diagnosis.models.growth import Growth
 from spacerobot.diagnosis.models.kept import Kept
 from spacerobot.diagnosis.models.model import Model
 from spacerobot.diagnosis.models.plausible import redundant
+from spacerobot.diagnosis.models.worth import TIE, WORTH_OF_REST, choice, distinct, slack
 from spacerobot.effects.effect import Effect
-
-WORTH_OF_REST = 0.05
-WORTH_OF_BASELINE = 0.02
-"""A further parameter must lower the held-out rms by these shares of itself and of the baseline's: an effect size,
-for in long recordings any harmless defect is significant."""
-
-SURE = 0.95
-"""Probability, by Student's t, with which the mean gain over unseen trials must exceed zero."""
-
-TELLING = 0.1
-"""Change of the logarithm of the mean square below which a piece tells nothing: there both models are at the noise."""
-
-CLEAR = 3.0
-"""Standard errors by which a body's own value differs from nothing, where several grow together."""
 
 PATIENCE = 2
 """The search ends when so many more parameters have brought nothing that is worth naming."""
-
-TIE = 0.01
-"""Rivals whose held-out rms differ by less than this share are not told apart."""
-
-SAME = 1e-4
-"""Candidates of one size whose held-out rms agree to this share are one model in two wordings."""
 
 BEAM = 3
 """How many models of one size are built upon."""
@@ -65,51 +46,6 @@ MOST = 6
 
 
 @dataclass(frozen=True, eq=False)
-class Candidate:
-    """A baseline with effects in it: how it fits, and how it predicts.
-
-    Attributes:
-        fits: to all trials, one a model.
-        held_out: on unseen trials, one a model; empty where that was not tried.
-    """
-
-    fits: tuple[Fit, ...]
-    held_out: tuple[HeldOut, ...] = ()
-
-    @property
-    def sites(self) -> tuple[Site, ...]:
-        """Effects and places."""
-        return self.fits[0].hypothesis.sites
-
-    @property
-    def label(self) -> Label:
-        """Which effects where."""
-        return self.fits[0].hypothesis.label
-
-    @property
-    def size(self) -> int:
-        """Number of parameters that the effects bring along."""
-        return sum(len(s.effect.parameters) for s in self.sites)
-
-    @property
-    def simplicity(self) -> tuple[int, int]:
-        """(parameters, effects): of two models that predict alike, the one with less of both is meant."""
-        return self.size, len(self.sites)
-
-    @property
-    def cost(self) -> float:
-        """Of the fits together."""
-        return sum(f.cost for f in self.fits)
-
-    @property
-    def error(self) -> float:
-        """Weighted rms on unseen trials; infinite where it was not tried."""
-        if not self.held_out:
-            return np.inf
-        return float(np.sqrt(np.mean([h.mean_square for h in self.held_out])))
-
-
-@dataclass(frozen=True, eq=False)
 class Ahead:
     """A candidate before it is fitted: what it grows from, and what each model promises."""
 
@@ -120,50 +56,6 @@ class Ahead:
     def cost(self) -> float:
         """That it would come down to."""
         return sum(p.cost for p in self.promises)
-
-
-@dataclass(frozen=True, eq=False)
-class Growth:
-    """What was found.
-
-    Attributes:
-        benches: the models, with their trials under the weights that the chosen model asks for.
-        before: the baseline.
-        after: the chosen candidate; the baseline where nothing pays.
-        rivals: candidates of no more parameters, in no more effects, that predict as well; and those with a general
-            effect for a special case that stated noise does not exclude.
-        considered: every candidate that was tried on unseen trials, best first.
-        screened: cost that each set of effects promised, by its sensitivities, whether fitted then or not.
-    """
-
-    benches: tuple[Bench, ...]
-    before: Candidate
-    after: Candidate
-    rivals: tuple[Candidate, ...]
-    considered: tuple[Candidate, ...]
-    screened: tuple[tuple[Label, float], ...]
-
-    @property
-    def considered_baseline(self) -> Candidate:
-        """The baseline under the weights of the search, as the candidates beside it."""
-        return next(c for c in self.considered if not c.sites)
-
-    def rms(self, which: int = 0) -> tuple[dict[str, float], dict[str, float]]:
-        """Held-out rms of one model by channel, in the channels' units: of the baseline and as chosen."""
-        trials = self.benches[which].trials
-        return self.before.held_out[which].rms(trials), self.after.held_out[which].rms(trials)
-
-    def needs(self, which: int = 0) -> bool:
-        """Whether this model itself predicts unseen trials better as chosen than as believed."""
-        before, after = (np.sqrt(c.held_out[which].mean_square) for c in (self.before, self.after))
-        fit = self.after.fits[which]
-        effects = [i for i, f in enumerate(fit.hypothesis.free) if f.kind == "effect"]
-        if not effects or fit.covariance is None or not after < (1.0 - WORTH_OF_REST) * before:
-            return False
-        null = np.array([fit.hypothesis.free[i].z(_null(fit, i)) for i in effects])
-        sigma = np.sqrt(np.maximum(np.diag(fit.covariance)[effects], 0.0))
-        apart = np.abs(fit.z[effects] - null)
-        return bool((apart > CLEAR * sigma)[apart > 0.0].any())
 
 
 def grow(
@@ -206,6 +98,11 @@ class _Search:
         self.screened: dict[Label, float] = {}
         self.reached = np.inf
 
+    @property
+    def trials(self) -> list[TrialData]:
+        """Of all models, under their present weights."""
+        return [t for b in self.benches for t in b.trials]
+
     def run(self, most: int, reached: Callable[[int], None]) -> Growth:
         fits = [b.baseline() for b in self.benches]
         for bench, fit in zip(self.benches, fits, strict=True):
@@ -226,10 +123,10 @@ class _Search:
             tested += layer if size else []
             layer.sort(key=lambda c: c.error)
             better = 1.0 - (TIE if size < 2 else WORTH_OF_REST)  # a pair may need two weak singles, no more
-            for one in _distinct([c for c in layer if c.error < better * best])[:BEAM]:
+            for one in distinct([c for c in layer if c.error < better * best])[:BEAM]:
                 self.look_ahead(one, most, ahead)
-        tested += self.reworded(self.chosen(tested, baseline), tested)
-        chosen = self.chosen(tested, baseline)
+        tested += self.reworded(choice(tested, baseline, self.trials), tested)
+        chosen = choice(tested, baseline, self.trials)
         near = [c for c in tested if c is not chosen and c is not baseline and c.simplicity <= chosen.simplicity]
         rivals = tuple(c for c in near if c.error < (1.0 + TIE) * chosen.error)
         ranked = tuple(sorted(tested, key=lambda c: c.error))
@@ -278,7 +175,7 @@ class _Search:
         """
         known = {c.label for c in tested}
         out = []
-        for wording in _wordings(chosen.sites, self.sites[0]):
+        for wording in wordings(chosen.sites, self.sites[0]):
             label = tuple(sorted(s.label for s, _ in wording))
             if label in known or redundant([s for s, _ in wording]):
                 continue
@@ -326,79 +223,3 @@ class _Search:
         held = [b.held_out(f) for b, f in zip(self.benches, one.fits, strict=True)]
         good = tuple(h for h in held if h is not None)
         return Candidate(one.fits, good if len(good) == len(held) else ())
-
-    def chosen(self, tested: Sequence[Candidate], baseline: Candidate) -> Candidate:
-        """The simplest that predicts as well as the best does, as far as a further parameter is worth naming."""
-        good = [c for c in tested if self.pays(c, baseline)]
-        if not good:
-            return baseline
-        best = min(c.error for c in good)
-        near = [c for c in good if c.error <= slack(best, baseline.error)]
-        simplest = min(c.size for c in near)
-        first = min(c.error for c in near if c.size == simplest)
-        same = [c for c in near if c.size == simplest and c.error <= (1.0 + SAME) * first]
-        return min(same, key=lambda c: (sum(s.effect.kind == "sensor" for s in c.sites), len(c.sites), c.error))
-
-    def pays(self, new: Candidate, old: Candidate) -> bool:
-        """Whether unseen trials are predicted better, by enough and throughout."""
-        if not new.held_out or not old.held_out or not new.error < (1.0 - WORTH_OF_REST) * old.error:
-            return False
-        before = {k: v for h in old.held_out for k, v in h.squares().items()}
-        after = {k: v for h in new.held_out for k, v in h.squares().items()}
-        trials = [t for b in self.benches for t in b.trials]
-        by_parent = len({parent(t) for t in trials}) > 3
-        groups: dict[str, list[float]] = {}
-        for trial in trials:
-            gain = np.log(max(before[trial.id], 1e-300) / max(after[trial.id], 1e-300))
-            groups.setdefault(parent(trial) if by_parent else trial.id, []).append(float(gain))
-        gains = np.array([np.mean(g) for g in groups.values()])
-        gains = gains[np.abs(gains) > TELLING]
-        if gains.size < 3:
-            return bool(gains.size and (gains > 0.0).all())
-        return bool(gains.mean() > stdtrit(gains.size - 1, SURE) * gains.std(ddof=1) / np.sqrt(gains.size))
-
-
-def slack(best: float, baseline: float) -> float:
-    """The largest held-out rms of a model that is as good as the best one."""
-    return max(best / (1.0 - WORTH_OF_REST), best + WORTH_OF_BASELINE * baseline)
-
-
-def _distinct(layer: Sequence[Candidate]) -> list[Candidate]:
-    """Without those that say the same as one before them in other words (a preload and a bias of its sensor)."""
-    kept: list[Candidate] = []
-    for one in layer:
-        if all(abs(one.error - k.error) > SAME * k.error for k in kept):
-            kept.append(one)
-    return kept
-
-
-def _wordings(
-    chosen: Sequence[Site], known: Mapping[tuple[str, str], Site]
-) -> Iterator[list[tuple[Site, Site | None]]]:
-    """Sets with as many parameters in which a general effect stands for its special case and others.
-
-    Yields:
-        The sites, each with the special case that it stands for, or None.
-    """
-    for special in chosen:
-        for new in general_sites(special, known):
-            spare = len(new.effect.parameters) - len(special.effect.parameters)
-            rest = [s for s in chosen if s is not special]
-            for left_out in rest:
-                if len(left_out.effect.parameters) == spare:
-                    yield [(new, special), *((s, None) for s in rest if s is not left_out)]
-
-
-def _null(fit: Fit, index: int) -> float:
-    """The value of an effect's parameter at which it does nothing."""
-    key = fit.hypothesis.free[index].key
-    for site in fit.hypothesis.sites:
-        for parameter in site.effect.parameters:
-            if site.key(parameter.name) == key:
-                return parameter.null if np.isfinite(parameter.null) else parameter.upper
-    raise AssertionError(key)
-
-
-def words(label: Label) -> str:
-    """A set of effects in words, for progress and tables."""
-    return " + ".join(f"{effect}@{where}" for effect, where in label) or "baseline"

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from spacerobot.diagnosis.data import TrialData
-from spacerobot.diagnosis.models.grow import Candidate
+from spacerobot.diagnosis.models.candidate import Candidate
 from spacerobot.diagnosis.models.inverse_dynamics import InverseDynamics
 from spacerobot.diagnosis.models.model import Model
 from spacerobot.diagnosis.models.part import Part

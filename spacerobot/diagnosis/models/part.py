@@ -11,10 +11,12 @@ from spacerobot.diagnosis.data import TrialData
 from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.judge import AMBIGUOUS, NAMED, NOT_TRUSTED, NOTHING_MISSING, UNKNOWN, WRONG_PARAMETER, moved
 from spacerobot.diagnosis.locate.located import LEVEL, Located, Row
-from spacerobot.diagnosis.models.grow import TIE, Candidate, Growth
+from spacerobot.diagnosis.models.candidate import Candidate
+from spacerobot.diagnosis.models.growth import Growth
 from spacerobot.diagnosis.models.held_out import HeldOut
 from spacerobot.diagnosis.models.model import Model
 from spacerobot.diagnosis.models.noise import squares_of
+from spacerobot.diagnosis.models.worth import TIE
 
 STRIKING = 0.2
 """Share of what a balance leaves over that one pattern must explain to be called a mismatch: an effect size, for in

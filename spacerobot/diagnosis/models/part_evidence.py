@@ -10,7 +10,7 @@ import numpy as np
 
 from spacerobot.diagnosis.evidence import POINTS, formulas
 from spacerobot.diagnosis.locate.located import Located
-from spacerobot.diagnosis.models.grow import Candidate
+from spacerobot.diagnosis.models.candidate import Candidate
 from spacerobot.diagnosis.models.held_out import parent
 from spacerobot.diagnosis.models.noise import split
 from spacerobot.diagnosis.models.part import Part

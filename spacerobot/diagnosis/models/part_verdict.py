@@ -11,8 +11,8 @@ import numpy as np
 
 from spacerobot.diagnosis.judge import AMBIGUOUS, NAMED, NOT_TRUSTED, NOTHING_MISSING, UNKNOWN, WRONG_PARAMETER
 from spacerobot.diagnosis.locate.located import LEVEL
+from spacerobot.diagnosis.models.candidate import Candidate
 from spacerobot.diagnosis.models.events import clocks, touches
-from spacerobot.diagnosis.models.grow import Candidate
 from spacerobot.diagnosis.models.held_out import parent, scheme_of
 from spacerobot.diagnosis.models.model_out import FILE, RUNS
 from spacerobot.diagnosis.models.next_trial import next_trial

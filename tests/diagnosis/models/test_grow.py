@@ -13,8 +13,9 @@ pytest.importorskip("mujoco", reason="the extra `proof` is not installed")
 
 from spacerobot.diagnosis.hypothesis import Label
 from spacerobot.diagnosis.models import grow as module
+from spacerobot.diagnosis.models.candidate import Candidate
 from spacerobot.diagnosis.models.choose import models_for
-from spacerobot.diagnosis.models.grow import Candidate, grow
+from spacerobot.diagnosis.models.grow import grow
 from spacerobot.effects.registry import effect
 from spacerobot.proof.driven.campaign import drawn, write_study
 from spacerobot.proof.engine.missing import Missing
@@ -26,10 +27,10 @@ JOINT = "S1"
 def chosen_rashly(folder: Path, monkeypatch: pytest.MonkeyPatch, hidden: tuple[Missing, ...]) -> Label:
     """What stands of a search that always wants an effect, whatever unseen trials say of it."""
 
-    def rash(self: object, tested: Sequence[Candidate], baseline: Candidate) -> Candidate:
+    def rash(tested: Sequence[Candidate], baseline: Candidate, trials: object) -> Candidate:
         return min((c for c in tested if c.sites), key=lambda c: c.error)
 
-    monkeypatch.setattr(module._Search, "chosen", rash)
+    monkeypatch.setattr(module, "choice", rash)
     whole = drawn(np.random.default_rng(4))
     campaign = replace(whole, tracks=dict(list(whole.tracks.items())[-2:]), hidden=hidden)
     write_study(folder, campaign, campaign.logs())

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from helpers_models import ARM, arm_log
 
-from spacerobot.diagnosis.models.grow import Growth, grow
+from spacerobot.diagnosis.models.grow import grow
+from spacerobot.diagnosis.models.growth import Growth
 from spacerobot.diagnosis.models.inverse_dynamics import InverseDynamics
 from spacerobot.diagnosis.models.kept import Kept
 from spacerobot.effects.registry import effect
