@@ -9,8 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from spacerobot.diagnosis.candidates import contains
 from spacerobot.diagnosis.data import TrialData
 from spacerobot.diagnosis.models.candidate import Candidate
+from spacerobot.diagnosis.models.generals import least_alike
 from spacerobot.diagnosis.models.inverse_dynamics import InverseDynamics
 from spacerobot.diagnosis.models.model import Model
 from spacerobot.diagnosis.models.part import Part
@@ -55,7 +57,10 @@ def next_trial(part: Part) -> dict[str, Any] | None:
     """
     if not part.rivals:
         return None
-    pair = (part.chosen, min(part.rivals, key=lambda c: c.error))
+    rival = min(part.rivals, key=lambda c: c.error)
+    if contains(rival.label, part.chosen.label):
+        rival = Candidate(tuple(least_alike(f) for f in rival.fits))
+    pair = (part.chosen, rival)
     here = _distance(part, pair, Variant({}, part.model))
     best, most = None, here or 0.0
     for variant in _variants(part.model):

@@ -140,18 +140,19 @@ def alternatives(parts: Sequence[Part], verdict: str) -> list[dict[str, Any]]:
         else:
             sites = part.fit.hypothesis.label
             shown = [c for c in part.growth.considered if c.sites and c.label != sites][: max(1, LISTED // len(parts))]
-        best = part.growth.considered[0].error
-        out += [_alternative(c, part, best) for c in shown]
+        out += [_alternative(c, part) for c in shown]
     return out
 
 
-def _alternative(one: Candidate, part: Part, best: float) -> dict[str, Any]:
+def _alternative(one: Candidate, part: Part) -> dict[str, Any]:
     """Its score is 2 ln of the held-out rms over the best one's."""
-    tried = next((c for c in part.growth.considered if c.label == one.label), one)
+    tried = {c.label: c.error for c in part.growth.considered}
+    # what was met after the search has been tried under the chosen one's own weights
+    error = tried.get(one.label, one.error / part.growth.after.error * tried[part.growth.after.label])
     return {
         "effects": [{"effect": e, "where": w} for e, w in one.label],
         "parameters": {k: v for k, v in one.fits[part.which].values().items() if "@" in k},
-        "score": 2.0 * math.log(tried.error / best) if np.isfinite(tried.error) else None,
+        "score": 2.0 * math.log(error / part.growth.considered[0].error) if np.isfinite(error) else None,
         "part": part.name,
     }
 

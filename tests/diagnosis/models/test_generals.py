@@ -40,3 +40,8 @@ def test_one_level_excludes_two_and_two_do_not_exclude_one(tmp_path: Path) -> No
     two = (("asymmetric_friction", f"joint.{JOINT}"),)
     assert two not in beside_coulomb(tmp_path / "one", 0.3, 0.3)
     assert two in beside_coulomb(tmp_path / "two", 0.33, 0.27)
+
+
+def test_two_levels_are_left_open_where_hardly_any_friction_is(tmp_path: Path) -> None:
+    (general,) = beside_coulomb(tmp_path, 0.02, 0.02)
+    assert general == (("asymmetric_friction", f"joint.{JOINT}"),)
