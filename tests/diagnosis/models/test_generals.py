@@ -10,9 +10,11 @@ import pytest
 
 pytest.importorskip("mujoco", reason="the extra `proof` is not installed")
 
+from spacerobot.diagnosis.diagnose import diagnose
+from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.models.bench import Bench
 from spacerobot.diagnosis.models.choose import models_for
-from spacerobot.diagnosis.models.generals import not_excluded
+from spacerobot.diagnosis.models.generals import WIDE, least_alike, left_open, not_excluded
 from spacerobot.proof.driven.campaign import drawn, write_study
 from spacerobot.proof.engine.missing import Missing
 from spacerobot.recordings.study import load_study
@@ -20,8 +22,8 @@ from spacerobot.recordings.study import load_study
 JOINT = "S1"
 
 
-def beside_coulomb(folder: Path, plus: float, minus: float) -> list[tuple[tuple[str, str], ...]]:
-    """Labels of what is not excluded beside Coulomb friction, of a joint whose friction has these levels [N m]."""
+def beside_coulomb(folder: Path, plus: float, minus: float) -> list[Fit]:
+    """What is not excluded beside Coulomb friction, of a joint whose friction has these levels [N m]."""
     whole = drawn(np.random.default_rng(4))
     item = Missing("asymmetric_friction", f"joint.{JOINT}", {"force_plus_Nm": plus, "force_minus_Nm": minus})
     campaign = replace(whole, tracks=dict(list(whole.tracks.items())[-2:]), hidden=(item,))
@@ -33,15 +35,53 @@ def beside_coulomb(folder: Path, plus: float, minus: float) -> list[tuple[tuple[
     fit = bench.fitted_as(bench.again(start), [known["coulomb_friction", f"joint.{JOINT}"]], {})
     assert fit is not None
     bench.weigh(fit)
-    return [f.hypothesis.label for f in not_excluded(bench, bench.again(fit), known)]
+    return not_excluded(bench, bench.again(fit), known)
+
+
+def levels(fit: Fit) -> tuple[float, float]:
+    """Friction forwards and backwards [N m]."""
+    values = fit.values()
+    where = f"asymmetric_friction@joint.{JOINT}"
+    return values[f"{where}.force_plus_N"], values[f"{where}.force_minus_N"]
+
+
+TWO = (("asymmetric_friction", f"joint.{JOINT}"),)
 
 
 def test_one_level_excludes_two_and_two_do_not_exclude_one(tmp_path: Path) -> None:
-    two = (("asymmetric_friction", f"joint.{JOINT}"),)
-    assert two not in beside_coulomb(tmp_path / "one", 0.3, 0.3)
-    assert two in beside_coulomb(tmp_path / "two", 0.33, 0.27)
+    assert TWO not in [f.hypothesis.label for f in beside_coulomb(tmp_path / "one", 0.3, 0.3)]
+    assert TWO in [f.hypothesis.label for f in beside_coulomb(tmp_path / "two", 0.33, 0.27)]
 
 
-def test_two_levels_are_left_open_where_hardly_any_friction_is(tmp_path: Path) -> None:
-    (general,) = beside_coulomb(tmp_path, 0.02, 0.02)
-    assert general == (("asymmetric_friction", f"joint.{JOINT}"),)
+def test_two_levels_are_left_open_where_there_is_little_friction(tmp_path: Path) -> None:
+    (open_,) = beside_coulomb(tmp_path, 0.035, 0.035)
+    assert open_.hypothesis.label == TWO
+    assert left_open(open_, open_.hypothesis.sites[0])
+    one, other = levels(open_)
+    far = least_alike(open_)
+    more, less = levels(far)
+    assert (more - less) * (one - other) >= 0.0  # the same is the greater
+    assert abs(more - less) > 2.0 * abs(one - other)
+    assert more + less == pytest.approx(one + other, rel=0.2)
+    rise = (far.z - open_.z) @ np.linalg.solve(open_.covariance, far.z - open_.z)
+    assert rise == pytest.approx(WIDE**2, rel=1e-3)  # the edge of a 95 % interval, everything else following
+
+
+def test_a_fit_without_two_levels_has_no_end_of_them(tmp_path: Path) -> None:
+    (open_,) = beside_coulomb(tmp_path, 0.035, 0.035)
+    assert not left_open(replace(open_, covariance=None), open_.hypothesis.sites[0])
+    plain = replace(open_, covariance=None)
+    assert least_alike(plain) is plain
+
+
+def test_friction_left_open_is_told_as_ambiguous_with_the_trial_that_would_tell(tmp_path: Path) -> None:
+    whole = drawn(np.random.default_rng(4))
+    item = Missing("coulomb_friction", f"joint.{JOINT}", {"force_Nm": 0.035})
+    campaign = replace(whole, tracks=dict(list(whole.tracks.items())[-2:]), hidden=(item,))
+    write_study(tmp_path, campaign, campaign.logs())
+    said = diagnose(load_study(tmp_path), jobs=1).verdict
+    assert said["verdict"] == "ambiguous"
+    first, *others = [a["effects"][0]["effect"] for a in said["alternatives"]]
+    assert (first, others) == ("coulomb_friction", ["asymmetric_friction"])
+    assert all(abs(a["score"]) < 0.1 for a in said["alternatives"])  # as good, in the same weights
+    assert said["next_experiment"]["part"] == JOINT
