@@ -36,7 +36,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--dask", metavar="ADDRESS", help="play them on this Dask scheduler's workers")
     parser.add_argument("--no-rivals", action="store_true", help="leave mujoco.sysid, PySINDy and the bare refit out")
     parser.add_argument("--docs", metavar="DIR", help="write proof.md, its figures and proof_records.jsonl there too")
-    parser.add_argument("--page", metavar="NAME", default="proof", help="call them NAME.md and so on; default: proof")
+    parser.add_argument(
+        "--page", metavar="NAME", help="call them NAME.md and so on; default: proof; with --again proof_again"
+    )
     parser.add_argument("--json", action="store_true", help="print one JSON object, that of proof.json")
     parser.add_argument("--overwrite", action="store_true", help="replace a run that is in DIR")
     parser.add_argument("-v", "--verbose", action="store_true", help="show progress although nobody watches")

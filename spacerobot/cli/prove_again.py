@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from spacerobot.cli.prove_run import in_words, jobs_and_minutes, orders_of, seeds_in_words
+from spacerobot.cli.prove_run import in_words, jobs_and_minutes, orders_of, page_name, seeds_in_words
 from spacerobot.proof.batch import run_batch
 from spacerobot.proof.code_hash import code_hashes
 from spacerobot.proof.orders import KINDS
@@ -19,7 +19,8 @@ from spacerobot.support.progress import say
 from spacerobot.support.runs import RunFolder, combined_hash
 from spacerobot.view.proof.again import page
 
-NAME = "proof_again.md"
+NAME = "proof_again"
+"""Of the page, unless it is given another."""
 
 _ELSE = ("resume", "seed", "quick", "kinds")
 """Arguments that choose what is played; here the records do."""
@@ -31,6 +32,7 @@ def run_again(args: argparse.Namespace) -> int:
         if getattr(args, name):
             raise InputError("what is played again is chosen by the records", given=f"--{name}", valid="--again alone")
     jobs, minutes = jobs_and_minutes(args)
+    name = f"{page_name(args.page or NAME)}.md"
     batch, records = read_batch(args.again)
     wrong = {r["name"]: r for r in missed(records)}
     if not wrong:
@@ -49,13 +51,13 @@ def run_again(args: argparse.Namespace) -> int:
                 )
             now = usable(played)  # one that cannot be made any more is not right for it
             about = {"seeds": seeds_in_words(batch), "then": in_words(batch["codes"]), "now": in_words(codes)}
-            folder.write(NAME, page(records, now, about))
+            folder.write("again.md", page(records, now, about))
             told = {"wrong": len(wrong), "played": len(now), "right_now": sum(right(r) for r in now), "records": now}
             folder.write("again.json", dumps({**about, **told}) + "\n")
             if len(played) == len(orders):
                 folder.finish()
-        text = (folder.folder / NAME).read_text(encoding="utf-8")
+        text = (folder.folder / "again.md").read_text(encoding="utf-8")
         if args.docs:
-            write_text(Path(args.docs) / NAME, text)
+            write_text(Path(args.docs) / name, text)
         print((folder.folder / "again.json").read_text(encoding="utf-8").rstrip("\n") if args.json else text)
     return 0

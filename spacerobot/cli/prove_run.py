@@ -46,7 +46,7 @@ def run(args: argparse.Namespace) -> int:
         raise InputError("not a share", given=share, valid="above 0, up to 1", where="--share")
     jobs, minutes = jobs_and_minutes(args)
     asked = None if args.seed is None else parse_whole(args.seed, "--seed")
-    name = _page_name(args.page)
+    name = page_name(args.page or "proof")
     codes = code_hashes()
     begun, known = _begun(args.resume, asked, codes)
     seed = begun["seed"] if begun else asked
@@ -196,7 +196,8 @@ def _command(args: argparse.Namespace) -> str:
     return " ".join(w for w in words if w)
 
 
-def _page_name(given: str) -> str:
+def page_name(given: str) -> str:
+    """A name that a page and its files may have, as it was given."""
     if not re.fullmatch(r"[a-z0-9_]{1,40}", given):
         raise InputError("not a page's name", given=given[:60], valid="letters a to z, digits, _", where="--page")
     return given

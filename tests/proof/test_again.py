@@ -74,7 +74,8 @@ def test_what_is_wrong_is_played_again_and_nothing_else(
     assert rows[names["overlooked"]].split("|")[-2].strip() == "no"
     assert rows[names["claimed"]].split("|")[-2].strip() == "yes"
     assert "**2** are right" in text
-    assert main([*asked, "--json"]) == 0  # finished: reused
+    assert main([*asked, "--page", "again_once_more"]) == 0  # finished: reused
+    assert (tmp_path / "docs" / "again_once_more.md").read_text(encoding="utf-8") == text
     assert len(played) == 3
 
 
@@ -91,7 +92,9 @@ def test_a_batch_without_a_fault_is_left_alone(
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.parametrize("more", [["--seed", "3"], ["--quick"], ["--kinds", "two"], ["--resume", "x"]])
+@pytest.mark.parametrize(
+    "more", [["--seed", "3"], ["--quick"], ["--kinds", "two"], ["--resume", "x"], ["--page", "../x"]]
+)
 def test_nothing_else_says_what_is_played(
     published: tuple[Path, dict[str, str]], tmp_path: Path, capsys: pytest.CaptureFixture[str], more: list[str]
 ) -> None:
