@@ -153,7 +153,7 @@ def _ambiguous(verdict: Mapping[str, Any], evidence: Evidence) -> Story:
     more = [f"The favourite, by a margin that proves nothing, is {sets[0]}."] if sets else []
     step = verdict.get("next_experiment")
     if step:
-        more.append(f"One more trial could decide it: {change_text(step.get('change') or {})}.")
+        more.append(f"The trial that would tell them apart best: {change_text(step.get('change') or {})}.")
     return Story("Ambiguous", "open", "Several explanations, one set of data", sentence, (*more, *_moved(verdict)))
 
 
