@@ -16,6 +16,7 @@ from spacerobot.view.report.story import improvement
 from spacerobot.view.report.words import (
     number,
     parameter_label,
+    parameters_text,
     place,
     probability,
     quantity,
@@ -135,3 +136,16 @@ def test_one_channel_that_gains_is_told_of_where_all_together_hide_it() -> None:
     assert "110 % of each channel's own spread" in (improvement(verdict) or "")
     overall["rms_after"] = 0.5
     assert "50 % instead of 110 %" in (improvement(verdict) or "")
+
+
+def test_parameters_of_one_effect_and_of_two() -> None:
+    levels = {"asymmetric_friction@joint.E1.force_plus_N": 0.0163, "asymmetric_friction@joint.E1.force_minus_N": 0.015}
+    assert parameters_text(levels) == "force plus 0.0163, force minus 0.015"  # a joint that turns has no forces in N
+    late = {"time_offset@mocap.delay_s": 0.003}
+    assert parameters_text(late) == "3\u00a0ms"
+    pushed = {"external_impulse@target.impulse_Ns": 0.02, "external_impulse@target.time_s": 0.65}
+    two = parameters_text({**late, **pushed})
+    first, second = two.split("; ")
+    assert first.endswith(": delay 3\u00a0ms")
+    assert second == "external impulse on the target: impulse 0.02\u00a0N s, time 0.65\u00a0s"
+    assert parameters_text({}) == ""

@@ -239,12 +239,20 @@ def quantity(value: Any, unit: str | None, ci95: Any = None) -> str:
 
 
 def parameters_text(parameters: Mapping[str, Any]) -> str:
-    """All parameters of an effect in one line."""
-    parts = []
-    for name, item in parameters.items():
+    """All parameters of an effect in one line; keys "effect@where.parameter" by effect, where there are several."""
+    owners: dict[str, list[str]] = {}
+    for key, item in parameters.items():
+        owner, _, name = key.rpartition(".") if "@" in key else ("", "", key)
         if isinstance(item, Mapping):
             text = quantity(item.get("value"), item.get("unit"), item.get("ci95"))
-        else:
-            text = number(item)
-        parts.append(text if len(parameters) == 1 else f"{parameter_label(name)} {text}")
-    return ", ".join(parts)
+        else:  # a joint that turns has its torques under the names of forces
+            text = quantity(item, unit_of_name(name) if owner and "@joint." not in owner else None)
+        owners.setdefault(owner, []).append(text if len(parameters) == 1 else f"{parameter_label(name)} {text}")
+    if len(owners) < 2:
+        return ", ".join(*owners.values()) if owners else ""
+    return "; ".join(f"{_owner(owner)}{', '.join(texts)}" for owner, texts in owners.items())
+
+
+def _owner(key: str) -> str:
+    effect, _, where = key.partition("@")
+    return f"{effect_title(effect)} {place(where)}: " if where else ""
