@@ -7,7 +7,7 @@ from typing import Any
 
 from spacerobot.proof.rates import Record
 from spacerobot.proof.summary import missed, right
-from spacerobot.view.proof.page import favoured_in, hidden_in, strength_of, table
+from spacerobot.view.proof.cells import favoured_in, hidden_in, strength_of, table
 
 _INTRODUCTION = """\
 # Proof: what went wrong, again
