@@ -21,8 +21,10 @@ from spacerobot.diagnosis.workshop import Only, Task, Workshop
 SLACK = 3.0
 """Cost by which a larger model may exceed a smaller one before the optimiser is blamed."""
 
-FRACTION = 0.1
-"""Share of the lead over the nearest rival by which a fit may stop short of the truth."""
+FRACTION = 0.25
+"""Share of the lead over the nearest rival by which a fit may stop short of the truth: the answer would turn only if
+the chosen set's fit stopped short by all of it.
+"""
 
 APART = 6.0
 """Standard errors by which a size may come back wrong from a synthetic copy before its interval is blamed."""

@@ -62,7 +62,7 @@ def pairs(pool: Pool, found: Found, first: Screen, report: Report) -> None:
         paired.add(single.hypothesis.label)
         run_tasks(pool, found, _mirrored(found), report, "late for early")
         run_tasks(pool, found, _twins(found, first), report, "what acts alike")
-        _simplify(pool, found, report)
+        simplify(pool, found, report)
         if found.explained:
             break
 
@@ -178,7 +178,7 @@ def _alike(a: np.ndarray, b: np.ndarray) -> bool:
     return size > 0.0 and abs(float(a @ b)) > ALIKE * size
 
 
-def _simplify(pool: Pool, found: Found, report: Report) -> None:
+def simplify(pool: Pool, found: Found, report: Report) -> None:
     """What the best sets could do without: their special cases and subsets, from where they ended.
 
     Both the one that a verdict would prefer and the one of least cost, whose further effect may have taken the place

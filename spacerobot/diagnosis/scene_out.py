@@ -44,7 +44,9 @@ def scene_of(study: Study, model: RigModel, fit: Fit, trial: str | None = None) 
     }
     ahead, lateral = values["target.contact_point.ahead"], values["target.contact_point.lateral"]
     yaw = start.get(("target.yaw", False), 0.0)
-    turned = ahead * (math.cos(yaw) - 1.0) - lateral * math.sin(yaw)
+    contact = model.trial_mechanism(fit.hypothesis, fit.z, data).contact
+    assert contact is not None
+    turned = contact.ahead * (math.cos(yaw) - 1.0) - contact.lateral * math.sin(yaw)  # effects may have moved the point
     inertia = values["target.yaw_inertia"]
     scene = Scene(
         robot=study.robot_source or "pa10_wrist",

@@ -14,7 +14,7 @@ from spacerobot.diagnosis.found import WORTH_A_FIT, Found, Report, effect_values
 from spacerobot.diagnosis.hypothesis import Label, Site
 from spacerobot.diagnosis.minima import other_minima
 from spacerobot.diagnosis.one_trial import knocks
-from spacerobot.diagnosis.pairs import at_full_size, pairs
+from spacerobot.diagnosis.pairs import at_full_size, pairs, simplify
 from spacerobot.diagnosis.pool import Pool
 from spacerobot.diagnosis.screen import faint
 from spacerobot.diagnosis.starts import effect_starts, informed_starts, sized
@@ -97,7 +97,10 @@ def search(pool: Pool, sites: Sequence[Site], report: Report, *, baseline: Fit |
         stop=True,
     )
     pairs(pool, found, first, report)
+    chosen = found.preferred([*found.fits.values()])
     other_minima(pool, found, report)
+    if found.preferred([*found.fits.values()]) is not chosen:
+        simplify(pool, found, report)
     return found
 
 

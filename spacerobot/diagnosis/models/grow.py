@@ -16,6 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from spacerobot.diagnosis.candidates import contains
 from spacerobot.diagnosis.data import TrialData
 from spacerobot.diagnosis.hypothesis import Label
 from spacerobot.diagnosis.models.bench import Bench, Promise
@@ -137,9 +138,26 @@ class _Search:
             before, after = self.weighed(before, before)
             rivals = ()
         if stated and len(self.benches) == 1:
+            less = self.without_chance(after, [c.label for c in tested])
+            if less is not after:
+                rivals = tuple(r for r in rivals if r.label != less.label and not contains(r.label, less.label))
+                after = less
             more = not_excluded(self.benches[0], after.fits[0], self.sites[0])
             rivals = (*rivals, *(self.tested(Candidate((fit,))) for fit in more))
         return Growth(self.benches, before, after, rivals, ranked, tuple(self.screened.items()))
+
+    def without_chance(self, chosen: Candidate, tried: Sequence[Label]) -> Candidate:
+        """Without effects that gain no more than chance would beside the others, of sets that were tried."""
+        (bench,) = self.benches
+        for site in chosen.sites:
+            rest = [s for s in chosen.sites if s is not site]
+            if not rest or tuple(sorted(s.label for s in rest)) not in tried:
+                continue
+            fit = bench.fitted_as(chosen.fits[0], rest, {})
+            if fit is not None and by_chance(fit.cost - chosen.cost, len(site.effect.parameters)):
+                self.say(f"  {words((site.label,))}: no more than chance would gain beside the others")
+                return self.without_chance(self.tested(Candidate((fit,))), tried)
+        return chosen
 
     def weighed(self, chosen: Candidate, baseline: Candidate) -> tuple[Candidate, Candidate]:
         """Baseline and choice, fitted and tried again under the weights that what the choice leaves over asks for.

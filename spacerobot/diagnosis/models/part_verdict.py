@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
 from collections.abc import Mapping, Sequence
@@ -23,17 +24,24 @@ from spacerobot.recordings.study import Study
 
 PRECEDENCE = (NOT_TRUSTED, NAMED, AMBIGUOUS, UNKNOWN, WRONG_PARAMETER, NOTHING_MISSING)
 """Of the parts' verdicts, the first that occurs is the study's: what is named at one joint stays named whatever is
-said of another."""
+said of another. Only where noise is stated is it certain that the other lacks something, and no set without it whole.
+"""
 
 LISTED = 5
 """Rivals that a verdict lists."""
+
+SETS = 32
+"""Sets that an ambiguous verdict lists: those first in which fewest parts have another explanation than the best."""
 
 
 def verdict_of(study: Study, parts: Sequence[Part], *, version: str, seed: int, seconds: float) -> dict[str, Any]:
     """The whole of verdict.json; beside what every verdict has, "parts" with each part's own."""
     own = [p.verdict for p in parts]
     verdict = next(v for v in PRECEDENCE if v in own)
-    speaking = [p for p, v in zip(parts, own, strict=True) if v == verdict]
+    if verdict == NAMED and any(v == AMBIGUOUS and p.loudness for p, v in zip(parts, own, strict=True)):
+        verdict = AMBIGUOUS
+    said = (AMBIGUOUS, NAMED) if verdict == AMBIGUOUS else (verdict,)
+    speaking = [p for p, v in zip(parts, own, strict=True) if v in said]
     effects = [e for p in speaking for e in entries(p, len(parts))] if verdict == NAMED else []
     further = [next_trial(p) for p, v in zip(parts, own, strict=True) if v == AMBIGUOUS]
     seen = touches([p.model for p in parts])
@@ -132,29 +140,39 @@ def balance(part: Part, name: str, count: int) -> str:
 
 
 def alternatives(parts: Sequence[Part], verdict: str) -> list[dict[str, Any]]:
-    """Where ambiguous, the sets that predict alike, the favourite first; else the best rivals of each part."""
-    out = []
-    for part in parts:
-        if verdict == AMBIGUOUS:
-            shown: Sequence[Candidate] = (part.chosen, *part.rivals)
-        else:
+    """Where ambiguous, the sets that predict alike, the favourite first; else the best rivals of each part.
+
+    A set says all that may be missing: where one part is ambiguous, each of its explanations stands beside what is
+    named of the others.
+    """
+    if verdict != AMBIGUOUS:
+        out = []
+        for part in parts:
             sites = part.fit.hypothesis.label
-            shown = [c for c in part.growth.considered if c.sites and c.label != sites][: max(1, LISTED // len(parts))]
-        out += [_alternative(c, part) for c in shown]
-    return out
+            others = [c for c in part.growth.considered if c.sites and c.label != sites]
+            out += [_alternative([(part, c)]) for c in others[: max(1, LISTED // len(parts))]]
+        return out
+    choices = [[(p, c) for c in (p.chosen, *(p.rivals if p.verdict == AMBIGUOUS else ()))] for p in parts]
+    sets = sorted(itertools.product(*choices), key=lambda s: sum(c is not p.chosen for p, c in s))
+    return [_alternative(s) for s in sets[:SETS]]
 
 
-def _alternative(one: Candidate, part: Part) -> dict[str, Any]:
-    """Its score is 2 ln of the held-out rms over the best one's."""
+def _alternative(chosen: Sequence[tuple[Part, Candidate]]) -> dict[str, Any]:
+    """One set over the parts. Its score is 2 ln of the held-out rms over the best one's, summed over them."""
+    scores = [_score(part, one) for part, one in chosen]
+    return {
+        "effects": [{"effect": e, "where": w} for _, one in chosen for e, w in one.label],
+        "parameters": {k: v for p, one in chosen for k, v in one.fits[p.which].values().items() if "@" in k},
+        "score": sum(scores) if np.isfinite(scores).all() else None,
+        "part": ", ".join(part.name for part, _ in chosen),
+    }
+
+
+def _score(part: Part, one: Candidate) -> float:
     tried = {c.label: c.error for c in part.growth.considered}
     # what was met after the search has been tried under the chosen one's own weights
     error = tried.get(one.label, one.error / part.growth.after.error * tried[part.growth.after.label])
-    return {
-        "effects": [{"effect": e, "where": w} for e, w in one.label],
-        "parameters": {k: v for k, v in one.fits[part.which].values().items() if "@" in k},
-        "score": 2.0 * math.log(error / part.growth.considered[0].error) if np.isfinite(error) else None,
-        "part": part.name,
-    }
+    return 2.0 * math.log(error / part.growth.considered[0].error) if np.isfinite(error) else math.inf
 
 
 def _moved(part: Part) -> dict[str, Any]:
