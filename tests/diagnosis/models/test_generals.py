@@ -10,7 +10,6 @@ import pytest
 
 pytest.importorskip("mujoco", reason="the extra `proof` is not installed")
 
-from spacerobot.diagnosis.diagnose import diagnose
 from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.models.bench import Bench
 from spacerobot.diagnosis.models.choose import models_for
@@ -72,16 +71,3 @@ def test_a_fit_without_two_levels_has_no_end_of_them(tmp_path: Path) -> None:
     assert not left_open(replace(open_, covariance=None), open_.hypothesis.sites[0])
     plain = replace(open_, covariance=None)
     assert least_alike(plain) is plain
-
-
-def test_friction_left_open_is_told_as_ambiguous_with_the_trial_that_would_tell(tmp_path: Path) -> None:
-    whole = drawn(np.random.default_rng(4))
-    item = Missing("coulomb_friction", f"joint.{JOINT}", {"force_Nm": 0.035})
-    campaign = replace(whole, tracks=dict(list(whole.tracks.items())[-2:]), hidden=(item,))
-    write_study(tmp_path, campaign, campaign.logs())
-    said = diagnose(load_study(tmp_path), jobs=1).verdict
-    assert said["verdict"] == "ambiguous"
-    first, *others = [a["effects"][0]["effect"] for a in said["alternatives"]]
-    assert (first, others) == ("coulomb_friction", ["asymmetric_friction"])
-    assert all(abs(a["score"]) < 0.1 for a in said["alternatives"])  # as good, in the same weights
-    assert said["next_experiment"]["part"] == JOINT
