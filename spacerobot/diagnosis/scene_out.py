@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 from spacerobot.diagnosis.fitted import Fit
@@ -46,7 +45,7 @@ def scene_of(study: Study, model: RigModel, fit: Fit, trial: str | None = None) 
     yaw = start.get(("target.yaw", False), 0.0)
     contact = model.trial_mechanism(fit.hypothesis, fit.z, data).contact
     assert contact is not None
-    turned = contact.ahead * (math.cos(yaw) - 1.0) - contact.lateral * math.sin(yaw)  # effects may have moved the point
+    turned, _ = contact.turned(yaw)  # of the point as effects have moved it
     inertia = values["target.yaw_inertia"]
     scene = Scene(
         robot=study.robot_source or "pa10_wrist",
@@ -69,7 +68,7 @@ def scene_of(study: Study, model: RigModel, fit: Fit, trial: str | None = None) 
             attitude=(0.0, 0.0, yaw),
             speed=start["target", True],
             drift=start.get(("target.y", True), 0.0),
-            gap=max(-start["target", False] - turned, 0.0),
+            gap=max(float(-start["target", False] - turned), 0.0),
         ),
         duration=data.end - data.start,
         effects=effects,

@@ -7,6 +7,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
 
 from spacerobot.effects.kernel import Kernel, ScalarLaw
 from spacerobot.support.errors import InputError
@@ -95,6 +98,15 @@ class Contact:
         _finite("contact parameter", *self.p, self.ahead, self.lateral)
         if not self.hold >= 0.0:
             raise InputError("holding force must not be negative", given=self.hold, where="contact")
+
+    def turned(self, yaw: Any) -> tuple[Any, Any]:
+        """By how much the contact point is further along and across where the body is turned, shape of yaw each [m].
+
+        The yaw's parts of d and s above.
+        """
+        sine, cosine = np.sin(yaw), np.cos(yaw)
+        a, b = self.ahead, self.lateral
+        return a * (cosine - 1.0) - b * sine, a * sine + b * (cosine - 1.0)
 
 
 @dataclass(frozen=True)

@@ -226,9 +226,8 @@ def reduced_contact(run: ReducedRun, taken: Sample) -> tuple[np.ndarray, np.ndar
     rate = taken.velocity[:, target] - taken.velocity[:, wrist]
     if "target.yaw" in names:
         yaw, spin = (s[:, names.index("target.yaw")] for s in (taken.position, taken.velocity))
-        a, b = contact.ahead, contact.lateral
-        depth = depth + a * (np.cos(yaw) - 1.0) - b * np.sin(yaw)
-        rate = rate - (a * np.sin(yaw) + b * np.cos(yaw)) * spin
+        depth = depth + contact.turned(yaw)[0]
+        rate = rate - (contact.ahead * np.sin(yaw) + contact.lateral * np.cos(yaw)) * spin
     return depth, rate
 
 

@@ -107,12 +107,11 @@ def reduced_start(scene: Scene) -> tuple[dict[str, float], dict[str, float]]:
     mechanism = scene.mechanism("reduced")
     contact, yaw = mechanism.contact, scene.target.attitude[2]
     assert contact is not None
-    sine, cosine = math.sin(yaw), math.cos(yaw)
-    a, b = contact.ahead, contact.lateral
+    along, across = contact.turned(yaw)
     position = {
         "wrist": scene.wrist.deflection,
-        "target": -scene.target.gap - (a * (cosine - 1.0) - b * sine),
-        "target.y": -(a * sine + b * (cosine - 1.0)),
+        "target": float(-scene.target.gap - along),
+        "target.y": float(-across),
         "target.yaw": yaw,
     }
     velocity = {

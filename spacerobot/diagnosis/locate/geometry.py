@@ -38,4 +38,4 @@ def bulge(mechanism: Mechanism, psi: np.ndarray) -> np.ndarray:
     contact = mechanism.contact
     if contact is None:
         return np.zeros_like(psi)
-    return contact.ahead * (np.cos(psi) - 1.0) - contact.lateral * np.sin(psi)
+    return np.asarray(contact.turned(psi)[0])

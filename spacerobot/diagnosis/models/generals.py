@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -13,11 +14,12 @@ from spacerobot.diagnosis.hypothesis import Site
 from spacerobot.diagnosis.models.bench import Bench
 from spacerobot.diagnosis.models.chance import by_chance
 from spacerobot.diagnosis.models.plausible import redundant
+from spacerobot.diagnosis.profile import LEVEL_95
 
 TWICE = 2.0 / 3.0
 """Difference of two levels over their mean where one is twice the other: friction that is not the same both ways."""
 
-WIDE = 1.96
+WIDE = math.sqrt(LEVEL_95)
 """Standard deviations that a 95 % interval reaches either way."""
 
 Known = Mapping[tuple[str, str], Site]

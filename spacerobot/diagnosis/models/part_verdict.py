@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 import re
 from collections.abc import Mapping, Sequence
@@ -12,7 +11,7 @@ import numpy as np
 
 from spacerobot.diagnosis.judge import AMBIGUOUS, NAMED, NOT_TRUSTED, NOTHING_MISSING, UNKNOWN, WRONG_PARAMETER
 from spacerobot.diagnosis.locate.located import LEVEL
-from spacerobot.diagnosis.models.candidate import Candidate
+from spacerobot.diagnosis.models.alternatives import alternatives
 from spacerobot.diagnosis.models.events import clocks, touches
 from spacerobot.diagnosis.models.held_out import parent, scheme_of
 from spacerobot.diagnosis.models.model_out import FILE, RUNS
@@ -26,12 +25,6 @@ PRECEDENCE = (NOT_TRUSTED, NAMED, AMBIGUOUS, UNKNOWN, WRONG_PARAMETER, NOTHING_M
 """Of the parts' verdicts, the first that occurs is the study's: what is named at one joint stays named whatever is
 said of another. Only where noise is stated is it certain that the other lacks something, and no set without it whole.
 """
-
-LISTED = 5
-"""Rivals that a verdict lists."""
-
-SETS = 32
-"""Sets that an ambiguous verdict lists: those first in which fewest parts have another explanation than the best."""
 
 
 def verdict_of(study: Study, parts: Sequence[Part], *, version: str, seed: int, seconds: float) -> dict[str, Any]:
@@ -137,42 +130,6 @@ def turning_unit(unit: str) -> str:
 def balance(part: Part, name: str, count: int) -> str:
     """Name of a balance; where models of one family call theirs alike, with the model's own name."""
     return f"{part.name}: {name}" if count > 1 and part.model.family else name
-
-
-def alternatives(parts: Sequence[Part], verdict: str) -> list[dict[str, Any]]:
-    """Where ambiguous, the sets that predict alike, the favourite first; else the best rivals of each part.
-
-    A set says all that may be missing: where one part is ambiguous, each of its explanations stands beside what is
-    named of the others.
-    """
-    if verdict != AMBIGUOUS:
-        out = []
-        for part in parts:
-            sites = part.fit.hypothesis.label
-            others = [c for c in part.growth.considered if c.sites and c.label != sites]
-            out += [_alternative([(part, c)]) for c in others[: max(1, LISTED // len(parts))]]
-        return out
-    choices = [[(p, c) for c in (p.chosen, *(p.rivals if p.verdict == AMBIGUOUS else ()))] for p in parts]
-    sets = sorted(itertools.product(*choices), key=lambda s: sum(c is not p.chosen for p, c in s))
-    return [_alternative(s) for s in sets[:SETS]]
-
-
-def _alternative(chosen: Sequence[tuple[Part, Candidate]]) -> dict[str, Any]:
-    """One set over the parts. Its score is 2 ln of the held-out rms over the best one's, summed over them."""
-    scores = [_score(part, one) for part, one in chosen]
-    return {
-        "effects": [{"effect": e, "where": w} for _, one in chosen for e, w in one.label],
-        "parameters": {k: v for p, one in chosen for k, v in one.fits[p.which].values().items() if "@" in k},
-        "score": sum(scores) if np.isfinite(scores).all() else None,
-        "part": ", ".join(part.name for part, _ in chosen),
-    }
-
-
-def _score(part: Part, one: Candidate) -> float:
-    tried = {c.label: c.error for c in part.growth.considered}
-    # what was met after the search has been tried under the chosen one's own weights
-    error = tried.get(one.label, one.error / part.growth.after.error * tried[part.growth.after.label])
-    return 2.0 * math.log(error / part.growth.considered[0].error) if np.isfinite(error) else math.inf
 
 
 def _moved(part: Part) -> dict[str, Any]:

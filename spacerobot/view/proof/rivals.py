@@ -8,7 +8,7 @@ import numpy as np
 
 from spacerobot.proof.rates import Record
 from spacerobot.proof.summary import usable
-from spacerobot.view.proof.cells import table
+from spacerobot.view.proof.cells import hidden_in, strength_of, table
 
 
 def rivals(records: Sequence[Record]) -> str:
@@ -64,8 +64,7 @@ def _flagged(found: Sequence[tuple[Record, bool]], *, missing: bool) -> str:
 def _quotes(records: Sequence[Record], most: int = 3) -> list[str]:
     lines = ["What they said, in the first campaigns with something missing:\n"]
     for record in [r for r in records if r["hidden"]][:most]:
-        hidden = " + ".join(" at ".join(h) for h in record["hidden"])
-        lines.append(f"- **{hidden}**, strength {record['strength']:.1f}")
+        lines.append(f"- **{hidden_in(record)}**, strength {strength_of(record)}")
         for name, opinion in record["rivals"].items():
             lines.append(f"    - {name}: {opinion.get('says', opinion.get('failed'))}")
         favourite = " + ".join(" at ".join(f) for f in record["favourite"]) or "no effect"

@@ -248,9 +248,7 @@ def parameters_text(parameters: Mapping[str, Any]) -> str:
         else:  # a joint that turns has its torques under the names of forces
             text = quantity(item, unit_of_name(name) if owner and "@joint." not in owner else None)
         owners.setdefault(owner, []).append(text if len(parameters) == 1 else f"{parameter_label(name)} {text}")
-    if len(owners) < 2:
-        return ", ".join(*owners.values()) if owners else ""
-    return "; ".join(f"{_owner(owner)}{', '.join(texts)}" for owner, texts in owners.items())
+    return "; ".join(f"{_owner(owner) if len(owners) > 1 else ''}{', '.join(texts)}" for owner, texts in owners.items())
 
 
 def _owner(key: str) -> str:

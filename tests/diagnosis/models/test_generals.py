@@ -10,24 +10,21 @@ import pytest
 
 pytest.importorskip("mujoco", reason="the extra `proof` is not installed")
 
+from helpers_driven import driven_study
+
 from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.models.bench import Bench
 from spacerobot.diagnosis.models.choose import models_for
 from spacerobot.diagnosis.models.generals import WIDE, least_alike, left_open, not_excluded
-from spacerobot.proof.driven.campaign import drawn, write_study
 from spacerobot.proof.engine.missing import Missing
-from spacerobot.recordings.study import load_study
 
 JOINT = "S1"
 
 
 def beside_coulomb(folder: Path, plus: float, minus: float) -> list[Fit]:
     """What is not excluded beside Coulomb friction, of a joint whose friction has these levels [N m]."""
-    whole = drawn(np.random.default_rng(4))
     item = Missing("asymmetric_friction", f"joint.{JOINT}", {"force_plus_Nm": plus, "force_minus_Nm": minus})
-    campaign = replace(whole, tracks=dict(list(whole.tracks.items())[-2:]), hidden=(item,))
-    write_study(folder, campaign, campaign.logs())
-    (model,) = [m for m in models_for(load_study(folder)) if m.name == JOINT]
+    (model,) = [m for m in models_for(driven_study(folder, item)) if m.name == JOINT]
     bench, known = Bench(model), {s.label: s for s in model.sites()}
     start = bench.baseline()
     bench.sharpen(start)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 pytest.importorskip("mujoco", reason="the extra `proof` is not installed")
+
+from helpers_driven import driven_study
 
 from spacerobot.diagnosis.hypothesis import Label
 from spacerobot.diagnosis.models import grow as module
@@ -17,9 +17,7 @@ from spacerobot.diagnosis.models.candidate import Candidate
 from spacerobot.diagnosis.models.choose import models_for
 from spacerobot.diagnosis.models.grow import grow
 from spacerobot.effects.registry import effect
-from spacerobot.proof.driven.campaign import drawn, write_study
 from spacerobot.proof.engine.missing import Missing
-from spacerobot.recordings.study import load_study
 
 JOINT = "S1"
 
@@ -31,10 +29,7 @@ def chosen_rashly(folder: Path, monkeypatch: pytest.MonkeyPatch, hidden: tuple[M
         return min((c for c in tested if c.sites), key=lambda c: c.error)
 
     monkeypatch.setattr(module, "choice", rash)
-    whole = drawn(np.random.default_rng(4))
-    campaign = replace(whole, tracks=dict(list(whole.tracks.items())[-2:]), hidden=hidden)
-    write_study(folder, campaign, campaign.logs())
-    (model,) = [m for m in models_for(load_study(folder)) if m.name == JOINT]
+    (model,) = [m for m in models_for(driven_study(folder, *hidden)) if m.name == JOINT]
     found = grow(model, effects=[effect("coulomb_friction"), effect("viscous_friction")])
     assert (found.after is found.before) == (not found.after.sites)
     assert found.after.sites or not found.rivals

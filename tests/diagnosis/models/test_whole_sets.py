@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 pytest.importorskip("mujoco", reason="the extra `proof` is not installed")
+
+from helpers_driven import driven_study
 
 from spacerobot.diagnosis.diagnose import diagnose
 from spacerobot.diagnosis.hypothesis import Label
@@ -18,35 +18,25 @@ from spacerobot.diagnosis.models.bench import Bench
 from spacerobot.diagnosis.models.candidate import Candidate
 from spacerobot.diagnosis.models.choose import models_for
 from spacerobot.diagnosis.models.grow import _Search
-from spacerobot.proof.driven.campaign import drawn, write_study
 from spacerobot.proof.engine.missing import Missing
-from spacerobot.recordings.study import load_study
 
 OPEN = Missing("coulomb_friction", "joint.S1", {"force_Nm": 0.035})
 SURE = Missing("viscous_friction", "joint.S2", {"coefficient_Nms_rad": 0.6})
 SURE_LABEL = (SURE.effect, SURE.where)
 
 
-def study_with(folder: Path, *hidden: Missing) -> None:
-    """Two logs of an arm with this in its joints."""
-    whole = drawn(np.random.default_rng(4))
-    campaign = replace(whole, tracks=dict(list(whole.tracks.items())[-2:]), hidden=hidden)
-    write_study(folder, campaign, campaign.logs())
-
-
 def said_of(folder: Path, *hidden: Missing) -> Mapping[str, Any]:
-    study_with(folder, *hidden)
-    return diagnose(load_study(folder), jobs=1).verdict
+    return diagnose(driven_study(folder, *hidden), jobs=1).verdict
 
 
-def sets(verdict: Mapping[str, Any]) -> list[Label]:
+def listed(verdict: Mapping[str, Any]) -> list[Label]:
     return [tuple((e["effect"], e["where"]) for e in a["effects"]) for a in verdict["alternatives"]]
 
 
 def test_friction_left_open_is_told_with_the_trial_that_would_tell(tmp_path: Path) -> None:
     verdict = said_of(tmp_path, OPEN)
     assert verdict["verdict"] == "ambiguous"
-    assert sets(verdict) == [(("coulomb_friction", "joint.S1"),), (("asymmetric_friction", "joint.S1"),)]
+    assert listed(verdict) == [(("coulomb_friction", "joint.S1"),), (("asymmetric_friction", "joint.S1"),)]
     assert all(abs(a["score"]) < 0.1 for a in verdict["alternatives"])  # as good, in the same weights
     assert verdict["next_experiment"]["part"] == "S1"
 
@@ -54,7 +44,7 @@ def test_friction_left_open_is_told_with_the_trial_that_would_tell(tmp_path: Pat
 def test_what_is_sure_of_one_joint_stands_in_every_set_that_another_leaves_open(tmp_path: Path) -> None:
     verdict = said_of(tmp_path, OPEN, SURE)
     assert verdict["verdict"] == "ambiguous"
-    found = sets(verdict)
+    found = listed(verdict)
     assert found[0] == (("coulomb_friction", "joint.S1"), SURE_LABEL)
     assert (("asymmetric_friction", "joint.S1"), SURE_LABEL) in found
     assert all(SURE_LABEL in one for one in found)
@@ -67,8 +57,8 @@ def test_what_is_sure_of_one_joint_stands_in_every_set_that_another_leaves_open(
 def test_an_effect_that_chance_would_bring_is_dropped_and_no_other(tmp_path: Path, coulomb: float) -> None:
     both = ("coulomb_friction", "joint.S1"), ("viscous_friction", "joint.S1")
     viscous = Missing("viscous_friction", "joint.S1", {"coefficient_Nms_rad": 0.6})
-    study_with(tmp_path, viscous, *([Missing(*both[0], {"force_Nm": coulomb})] if coulomb else []))
-    (model,) = [m for m in models_for(load_study(tmp_path)) if m.name == "S1"]
+    study = driven_study(tmp_path, viscous, *([Missing(*both[0], {"force_Nm": coulomb})] if coulomb else []))
+    (model,) = [m for m in models_for(study) if m.name == "S1"]
     search = _Search((Bench(model),), None, lambda text: None)
     bench, sites = search.benches[0], search.sites[0]
     start = bench.baseline()
