@@ -15,6 +15,7 @@ from typing import Any
 from spacerobot.diagnosis.diagnose import diagnose
 from spacerobot.diagnosis.schema import validate
 from spacerobot.effects.registry import effect, load_file
+from spacerobot.recordings.lacking import refuse_draft
 from spacerobot.recordings.study import load_study, resolve_study
 from spacerobot.support.errors import InputError
 from spacerobot.support.executors.choose import executor, not_both
@@ -45,6 +46,7 @@ def run(args: argparse.Namespace) -> int:
     for name in args.without:
         effect(name)  # an unknown name is an error that suggests the nearest
     study = load_study(resolve_study(args.study), args.data)
+    refuse_draft(study)  # before a folder is made for it
     codes = [Path(f).read_text(encoding="utf-8") for f in args.effects]
     key = combined_hash(study.input_hash, str(args.seed), *sorted(args.without), *codes)
     with contextlib.ExitStack() as stack:

@@ -7,6 +7,7 @@ import contextlib
 import hashlib
 import json
 import re
+import sys
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -18,6 +19,7 @@ from spacerobot import __version__
 from spacerobot.diagnosis.forward.base import ForwardModel, TrialOverlay
 from spacerobot.diagnosis.forward.elsewhere import model_of, overlays
 from spacerobot.diagnosis.forward.residuals import by_channel, residuals
+from spacerobot.recordings.lacking import lacks
 from spacerobot.recordings.study import Study, load_study
 from spacerobot.support.errors import InputError
 from spacerobot.support.executors.choose import executor
@@ -32,6 +34,8 @@ DRAWN = 30
 def run(args: argparse.Namespace) -> int:
     """Run the command."""
     study = chosen(load_study(args.study, args.data), args.trials)
+    if study.draft:  # the picture is how one finds a wrong sign or zero, so it is drawn
+        print(f"warning: the study is still a draft; {lacks(study)}", file=sys.stderr)
     file = None if args.model is None else Path(args.model)
     if args.out is None:
         answer = work(study, None, args.verbose, file, args.dask)

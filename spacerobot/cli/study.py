@@ -114,4 +114,6 @@ def _text(report: dict[str, Any]) -> str:
     lines += ["", f"{len(report['trials'])} trials in {len(report['conditions'])} conditions"]
     lines += [f"warning: {w}" for w in report["warnings"]]
     lines += [f"error: {e}" for e in report["errors"]]
+    if report["draft"]:
+        lines.append(f"draft: {report['draft']}")
     return "\n".join(lines)

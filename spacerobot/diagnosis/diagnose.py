@@ -30,6 +30,7 @@ from spacerobot.diagnosis.search import search
 from spacerobot.diagnosis.verdict import detectable, held_out_entry, labels_of, verdict_dict
 from spacerobot.diagnosis.weigh import SLIGHT, SMALL
 from spacerobot.diagnosis.workshop import Workshop
+from spacerobot.recordings.lacking import refuse_draft
 from spacerobot.recordings.study import Study
 from spacerobot.support.errors import InputError
 from spacerobot.support.executors.base import Executor
@@ -74,8 +75,10 @@ def diagnose(
         workers: that fit a wrist rig's hypotheses (a Dask cluster's, for instance) instead of this machine's processes.
 
     Raises:
-        InputError: the study cannot be diagnosed: nothing that was recorded can be compared with the baseline.
+        InputError: the study cannot be diagnosed: it is a draft, or nothing that was recorded can be compared with
+            the baseline.
     """
+    refuse_draft(study)
     began = time.perf_counter()
     if "wrist.stiffness" not in study.values():
         from spacerobot.diagnosis.models.diagnose_parts import diagnose_parts  # takes half a second to load

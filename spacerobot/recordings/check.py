@@ -6,12 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from spacerobot.recordings.lacking import WRIST, lacks
 from spacerobot.recordings.recording import Recording
 from spacerobot.recordings.series import Series, estimate_noise
 from spacerobot.recordings.study import Study
 from spacerobot.support.errors import InputError
-
-_EXPECTED = ("wrist.mass", "wrist.stiffness", "contact.stiffness", "target.mass")
 
 
 def check_study(study: Study) -> dict[str, Any]:
@@ -45,6 +44,7 @@ def check_study(study: Study) -> dict[str, Any]:
     return {
         "study": str(study.path),
         "title": study.title,
+        "draft": lacks(study) if study.draft else None,
         "data": str(study.root),
         "input_hash": digest,
         "baseline": {
@@ -88,7 +88,7 @@ def _believed(study: Study) -> list[str]:
     channels = study.channels()
     if any(c.startswith(("wrist.", "contact.")) for c in channels):
         known = {name for trial in study.trials for name in study.values(trial)}
-        absent = [name for name in _EXPECTED if name not in known]
+        absent = [name for name in WRIST if name not in known]
         if absent:
             found.append(f"not stated, so unknown and fitted: {', '.join(absent)}")
     if len(study.conditions()) == 1 and len(study.trials) > 1:

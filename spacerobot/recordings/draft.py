@@ -23,6 +23,7 @@ _MOST_FILES = 2000
 _MOST_CHANNELS = 40
 
 _HEAD = """format = 1
+draft = true               # diagnose waits until you have read this through and deleted this line
 title = {title}
 
 # What you believe about the rig, in SI units. A value left out is unknown and will be fitted.

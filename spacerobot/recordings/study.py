@@ -18,7 +18,7 @@ from spacerobot.support.errors import InputError, NotFoundError
 from spacerobot.support.resources import folder
 
 FORMAT = 1
-_TOP = ("format", "title", "data", "baseline", "streams", "trials")
+_TOP = ("format", "draft", "title", "data", "baseline", "streams", "trials")
 
 
 @dataclass(frozen=True)
@@ -32,6 +32,8 @@ class Study:
         baseline: what the lab believes.
         streams: name -> how its files are read.
         trials: in the order of the study.
+        draft: whether the study says that its author has not finished it (`draft = true`).
+        draft_line: file and line that say so.
     """
 
     title: str
@@ -40,6 +42,8 @@ class Study:
     baseline: Baseline
     streams: Mapping[str, StreamSpec]
     trials: tuple[Trial, ...]
+    draft: bool = False
+    draft_line: str | None = None
     _cache: dict[str, Recording] = field(default_factory=dict, repr=False, compare=False)
 
     @property
@@ -209,7 +213,8 @@ def load_study(path: str | Path, data: str | Path | None = None) -> Study:
         )
     trials = read_trials(document, streams)
     title = document.text(document.data, "title", file.parent.name)
-    return Study(title[:300], file, root, baseline, streams, trials)
+    draft = document.flag(document.data, "draft")
+    return Study(title[:300], file, root, baseline, streams, trials, draft, document.where("draft") if draft else None)
 
 
 def resolve_study(path: str | Path) -> Path:
