@@ -152,10 +152,6 @@ class RigModel:
         for nuisance, value in zip(self._motion[trial.id], initial, strict=True):
             if nuisance.coordinate in mechanism.coordinates:
                 (velocity if nuisance.rate else position)[nuisance.coordinate] = float(value)
-        for name, coordinate in mechanism.coordinates.items():  # what a body carries starts along with it
-            if coordinate.carrier is not None:
-                position[name] = position.get(coordinate.carrier, 0.0)
-                velocity[name] = velocity.get(coordinate.carrier, 0.0)
         run = simulate(
             self._lately.prepared(mechanism),
             position=position,

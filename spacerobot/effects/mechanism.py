@@ -140,6 +140,39 @@ class Mechanism:
             readouts={"target.y": Readout("target.y", "position", "target.y"), **self.readouts},
         )
 
+    def carrier_of(self, name: str) -> str | None:
+        """The coordinate whose motion an appendage shares while its own spring stays as it is.
+
+        What turns in its carrier shares the carrier's yaw. None for what rides on nothing that moves here.
+        """
+        own = self.coordinates[name]
+        if own.carrier is None:
+            return None
+        found = f"{own.carrier}.yaw" if own.angular else own.carrier
+        return found if found in self.coordinates else None
+
+    def at_start(self, values: Mapping[str, float]) -> dict[str, float]:
+        """Positions (or velocities) of all coordinates at the start, by name.
+
+        Args:
+            values: of some coordinates [m or rad, m/s or rad/s]. An appendage that is not named starts along with
+                its carrier, as it would after a long flight together; whatever else is not named starts at zero.
+
+        Raises:
+            NotFoundError: a name that is no coordinate.
+        """
+        for name in values:
+            if name not in self.coordinates:
+                raise NotFoundError("coordinate", name, self.coordinates)
+
+        def value(name: str) -> float:
+            carrier = self.carrier_of(name)
+            if name in values or carrier is None:
+                return float(values.get(name, 0.0))
+            return value(carrier)
+
+        return {name: value(name) for name in self.coordinates}
+
     def angular(self, port: str) -> bool:
         """Whether a port's displacement is an angle."""
         row = self.ports.get(port, {})

@@ -122,7 +122,7 @@ def reduced_start(scene: Scene) -> tuple[dict[str, float], dict[str, float]]:
     }
     if "hand" in mechanism.coordinates:
         velocity["hand"] = -scene.hand_speed
-    return position, velocity
+    return mechanism.at_start(position), mechanism.at_start(velocity)
 
 
 def usual_rate(duration: float) -> float:

@@ -127,10 +127,6 @@ class Simulated(Model):
         velocity: dict[str, float] = {}
         for nuisance, value in zip(self.nuisances(trial), initial, strict=True):
             (velocity if nuisance.rate else position)[nuisance.coordinate] = float(value)
-        for name, coordinate in mechanism.coordinates.items():  # what a body carries starts along with it
-            if coordinate.carrier is not None:
-                position[name] = position.get(coordinate.carrier, 0.0)
-                velocity[name] = velocity.get(coordinate.carrier, 0.0)
         # what a late sensor shows at the window's start happened before it: the run begins then, with that state
         late = _delays(mechanism, trial)
         start, end = trial.start - max(late), trial.end - min(late) + 1e-9

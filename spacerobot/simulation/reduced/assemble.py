@@ -225,17 +225,3 @@ def unturning(packed: Packed) -> Packed:
     ints = packed.ints.copy()
     ints[YAW] = NONE
     return Packed(packed.floats, ints)
-
-
-def initial_vector(layout: Layout, values: Mapping[str, float]) -> np.ndarray:
-    """A vector over the coordinates, zero where `values` is silent, shape (n,).
-
-    Raises:
-        NotFoundError: a name that is no coordinate.
-    """
-    vector = np.zeros(len(layout.coordinates))
-    for name, value in values.items():
-        if name not in layout.coordinates:
-            raise NotFoundError("coordinate", name, layout.coordinates)
-        vector[layout.coordinates.index(name)] = value
-    return vector

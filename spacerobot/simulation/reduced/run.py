@@ -12,7 +12,7 @@ import numpy as np
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.simulation.events import Event
 from spacerobot.simulation.reduced.arrays import Packed, System
-from spacerobot.simulation.reduced.assemble import Layout, assemble_packed, head_on, initial_vector, unturning
+from spacerobot.simulation.reduced.assemble import Layout, assemble_packed, head_on, unturning
 from spacerobot.simulation.reduced.forces import APART, PRESSED, RELEASED, STICK
 from spacerobot.simulation.reduced.integrate import MAX_STEPS, NOT_FINITE, OK, TOO_MANY_EVENTS, Steps, integrate
 from spacerobot.simulation.reduced.law_table import LAWS
@@ -153,7 +153,7 @@ def simulate(
 
     Args:
         of: what there is.
-        position, velocity: initial values by coordinate [m, rad, m/s, rad/s]; zero where absent.
+        position, velocity: initial values by coordinate [m, rad, m/s, rad/s]; see `Mechanism.at_start` for the others.
         tolerance: relative error per step; absolute errors are 1e-3 of it in metres, 1e-1 in m/s.
         inputs: times shape (T,) and recorded drives by channel, shape (T,) each, for the mechanism's inputs.
         max_step: longest step [s].
@@ -169,7 +169,7 @@ def simulate(
     if not 1e-13 <= tolerance <= 1e-1:
         raise InputError("tolerance out of range", given=tolerance, valid="1e-13 to 0.1")
     mechanism, system, layout, packed = of if isinstance(of, Prepared) else prepare(of)
-    y0 = np.concatenate([initial_vector(layout, position or {}), initial_vector(layout, velocity or {})])
+    y0 = np.array([*mechanism.at_start(position or {}).values(), *mechanism.at_start(velocity or {}).values()])
     n = y0.size // 2
     if head_on(system, y0):
         packed = unturning(packed)
