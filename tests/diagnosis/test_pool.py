@@ -140,8 +140,29 @@ def test_work_aside_is_done_elsewhere_where_there_is_an_elsewhere(workshop: Work
         process, found = pool.aside(_where, 3)()
         assert process != os.getpid()
         assert found == count
-        os.kill(process, signal.SIGKILL)
-        assert pool.aside(_where, 3)() == (os.getpid(), count)  # here, where the others are lost
+
+
+def _dies_elsewhere(workshop: Workshop, home: int) -> tuple[int, int]:
+    if os.getpid() != home:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return _where(workshop, 3)
+
+
+def test_work_aside_whose_process_dies_is_done_here(workshop: Workshop) -> None:
+    home, count = os.getpid(), 3 * len(workshop.trials)
+    with Pool(workshop, 2) as pool:
+        waiting = [pool.aside(_dies_elsewhere, home), pool.aside(_where, 3)]
+        assert waiting[0]() == (home, count)
+        assert waiting[1]()[1] == count, "whoever did it, before or after the loss"
+        assert pool.aside(_where, 3)() == (home, count), "the pool knows by now"
+
+
+def test_whoever_answers_after_a_kill_nothing_is_lost(workshop: Workshop) -> None:
+    count = 3 * len(workshop.trials)
+    with Pool(workshop, 2) as pool:
+        os.kill(pool.aside(_where, 3)()[0], signal.SIGKILL)
+        for _ in range(20):  # before the pool can know, and after
+            assert pool.aside(_where, 3)()[1] == count
 
 
 def test_studies_do_not_mix_in_a_worker(workshop: Workshop, here: dict[Any, Fit | None], tmp_path: Path) -> None:

@@ -10,7 +10,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,6 +17,7 @@ from pathlib import Path
 import pytest
 
 from tests.faults.harness import DISK_FULL, INTERRUPT, KILL, READ_ERROR, ROOT, command, outputs, state, steps_of, whole
+from tests.processes import PATIENCE, busy_for, eventually, family, gone
 from tests.sweep.helpers_sweep import SWEEP
 
 OVERLAY = ["overlay", "guide-friction", "--trials", "03"]
@@ -159,45 +159,14 @@ def begun(arguments: list[str], temporary: Path | None = None) -> subprocess.Pop
     )
 
 
-def family(process: int) -> set[int]:
-    """The processes that descend from one."""
-    found: set[int] = set()
-    for stat in Path("/proc").glob("[0-9]*/stat"):
-        try:
-            parent = int(stat.read_text().rsplit(")", 1)[1].split()[1])
-        except (OSError, IndexError):
-            continue
-        if parent == process:
-            found |= {int(stat.parent.name)} | family(int(stat.parent.name))
-    return found
-
-
-def gone(processes: set[int], seconds: float = 20.0) -> bool:
-    """Whether all of them end in time."""
-    until = time.monotonic() + seconds
-    while any(alive(p) for p in processes):
-        if time.monotonic() > until:
-            return False
-        time.sleep(0.2)
-    return True
-
-
-def alive(process: int) -> bool:
-    """Whether it runs (a zombie does not)."""
-    try:
-        return Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
-    except OSError:
-        return False
-
-
 def with_workers(process: subprocess.Popen[str]) -> set[int]:
-    """Wait until the command has processes of its own at work, and name them."""
-    until = time.monotonic() + 120
-    while len(family(process.pid)) < 2:
-        assert time.monotonic() < until
+    """Wait until the command has two processes of its own at work, and name all it has."""
+
+    def at_work() -> bool:
         assert process.poll() is None, process.communicate()[1][-1000:]
-        time.sleep(0.2)
-    time.sleep(3)
+        return sum(busy_for(p) > 0.5 for p in family(process.pid)) >= 2
+
+    assert eventually(at_work)
     return family(process.pid)
 
 
@@ -211,7 +180,7 @@ def test_nobody_works_on_for_a_diagnosis_that_is_gone(tmp_path: Path, how: signa
         os.killpg(process.pid, how)  # a terminal sends it to all of them
     else:
         process.kill()
-    said = process.communicate(timeout=60)
+    said = process.communicate(timeout=PATIENCE)
     assert process.returncode == (130 if how == signal.SIGINT else -signal.SIGKILL)
     if how == signal.SIGINT:
         assert "Traceback" not in said[1]
@@ -244,14 +213,15 @@ def test_a_proof_stopped_in_the_midst_of_a_diagnosis_goes_on_and_clears_up(tmp_p
     temporary = tmp_path / "temporary"
     temporary.mkdir()
     process = begun([*PROVE, "--out", str(tmp_path / "out")], temporary)
-    until = time.monotonic() + 300
-    while not any("blind" in name for name in lying_about(temporary)):
-        assert time.monotonic() < until
+
+    def diagnosing() -> bool:
         assert process.poll() is None, process.communicate()[1][-1000:]
-        time.sleep(0.2)
+        return any("blind" in name for name in lying_about(temporary))
+
+    assert eventually(diagnosing, 300.0)
     workers = family(process.pid)
     process.send_signal(how)
-    _, said = process.communicate(timeout=60)
+    _, said = process.communicate(timeout=PATIENCE)
     assert process.returncode == (130 if how == signal.SIGINT else -signal.SIGKILL)
     assert "Traceback" not in said
     assert gone(workers)

@@ -42,19 +42,19 @@ def test_hostile_study_is_refused_soon(tmp_path: Path, content: str | bytes) -> 
 
 
 def test_columns_without_end_are_refused_soon(tmp_path: Path) -> None:
-    start = time.perf_counter()
+    start = time.process_time()
     with pytest.raises(InputError, match="too many columns"):
         load_study(write_study(tmp_path, csv=("1," * 400_000 + "1\n") * 5)).recordings()
-    assert time.perf_counter() - start < 5
+    assert time.process_time() - start < 5
 
 
 def test_endless_digits_are_refused_soon(tmp_path: Path) -> None:
-    start = time.perf_counter()
+    start = time.process_time()
     for cell in ("1" * 900_000 + "x", "0." + "1" * 900_000 + "x"):
         folder = write_study(tmp_path, csv=f"t,x\n0,2\n1,{cell}\n2,3\n3,4\n")
         with pytest.raises(InputError, match=r"01\.csv:3: column 1: longer than a number"):
             load_study(folder).recordings()
-    assert time.perf_counter() - start < 5
+    assert time.process_time() - start < 5
 
 
 tokens = st.sampled_from(

@@ -6,12 +6,12 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
 
 from spacerobot.support.orphans import watch_over
+from tests.processes import gone, written
 
 SLEEPER = "import os, sys, time; open(sys.argv[1], 'w').write(str(os.getpid())); time.sleep(60)"
 
@@ -31,24 +31,7 @@ def begun(tmp_path: Path, how: str) -> tuple[subprocess.Popen[bytes], int]:
     )
     first = f"import subprocess, sys; subprocess.run([sys.executable, '-c', {second!r}])"
     process = subprocess.Popen([sys.executable, "-c", first])
-    until = time.monotonic() + 30
-    while not note.exists() or not note.read_text():
-        assert time.monotonic() < until
-        time.sleep(0.02)
-    return process, int(note.read_text())
-
-
-def ends(process: int, seconds: float) -> bool:
-    """Whether it is gone in time (a zombie is)."""
-    until = time.monotonic() + seconds
-    while time.monotonic() < until:
-        try:
-            if Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()[0] == "Z":
-                return True
-        except OSError:
-            return True
-        time.sleep(0.05)
-    return False
+    return process, int(written(note))
 
 
 @pytest.mark.skipif(not Path("/proc").is_dir(), reason="reads /proc")
@@ -57,7 +40,7 @@ def test_it_is_gone_once_its_parent_was_killed(tmp_path: Path, how: str) -> None
     process, sleeper = begun(tmp_path, how)
     process.kill()
     process.wait()
-    assert ends(sleeper, 20.0)
+    assert gone({sleeper}, 40.0), "the sleeper would sleep for 60 s"
 
 
 @pytest.mark.skipif(not Path("/proc").is_dir(), reason="reads /proc")
@@ -66,7 +49,7 @@ def test_without_it_it_lives_on(tmp_path: Path) -> None:
     process.kill()
     process.wait()
     try:
-        assert not ends(sleeper, 0.7)
+        assert not gone({sleeper}, 0.7)
     finally:
         os.kill(sleeper, signal.SIGKILL)
 

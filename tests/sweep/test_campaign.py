@@ -5,9 +5,6 @@ from __future__ import annotations
 import json
 import os
 import signal
-import subprocess
-import sys
-import time
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +13,7 @@ import pytest
 pytest.importorskip("pyarrow")
 
 from spacerobot.sweep import campaign
+from tests.faults.harness import KILL, command, steps_of
 from tests.sweep.helpers_sweep import SWEEP, TOTAL, files, sweep, table, write
 
 
@@ -105,23 +103,18 @@ def test_the_files_are_the_same_for_any_number_of_processes(tmp_path: Path, alon
     assert files(tmp_path / "out") == alone
 
 
-def test_a_killed_command_is_taken_up_again(tmp_path: Path) -> None:
-    text = SWEEP.replace("repeats = 20", "repeats = 2000").replace("rows_per_part = 64", "rows_per_part = 2000")
-    path, out = write(tmp_path, text), tmp_path / "out"
-    command = [sys.executable, "-m", "spacerobot", "sweep", str(path), "--out", str(out)]
-    process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
-    until = time.monotonic() + 120.0
-    while len(list((out / "collisions").glob("*.parquet"))) < 2 and time.monotonic() < until:
-        time.sleep(0.01)
-    process.send_signal(signal.SIGKILL)
-    process.wait()
+def test_a_killed_command_is_taken_up_again(tmp_path: Path, alone: dict[str, bytes]) -> None:
+    path, out, whole = write(tmp_path), tmp_path / "out", tmp_path / "whole"
+    line = ["sweep", str(path), "--jobs", "1", "--out"]
+    steps = steps_of(command([*line, str(whole)], whole))
+    died = command([*line, str(out)], out, KILL, steps // 2)  # at this very step, however busy the machine is
+    assert died.returncode == -signal.SIGKILL
     there = {p.name: p.stat().st_mtime_ns for p in (out / "collisions").glob("*.parquet")}
-    assert 2 <= len(there) < 24
+    assert 2 <= len(there) < len(alone)
     assert sweep(path, out) == 0
     after = {p.name: p.stat().st_mtime_ns for p in (out / "collisions").glob("*.parquet")}
-    assert len(after) == 24
     assert all(after[name] == there[name] for name in there)
-    assert table(out)["collision"] == list(range(100 * TOTAL))
+    assert files(out) == files(whole) == alone
 
 
 def test_bad_options_are_answered_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

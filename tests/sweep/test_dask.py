@@ -17,6 +17,7 @@ distributed = pytest.importorskip("distributed")
 from spacerobot.support.errors import InputError  # noqa: E402
 from spacerobot.support.executors.base import WorkersLostError  # noqa: E402
 from spacerobot.support.executors.cluster import DaskWorkers  # noqa: E402
+from tests.processes import gone
 from tests.sweep.helpers_sweep import SWEEP, TOTAL, files, sweep, table, write  # noqa: E402
 
 
@@ -60,7 +61,7 @@ def test_a_worker_killed_midway_loses_nothing_and_counts_nothing_twice(
     thread.join()
     assert killed
     assert killed[0] < 48, "the worker outlived the sweep"
-    assert not Path(f"/proc/{victim}").exists()
+    assert gone({victim})
     assert len(list((out / "collisions").glob("*"))) == 48
     assert table(out)["collision"] == list(range(40 * TOTAL))
     assert sweep(path, tmp_path / "alone") == 0
