@@ -10,7 +10,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from spacerobot import __version__
 from spacerobot.diagnosis.diagnose import diagnose
 from spacerobot.diagnosis.models.figures import Figure, measured, quoted
 from spacerobot.diagnosis.result import Diagnosis
@@ -19,6 +18,7 @@ from spacerobot.support.errors import InputError
 from spacerobot.support.files import write_text
 from spacerobot.support.jsonio import dumps, plain
 from spacerobot.support.progress import Progress
+from spacerobot.support.sources import package_hash
 from spacerobot.view.table.page import page
 
 REAL = "real/"
@@ -59,14 +59,14 @@ def _verdict(study: Study, name: str, runs: Path | None) -> Mapping[str, Any]:
     path = None if runs is None else runs / f"{name.replace('/', '_')}.json"
     if path is not None and path.exists():
         kept: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-        if kept.get("input_hash") == study.input_hash and kept.get("spacerobot") == __version__:
+        if kept.get("input_hash") == study.input_hash and kept.get("code") == package_hash():
             notes = {f.what: f.note for f in _quoted(study)}
             for figure in kept.get("figures", ()):
                 figure["note"] = notes.get(figure["what"], "")
             return kept
     began = time.process_time()
     found = diagnose(study, jobs=1)
-    verdict = {**plain(found.verdict), "cpu_seconds": round(time.process_time() - began, 1)}
+    verdict = {**plain(found.verdict), "code": package_hash(), "cpu_seconds": round(time.process_time() - began, 1)}
     verdict["figures"] = _figures(study, found)
     if path is not None:
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -17,7 +17,7 @@ distributed = pytest.importorskip("distributed")
 from spacerobot.support.errors import InputError  # noqa: E402
 from spacerobot.support.executors.base import WorkersLostError  # noqa: E402
 from spacerobot.support.executors.cluster import DaskWorkers  # noqa: E402
-from tests.processes import gone
+from tests.processes import gone  # noqa: E402
 from tests.sweep.helpers_sweep import SWEEP, TOTAL, files, sweep, table, write  # noqa: E402
 
 

@@ -11,6 +11,7 @@ from typing import Any
 from spacerobot import __version__
 from spacerobot.support.errors import InputError
 from spacerobot.support.executors.base import Executor, R, T, WorkersLostError
+from spacerobot.support.sources import package_hash
 from spacerobot.support.workers import THREAD_VARIABLES
 
 PATIENCE = 10.0
@@ -116,11 +117,11 @@ class DaskWorkers(Executor):
                 f"the Dask workers cannot load spacerobot ({type(error).__name__}: {error})", where="--dask"
             ) from None
         for worker, version in found.items():
-            if version != __version__:
+            if version != version_here():
                 raise InputError(
                     f"the Dask worker {worker} runs another spacerobot",
                     given=version,
-                    valid=__version__,
+                    valid=version_here(),
                     where="--dask",
                 )
 
@@ -141,7 +142,7 @@ def _result(future: Any) -> Any:
 
 
 def version_here() -> str:
-    """In a worker: its version; pins its linear algebra to one thread for whatever is loaded later."""
+    """In a worker: its version and code; pins its linear algebra to one thread for whatever is loaded later."""
     for name in THREAD_VARIABLES:
         os.environ.setdefault(name, "1")
-    return __version__
+    return f"{__version__}, code {package_hash()}"
