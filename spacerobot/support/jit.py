@@ -1,8 +1,8 @@
 """Numba's decorator as the house uses it, with a disk cache that a changed source cannot leave stale.
 
 Numba looks only at the file of the compiled function, not at those whose functions it calls or whose constants it
-holds; so the cache folder carries a hash of every source that compiled code can see: all of the layers that compile, and
-of those below them. It lies in the user's cache folder, which also serves read-only installations.
+holds; so the cache folder carries a hash of every source that compiled code can see: all of the layers that compile,
+and of those below them. It lies in the user's cache folder, which also serves read-only installations.
 """
 
 from __future__ import annotations
