@@ -25,7 +25,7 @@ def hash_of(files: Iterable[Path]) -> str:
 
 @cache
 def package_hash() -> str:
-    """Of every file of the package: it changes with a formula, a template or a bundled robot, not only with the version.
+    """Of every file of the package: it changes with a formula, a template or a bundled robot, not the version alone.
 
     Compiled code beside the sources does not count, nor do bundled studies: a run's input hash has the one it reads.
     """
