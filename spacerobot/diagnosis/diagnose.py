@@ -9,16 +9,15 @@ from dataclasses import asdict
 
 from spacerobot import __version__
 from spacerobot.diagnosis import evidence as ev
-from spacerobot.diagnosis.adequacy import Left
 from spacerobot.diagnosis.ahead import help_compiling
-from spacerobot.diagnosis.candidates import candidate_sites, contains
+from spacerobot.diagnosis.candidates import candidate_sites
 from spacerobot.diagnosis.checks import nested, synthetic, widened
 from spacerobot.diagnosis.confirm import confirm
+from spacerobot.diagnosis.decide import decide
 from spacerobot.diagnosis.fitted import Fit
-from spacerobot.diagnosis.found import Found, Report
-from spacerobot.diagnosis.freed import baseline_freed, set_free
+from spacerobot.diagnosis.found import Report
 from spacerobot.diagnosis.held_out import hold_out
-from spacerobot.diagnosis.judge import AMBIGUOUS, NAMED, Judgement, judge
+from spacerobot.diagnosis.judge import AMBIGUOUS, NAMED, Judgement
 from spacerobot.diagnosis.locate.located import LEVEL, Located
 from spacerobot.diagnosis.memory import Store
 from spacerobot.diagnosis.next_experiment import next_experiment
@@ -26,21 +25,12 @@ from spacerobot.diagnosis.pool import Pool
 from spacerobot.diagnosis.profile import profile_interval
 from spacerobot.diagnosis.result import Diagnosis
 from spacerobot.diagnosis.scene_out import scene_of
-from spacerobot.diagnosis.search import search
 from spacerobot.diagnosis.verdict import detectable, held_out_entry, labels_of, verdict_dict
-from spacerobot.diagnosis.weigh import SLIGHT, SMALL
 from spacerobot.diagnosis.workshop import Workshop
 from spacerobot.recordings.lacking import refuse_draft
 from spacerobot.recordings.study import Study
 from spacerobot.support.errors import InputError
 from spacerobot.support.executors.base import Executor
-
-FINALISTS = 4
-CLOSE = 100.0
-"""Fits whose leftovers are looked at: so many of least cost at least, and all within so much of the least, or within
-twice the share that a further effect must earn: a simpler set may win although many cost less than it. So may a part
-of the best that explains nearly all.
-"""
 
 SHOWN = 40
 """Located patterns that a report lists."""
@@ -98,13 +88,8 @@ def diagnose(
     with Pool(workshop, jobs, effects_files, store, workers) as pool:
         # with the believed values: a refit that lacks the physics bends them until every balance is a little wrong
         locating = pool.aside(_located, seed)
-        found = search(pool, sites, report)
-        report("judging", 0, 1)
-        freed = baseline_freed(pool, found.baseline)
-        set_free(pool, found, report)
-        left_of = _finalists(workshop, found, freed)
-        inflation = min(left.inflation for left in left_of.values())
-        first = judge(found, left_of, freed, ())
+        decided = decide(pool, sites, report)
+        found, left_of, inflation, first = decided.found, decided.left_of, decided.inflation, decided.judgement
         chosen, keys = first.chosen, _stated(first)
         checks = [nested(found, chosen)]
         # begun together, asked for below
@@ -123,7 +108,7 @@ def diagnose(
                     profiled[key] = widened(chosen, key, profiled[key], missed)
             report("simulating with the whole robot", 0, 1)
             checks.append(whole())
-        judgement = judge(found, left_of, freed, [c["name"] for c in checks if not c["passed"]])
+        judgement = decided.but_for([c["name"] for c in checks if not c["passed"]])
         report("locating", 0, 1)
         located = locating()
     base = found.baseline
@@ -188,19 +173,3 @@ def _stated(judgement: Judgement) -> list[str]:
         *(k for k in judgement.moved if k in judgement.chosen.hypothesis.keys),
         *(f.key for f in free if f.kind == "effect" and judgement.verdict == NAMED),
     ]
-
-
-def _finalists(workshop: Workshop, found: Found, freed: Fit | None) -> dict[int, Left]:
-    ranked = sorted(found.fits.values(), key=lambda f: f.cost)
-    least = found.best.cost
-    reach = max(CLOSE, 2.0 * SMALL * (found.baseline.cost - least))
-    slight = SLIGHT * (found.baseline.cost - least)
-    ranked = [
-        f
-        for k, f in enumerate(ranked)
-        if k < FINALISTS
-        or f.cost < least + reach
-        or (contains(found.best.hypothesis.label, f.hypothesis.label) and f.cost < least + slight)
-    ]
-    fits = [found.baseline, *ranked, *([freed] if freed is not None else [])]
-    return {id(fit): workshop.left_by(fit) for fit in fits}

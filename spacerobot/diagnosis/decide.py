@@ -1,0 +1,86 @@
+"""From recordings to a judgement: the search, beliefs set free, what the best leave over, the decision.
+
+Made once for the whole study, and once more for each part of it that is kept aside.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from spacerobot.diagnosis.adequacy import Left
+from spacerobot.diagnosis.candidates import contains
+from spacerobot.diagnosis.fitted import Fit
+from spacerobot.diagnosis.found import Found, Report
+from spacerobot.diagnosis.freed import baseline_freed, set_free
+from spacerobot.diagnosis.hypothesis import Site
+from spacerobot.diagnosis.judge import Judgement, judge
+from spacerobot.diagnosis.pool import Pool
+from spacerobot.diagnosis.search import search
+from spacerobot.diagnosis.weigh import SLIGHT, SMALL
+from spacerobot.diagnosis.workshop import Workshop
+
+FINALISTS = 4
+CLOSE = 100.0
+"""Fits whose leftovers are looked at: so many of least cost at least, and all within so much of the least, or within
+twice the share that a further effect must earn: a simpler set may win although many cost less than it. So may a part
+of the best that explains nearly all.
+"""
+
+
+@dataclass(frozen=True, eq=False)
+class Decided:
+    """A judgement with all that it rests on.
+
+    Attributes:
+        found: every fit of the search.
+        left_of: what each finalist leaves over, by id(fit).
+        freed: the baseline without what is stated of the values that it bends; None where it bends none.
+        judgement: the decision, before the fit's own checks.
+    """
+
+    found: Found
+    left_of: Mapping[int, Left]
+    freed: Fit | None
+    judgement: Judgement
+
+    @property
+    def inflation(self) -> float:
+        """By which differences of chi-squared are to be divided: noise level and colour."""
+        return min(left.inflation for left in self.left_of.values())
+
+    def but_for(self, failed: Sequence[str]) -> Judgement:
+        """The decision when these checks have failed."""
+        return judge(self.found, dict(self.left_of), self.freed, failed) if failed else self.judgement
+
+
+def decide(pool: Pool, sites: Sequence[Site], report: Report) -> Decided:
+    """Search among these effects and places, and judge what was found.
+
+    Args:
+        pool: runs the fits; of its trials alone.
+        sites: effects and places to try.
+        report: told of progress.
+    """
+    found = search(pool, sites, report)
+    report("judging", 0, 1)
+    freed = baseline_freed(pool, found.baseline)
+    set_free(pool, found, report)
+    left_of = _finalists(pool.workshop, found, freed)
+    return Decided(found, left_of, freed, judge(found, left_of, freed, ()))
+
+
+def _finalists(workshop: Workshop, found: Found, freed: Fit | None) -> dict[int, Left]:
+    ranked = sorted(found.fits.values(), key=lambda f: f.cost)
+    least = found.best.cost
+    reach = max(CLOSE, 2.0 * SMALL * (found.baseline.cost - least))
+    slight = SLIGHT * (found.baseline.cost - least)
+    ranked = [
+        f
+        for k, f in enumerate(ranked)
+        if k < FINALISTS
+        or f.cost < least + reach
+        or (contains(found.best.hypothesis.label, f.hypothesis.label) and f.cost < least + slight)
+    ]
+    fits = [found.baseline, *ranked, *([freed] if freed is not None else [])]
+    return {id(fit): workshop.left_by(fit) for fit in fits}
