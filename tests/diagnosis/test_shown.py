@@ -1,0 +1,102 @@
+"""An effect whose size may be nothing, spans its range or sits at a bound is not shown, whichever effect it is."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from spacerobot.diagnosis.hypothesis import Site
+from spacerobot.diagnosis.shown import at_bound, not_shown
+from spacerobot.effects.effect import Parameter
+from spacerobot.effects.registry import all_effects
+
+SITES = [Site(e, "somewhere") for e in all_effects().values()]
+sites = st.sampled_from(SITES)
+shares = st.floats(0.05, 1.0)
+
+
+def strengths(site: Site) -> list[Parameter]:
+    return [p for p in site.effect.parameters if not p.shape]
+
+
+def off_null(p: Parameter, share: float) -> float:
+    """A value between the parameter's null and its first start, away from both null and bounds."""
+    if math.isinf(p.null):
+        return p.starts[0] / share
+    return p.null + share * ((p.starts[0] - p.null) or p.scale)
+
+
+def plain(site: Site, share: float) -> dict[str, float]:
+    return {site.key(p.name): off_null(p, share) for p in site.effect.parameters}
+
+
+def narrow(values: dict[str, float], part: float = 1e-3) -> dict[str, tuple[float, float]]:
+    return {k: (v - part * abs(v), v + part * abs(v)) for k, v in values.items()}
+
+
+@given(sites, shares)
+def test_a_size_far_from_nothing_is_shown(site: Site, share: float) -> None:
+    values = plain(site, share)
+    nearby = {
+        site.key(p.name): (v - 0.01 * abs(v - p.null), v + 0.01 * abs(v - p.null))
+        for p in site.effect.parameters
+        if math.isfinite(p.null)
+        for v in [values[site.key(p.name)]]
+    }
+    assert not_shown(site, values, nearby) == ""
+
+
+@given(sites, shares)
+def test_a_size_that_may_be_nothing_is_not(site: Site, share: float) -> None:
+    values = plain(site, share)
+    intervals = narrow(values)
+    for p in strengths(site):
+        key = site.key(p.name)
+        intervals[key] = (min(values[key], p.null), max(values[key], p.null))
+    assert "holds nothing" in not_shown(site, values, intervals)
+
+
+@given(sites, shares)
+def test_a_size_that_may_be_anything_is_not(site: Site, share: float) -> None:
+    p = strengths(site)[0]
+    values = plain(site, share)
+    intervals = {**narrow(values), site.key(p.name): (p.lower, p.upper)}
+    assert not_shown(site, values, intervals)
+
+
+@given(sites, shares, st.data())
+def test_a_value_at_a_drawn_bound_is_not(site: Site, share: float, data: st.DataObject) -> None:
+    p = data.draw(st.sampled_from(site.effect.parameters))
+    bound = data.draw(st.sampled_from([p.lower, p.upper]))
+    values = {**plain(site, share), site.key(p.name): bound}
+    drawn = math.isfinite(bound) and bound not in (0.0, p.null)
+    assert at_bound(p, bound) is drawn
+    if drawn:
+        assert "at its bound" in not_shown(site, values, narrow(values))
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "interval"),
+    [
+        ("coulomb_friction", 20.0, (0.0, 66.0)),
+        ("payload", 3.0, (-67.0, 73.0)),
+        ("scale", 0.1, (0.1, 0.2)),
+        ("time_offset", 1.0, (0.98, 1.0)),
+        ("low_pass", 900.0, (200.0, math.inf)),
+    ],
+)
+def test_what_has_been_named_and_must_not_be(name: str, value: float, interval: tuple[float, float]) -> None:
+    site = Site(all_effects()[name], "somewhere")
+    key = site.key(site.effect.parameters[0].name)
+    assert not_shown(site, {key: value}, {key: interval})
+
+
+def test_one_strength_of_two_may_be_nothing() -> None:
+    site = Site(all_effects()["asymmetric_friction"], "wrist")
+    plus, minus = (site.key(p.name) for p in site.effect.parameters)
+    values = {plus: 0.3, minus: 0.01}
+    assert not_shown(site, values, {plus: (0.28, 0.32), minus: (0.0, 0.03)}) == ""
+    assert not_shown(site, values, {plus: (0.0, 0.32), minus: (0.0, 0.03)})
