@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,6 +10,7 @@ import pinocchio as pin
 
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Coordinate
+from spacerobot.simulation.multibody.tree import WORLD, Link, links_of, put_together
 from spacerobot.simulation.scene import Scene
 from spacerobot.support.errors import InputError
 
@@ -74,60 +76,69 @@ def assemble_bodies(scene: Scene, mechanism: Mechanism) -> Assembly:
         old = full.joints[full.getJointId(model.names[i])]
         armature[model.joints[i].idx_v : model.joints[i].idx_v + old.nv] = full.armature[old.idx_v : old.idx_v + old.nv]
 
-    slider = model.getJointId(str(robot.slider))
-    joints = {"slider": slider}
+    moved_by = {"slider": str(robot.slider)}
     if "hand" in mechanism.coordinates and model.njoints == 2:
-        model, slider = _with_carriage(model, mechanism.coordinates["hand"], np.array(scene.approach))
-        joints = {"slider": slider, "hand": model.getJointId(CARRIAGE)}
+        model = _with_carriage(model, mechanism.coordinates["hand"], np.array(scene.approach))
+        moved_by["hand"] = CARRIAGE
         q, armature = np.concatenate([[0.0], q]), np.concatenate([[0.0], armature])
     for name in mechanism.coordinates:
         if name.startswith("joint."):
-            joints[name] = model.getJointId(name.removeprefix("joint."))
-    _edit_masses(scene, mechanism, model, slider, joints, armature)
+            moved_by[name] = name.removeprefix("joint.")
+    _edit_masses(scene, mechanism, model, moved_by, armature)
 
     hand, tip = (_frame(model, name) for name in (robot.tip, str(robot.contact)))
-    base = (1, np.zeros(3)) if scene.base == "free" else (0, np.zeros(3))
+    base = (model.names[1] if scene.base == "free" else WORLD, np.zeros(3))
     data = model.createData()
     pin.framesForwardKinematics(model, data, q)
-    touch = data.oMi[tip[0]].act(tip[1])
-    split = model.nv
+    turned = {model.names[i]: np.array(data.oMi[i].rotation) for i in range(model.njoints)}
+    touch = data.oMi[model.getJointId(tip[0])].act(tip[1])
+    links = links_of(model, q, armature)
 
-    contact = mechanism.contact
-    assert contact is not None
     lever = scene.lever
-    body = pin.Inertia(mechanism.coordinates["target"].mass, np.zeros(3), scene.target.inertia_matrix())
-    target = model.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), TARGET)
-    model.appendBodyToJoint(target, body, pin.SE3.Identity())
     place = touch - lever - scene.target.gap * np.array(scene.approach)
     attitude = pin.Quaternion(scene.attitude)
     attitude.normalize()
-    q = np.concatenate([q, place, attitude.coeffs()])
-    carriers = {"target": (target, np.zeros(3)), "wrist": tip, "hand": hand, "base": base}
+    links.append(
+        Link(
+            TARGET,
+            WORLD,
+            pin.JointModelFreeFlyer(),
+            pin.SE3.Identity(),
+            pin.Inertia(mechanism.coordinates["target"].mass, np.zeros(3), scene.target.inertia_matrix()),
+            np.concatenate([place, attitude.coeffs()]),
+        )
+    )
+    turned[TARGET] = scene.attitude
+    carriers = {"target": (TARGET, np.zeros(3)), "wrist": tip, "hand": hand, "base": base}
     for coordinate in mechanism.coordinates.values():
-        if coordinate.name not in joints and coordinate.name not in _OWN:
-            joints[coordinate.name] = _append(model, q, coordinate, carriers, scene)
-            q = np.append(q, 0.0)
-    model.armature = np.concatenate([armature, np.zeros(model.nv - armature.size)])
+        if coordinate.name not in moved_by and coordinate.name not in _OWN:
+            links.append(_rider(coordinate, carriers, turned, scene.axes))
+            moved_by[coordinate.name] = coordinate.name
+            carriers[coordinate.name] = coordinate.name, np.zeros(3)
+            turned[coordinate.name] = turned[links[-1].parent]
+    model, q = put_together(sorted(links, key=lambda link: link.name == TARGET))
     model.gravity.linear = np.array(scene.gravity)
+    joints = {name: model.getJointId(joint) for name, joint in moved_by.items()}
 
     v = np.zeros(model.nv)
     approach = np.array(scene.approach)
     if scene.base == "free":
         v[:3] = -scene.hand_speed * approach  # the base stands unturned at the start
-    at = model.joints[target].idx_v
+    target = model.joints[model.getJointId(TARGET)]
+    at = target.idx_v
     v[at : at + 3] = scene.attitude.T @ (scene.target.speed * approach + scene.target.drift * scene.axes[:, 1])
     v[at + 3 : at + 6] = scene.attitude.T @ np.array(scene.target.spin)
-    v[model.joints[slider].idx_v] = scene.wrist.deflection_rate
+    v[model.joints[joints["slider"]].idx_v] = scene.wrist.deflection_rate
     return Assembly(
         model=model,
         joints=joints,
-        hand=hand,
-        tip=tip,
-        base=base,
-        target=target,
+        hand=(model.getJointId(hand[0]), hand[1]),
+        tip=(model.getJointId(tip[0]), tip[1]),
+        base=(model.getJointId(base[0]), base[1]),
+        target=int(target.id),
         point=scene.attitude.T @ lever,
         axes=scene.axes,
-        split=split,
+        split=at,
         lever=scene.lever_at_zero_yaw,
         ahead=scene.level.T @ approach,
         configuration=q,
@@ -148,12 +159,13 @@ def _kept(full: pin.Model, reduced: pin.Model) -> list[int]:
     return places
 
 
-def _frame(model: pin.Model, name: str) -> tuple[int, np.ndarray]:
+def _frame(model: pin.Model, name: str) -> tuple[str, np.ndarray]:
+    """The joint that carries a frame, and the frame's origin in it, shape (3,)."""
     frame = model.frames[model.getFrameId(name)]
-    return int(frame.parentJoint), np.array(frame.placement.translation)
+    return str(model.names[frame.parentJoint]), np.array(frame.placement.translation)
 
 
-def _with_carriage(model: pin.Model, hand: Coordinate, approach: np.ndarray) -> tuple[pin.Model, int]:
+def _with_carriage(model: pin.Model, hand: Coordinate, approach: np.ndarray) -> pin.Model:
     """A held arm's slider put on a slide along the approach that weighs what the mechanism's hand does."""
     new = pin.Model()
     carriage = new.addJoint(0, pin.JointModelPrismaticUnaligned(approach), pin.SE3.Identity(), CARRIAGE)
@@ -164,15 +176,14 @@ def _with_carriage(model: pin.Model, hand: Coordinate, approach: np.ndarray) -> 
         if frame.type == pin.FrameType.BODY:
             parent = slider if frame.parentJoint == 1 else carriage
             new.addFrame(pin.Frame(frame.name, parent, 0, frame.placement, pin.FrameType.BODY))
-    return new, slider
+    return new
 
 
 def _edit_masses(
     scene: Scene,
     mechanism: Mechanism,
     model: pin.Model,
-    slider: int,
-    joints: dict[str, int],
+    moved_by: Mapping[str, str],
     armature: np.ndarray,
 ) -> None:
     """Give the bodies what effects added to the baseline's masses."""
@@ -184,12 +195,13 @@ def _edit_masses(
         if added == 0.0:
             continue
         if name.startswith("joint."):
-            armature[model.joints[joints[name]].idx_v] += added
+            armature[model.joints[model.getJointId(moved_by[name])].idx_v] += added
             continue
         if name == "hand":
-            joint, point = _frame(model, scene.prepared.tip)
+            carrier, point = _frame(model, scene.prepared.tip)
+            joint = model.getJointId(carrier)
         else:
-            joint = slider if name == "wrist" else 1
+            joint = model.getJointId(moved_by["slider"]) if name == "wrist" else 1
             point = np.array(model.inertias[joint].lever)
         old = model.inertias[joint]
         if old.mass + added <= 0.0:
@@ -201,30 +213,31 @@ def _edit_masses(
             model.inertias[joint] = pin.Inertia(old.mass + added, old.lever, ratio * old.inertia)
 
 
-def _append(
-    model: pin.Model,
-    q: np.ndarray,
+def _rider(
     coordinate: Coordinate,
-    carriers: dict[str, tuple[int, np.ndarray]],
-    scene: Scene,
-) -> int:
-    """A body that slides along the approach (or turns about up) in its carrier; returns its joint."""
-    if coordinate.carrier not in carriers:
+    carriers: Mapping[str, tuple[str, np.ndarray]],
+    turned: Mapping[str, np.ndarray],
+    axes: np.ndarray,
+) -> Link:
+    """A body that slides along the approach (or turns about up) in its carrier.
+
+    Args:
+        coordinate: what it is to the mechanism.
+        carriers: by name: the joint that moves it, and where in that, shape (3,) [m].
+        turned: rotation of every joint to world at the start, shape (3, 3).
+        axes: columns approach, lateral, up, shape (3, 3).
+    """
+    if coordinate.carrier is None or coordinate.carrier not in carriers:
         raise InputError(
             f"coordinate {coordinate.name!r} is no body of the scene",
             given=f"carrier {coordinate.carrier!r}",
             valid=", ".join(carriers),
         )
     parent, point = carriers[coordinate.carrier]
-    partial = model.createData()
-    pin.forwardKinematics(model, partial, q)
-    rotation = np.array(partial.oMi[parent].rotation)
-    axis = rotation.T @ scene.axes[:, 2 if coordinate.angular else 0]
+    axis = turned[parent].T @ axes[:, 2 if coordinate.angular else 0]
     kind = pin.JointModelRevoluteUnaligned if coordinate.angular else pin.JointModelPrismaticUnaligned
-    joint = model.addJoint(parent, kind(axis), pin.SE3(np.eye(3), point), coordinate.name)
     if coordinate.angular:
         inertia = pin.Inertia(1e-9, np.zeros(3), coordinate.mass * np.eye(3))
     else:
         inertia = pin.Inertia(coordinate.mass, np.zeros(3), np.zeros((3, 3)))
-    model.appendBodyToJoint(joint, inertia, pin.SE3.Identity())
-    return int(joint)
+    return Link(coordinate.name, parent, kind(axis), pin.SE3(np.eye(3), point), inertia, np.zeros(1))

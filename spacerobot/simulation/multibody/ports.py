@@ -149,7 +149,7 @@ def _port(row: Mapping[str, float], mechanism: Mechanism, names: list[str]) -> n
 def _coordinate(name: str, mechanism: Mechanism, names: list[str]) -> np.ndarray:
     """A coordinate in features, shape (nf,). What rides is its carrier plus its own displacement."""
     total = np.zeros(len(names))
-    carrier = mechanism.coordinates[name].carrier
+    carrier = mechanism.carrier_of(name)
     total[names.index("tip" if name == "wrist" else name)] = 1.0
     return total if carrier is None else total + _coordinate(carrier, mechanism, names)
 
