@@ -29,13 +29,20 @@ def as_text(answer: dict[str, Any]) -> str:
         _row("restitution, at the contact point", None, None, simulated["point"]),
         _row("touches", None, exact.get("touches"), simulated["touches"]),
         "",
-        f"peak contact force {answer['peak_contact_force_N']:.5g} N",
+        _peak(answer),
         "energy taken by: " + (_shares(energy) or "nothing"),
         f"energy ledger closes to {energy['imbalance']:.1e} of the initial {energy['initial_J']:.5g} J",
     ]
     if simulated["target"] is None and simulated["touches"]:
         lines.append("wrist and target still touch at the end: a longer --duration shows the separation")
     return "\n".join(lines)
+
+
+def _peak(answer: dict[str, Any]) -> str:
+    when = answer.get("peak_contact_force_s")
+    return f"peak contact force {answer['peak_contact_force_N']:.5g} N" + (
+        f" at t = {when:.6g} s" if isinstance(when, float) and when == when else ""
+    )
 
 
 def _row(name: str, *values: Any) -> str:

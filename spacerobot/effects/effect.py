@@ -71,7 +71,8 @@ class Effect(ABC):
         source: where the formula comes from.
         parameters: its numbers.
         replaces: baseline constants whose job was to absorb it, with {where} for the place: refitted freely.
-        removes: baseline constants that its own law makes meaningless, set to zero with it.
+        removes: baseline constants that its own law makes meaningless: whatever they are, `edit` leaves nothing of
+            them, and what is null is measured against a baseline without them.
         kind: "force", "body", "gravity", "contact" or "sensor", for grouping in reports.
         stands_for: what its law is the simplest form of, where that has more to it; what it leaves may be its own.
     """
@@ -92,7 +93,7 @@ class Effect(ABC):
 
     @abstractmethod
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
-        """The mechanism with this effect in it; at null values, the same physics as before."""
+        """The mechanism with this effect in it; at null values, the physics as before (but for what it removes)."""
 
     @property
     def two_sided(self) -> bool:

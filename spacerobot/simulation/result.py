@@ -12,6 +12,7 @@ import pinocchio as pin
 from spacerobot.simulation.energy import Ledger, stored_by_elements
 from spacerobot.simulation.events import Event, contact_intervals
 from spacerobot.simulation.multibody.run import MultibodyRun, MultibodySample
+from spacerobot.simulation.peaks import peak_deflection, peak_force
 from spacerobot.simulation.reduced.forces import PRESSED
 from spacerobot.simulation.reduced.run import ReducedRun, Sample
 from spacerobot.simulation.restitution import Restitution, Speeds, restitution_of
@@ -77,6 +78,8 @@ def of_multibody(scene: Scene, run: MultibodyRun, times: np.ndarray) -> Trajecto
         backend="multibody",
         scene=scene.to_toml(),
         notes=(f"hand: {scene.hand.note}",) if scene.hand.note else (),
+        peak_force=peak_force(run),
+        peak_deflection=peak_deflection(run),
     )
 
 
@@ -214,6 +217,8 @@ def of_reduced(scene: Scene, run: ReducedRun, times: np.ndarray) -> Trajectory:
         backend="reduced",
         scene=replace(scene, backend="reduced").to_toml(),
         notes=(f"hand: {scene.hand.note}",) if scene.hand.note else (),
+        peak_force=peak_force(run),
+        peak_deflection=peak_deflection(run),
     )
 
 

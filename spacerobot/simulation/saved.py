@@ -12,6 +12,7 @@ import numpy as np
 
 from spacerobot.simulation.energy import Ledger
 from spacerobot.simulation.events import Event
+from spacerobot.simulation.peaks import UNKNOWN, Peak
 from spacerobot.simulation.restitution import Restitution
 from spacerobot.simulation.scene import BACKENDS
 from spacerobot.support.errors import InputError
@@ -87,18 +88,34 @@ def restitution(said: Any) -> Restitution:
     """Numbers as JSON carries them: absent for NaN, "inf" for infinity."""
     if not isinstance(said, dict):
         raise NotATrajectory("restitution is no table")
-    found: dict[str, Any] = {}
-    for key, value in said.items():
-        if value is None or isinstance(value, str):
-            if value not in _SPECIAL:
-                raise NotATrajectory(f"{key} is no number")
-            value = _SPECIAL[value]
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise NotATrajectory(f"{key} is no number")
-        found[key] = value
+    found: dict[str, Any] = {key: _number(value, key) for key, value in said.items()}
     if not isinstance(found.get("touches"), int) or found["touches"] < 0:
         raise NotATrajectory("touches is no count")
     return Restitution(**found)
+
+
+def _number(value: Any, key: str) -> int | float:
+    """A number as JSON carries it: absent for NaN, "inf" for infinity."""
+    if value is None or isinstance(value, str):
+        if value not in _SPECIAL:
+            raise NotATrajectory(f"{key} is no number")
+        value = _SPECIAL[value]
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise NotATrajectory(f"{key} is no number")
+    return value
+
+
+def peaks(said: Any) -> tuple[Peak, Peak]:
+    """Largest force and deflection; NaN in files that were written before there were any."""
+    if said is None:
+        return UNKNOWN, UNKNOWN
+    if not isinstance(said, dict) or not all(isinstance(said.get(k), dict) for k in ("force", "deflection")):
+        raise NotATrajectory("peaks is no table")
+    force, deflection = (
+        Peak(*(float(_number(said[name].get(k), f"{k} of the peak {name}")) for k in ("value", "time")))
+        for name in ("force", "deflection")
+    )
+    return force, deflection
 
 
 def words(about: Mapping[str, Any], channels: Mapping[str, Any]) -> tuple[dict[str, str], str, str, tuple[str, ...]]:

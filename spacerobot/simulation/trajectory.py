@@ -12,6 +12,7 @@ import numpy as np
 from spacerobot.simulation import saved
 from spacerobot.simulation.energy import Ledger
 from spacerobot.simulation.events import Event
+from spacerobot.simulation.peaks import UNKNOWN, Peak
 from spacerobot.simulation.restitution import Restitution
 from spacerobot.support.errors import InputError, NotFoundError
 from spacerobot.support.files import atomic
@@ -33,6 +34,8 @@ class Trajectory:
         backend: "reduced" or "multibody".
         scene: the scene as TOML text.
         notes: what a reader should know.
+        peak_force: the largest contact force [N] and when, on the dense solution: between the samples too.
+        peak_deflection: the furthest that the wrist was pushed in [m], likewise.
     """
 
     time: np.ndarray
@@ -45,6 +48,8 @@ class Trajectory:
     backend: str
     scene: str = ""
     notes: tuple[str, ...] = field(default=())
+    peak_force: Peak = UNKNOWN
+    peak_deflection: Peak = UNKNOWN
 
     def __getitem__(self, channel: str) -> np.ndarray:
         """Values of a channel, shape (T,).
@@ -82,6 +87,7 @@ class Trajectory:
             "units": dict(self.units),
             "events": [[e.element, e.kind] for e in self.events],
             "restitution": asdict(self.restitution),
+            "peaks": {"force": asdict(self.peak_force), "deflection": asdict(self.peak_deflection)},
             "scene": self.scene,
             "notes": list(self.notes),
         }
@@ -116,6 +122,7 @@ class Trajectory:
                 backend,
                 scene,
                 notes,
+                *saved.peaks(about.get("peaks")),
             )
         except (ValueError, KeyError, TypeError, RecursionError) as error:
             raise InputError(f"not a trajectory file ({type(error).__name__}: {error})", given=str(path)) from None

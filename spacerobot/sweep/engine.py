@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 import threading
 from collections import OrderedDict
 
@@ -12,7 +11,7 @@ import numpy as np
 from spacerobot.simulation.exact.batch import Collisions, collide
 from spacerobot.simulation.exact.structure import NotLinearError, piecewise_linear
 from spacerobot.simulation.scene import Scene
-from spacerobot.simulation.simulate import simulate
+from spacerobot.simulation.simulate import default_duration, simulate
 from spacerobot.support.errors import InputError, SimulationError
 from spacerobot.sweep.affine import Affine, affine, not_affine
 from spacerobot.sweep.keys import with_values
@@ -35,9 +34,6 @@ RESULTS = {
     "hand_velocity": "hand_velocity_m_s",
 }
 """Field of `Collisions` -> column."""
-
-RATE = 2000.0
-"""Samples a second [Hz] at which an integrated collision is read for its peaks."""
 
 _REMEMBERED = 4096
 
@@ -129,7 +125,8 @@ def _method(plan: Plan) -> tuple[str, tuple[str, ...]]:
 
 
 def _integrated(scene: Scene) -> Collisions:
-    trajectory = simulate(scene, rate=RATE, must_touch=False)
+    end = default_duration(scene) if scene.duration is None else scene.duration
+    trajectory = simulate(scene, duration=end, rate=2.0 / end, must_touch=False)  # only the last sample is read
     found = trajectory.restitution
     channels = trajectory.channels
     values = {
@@ -139,11 +136,11 @@ def _integrated(scene: Scene) -> Collisions:
         "first_touch": found.first_touch,
         "contact_time": found.contact_time,
         "contact_time_summed": found.contact_time_summed,
-        "peak_force": max(0.0, float(channels["contact.force"].max())),
-        "peak_deflection": float(channels["wrist.deflection"].max()),
+        "peak_force": trajectory.peak_force.value,
+        "peak_deflection": trajectory.peak_deflection.value,
         "target_velocity": float(channels["target.x.velocity"][-1]),
         "hand_velocity": float(channels["hand.x.velocity"][-1]),
-        "end": float(trajectory.time[-1]) if trajectory.time.size else math.nan,
+        "end": end,
     }
     touches = np.array([found.touches], dtype=np.int32)
     return Collisions(touches=touches, **{k: np.array([v]) for k, v in values.items()})

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -25,9 +26,17 @@ SCENES = {
 DURATION = 0.25
 
 
+def without(scene: Scene, removed: tuple[str, ...]) -> Scene:
+    """A scene whose named constants are zero."""
+    for name in removed:
+        part, key = name.split(".")
+        scene = replace(scene, **{part: replace(getattr(scene, part), **{key: 0.0})})
+    return scene
+
+
 @functools.cache
-def baseline(scene: str, backend: str) -> Trajectory:
-    return simulate(SCENES[scene], backend=backend, duration=DURATION, tolerance=1e-11)
+def baseline(scene: str, backend: str, removed: tuple[str, ...] = ()) -> Trajectory:
+    return simulate(without(SCENES[scene], removed), backend=backend, duration=DURATION, tolerance=1e-11)
 
 
 def cases() -> list[tuple[str, str, str, str]]:
@@ -51,7 +60,7 @@ def test_nothing_changes(scene: str, backend: str, name: str, place: str) -> Non
         nulls["time_s"] = 0.1
     edited = SCENES[scene].with_effects(EffectAt(name, place, nulls))
     found = simulate(edited, backend=backend, duration=DURATION, tolerance=1e-11)
-    before = baseline(scene, backend)
+    before = baseline(scene, backend, effect.removes)
     for channels, known in ((found.channels, before.channels), (found.measured, before.measured)):
         assert set(known) <= set(channels)
         for channel, value in known.items():
@@ -59,6 +68,25 @@ def test_nothing_changes(scene: str, backend: str, name: str, place: str) -> Non
             assert np.abs(channels[channel] - value).max() <= 2e-8 * scale, channel
     assert found.restitution.target == pytest.approx(before.restitution.target, abs=1e-9)
     assert found.restitution.touches == before.restitution.touches
+
+
+REMOVING = [name for name, effect in all_effects().items() if effect.removes]
+
+
+@pytest.mark.parametrize("backend", ["reduced", "multibody"])
+@pytest.mark.parametrize("name", REMOVING)
+def test_what_an_effect_removes_is_gone_whatever_it_was(name: str, backend: str) -> None:
+    """A scene and a fit, which sets those constants to zero, thus mean the same law by the same numbers."""
+    effect, scene = all_effects()[name], SCENES["held"]
+    values = {p.name: p.starts[0] for p in effect.parameters}
+    for where in effect.places(scene.mechanism(backend)):
+        put = EffectAt(name, where, values)
+        assert put.apply(scene.mechanism(backend)) == put.apply(without(scene, effect.removes).mechanism(backend))
+
+
+def test_constants_are_removed_at_all() -> None:
+    assert REMOVING, "the law above looks at something"
+    assert SCENES["held"].mechanism() != without(SCENES["held"], ("contact.damping",)).mechanism()
 
 
 WITHOUT_CONTACT = {"table_curvature"}

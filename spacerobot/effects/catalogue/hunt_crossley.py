@@ -28,6 +28,6 @@ class HuntCrossley(Effect):
         return ("contact",) if mechanism.contact is not None and len(mechanism.contact.p) == 4 else ()
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
-        """The contact law's exponent and its damping ratio."""
+        """The contact law's exponent and its damping ratio, which takes the dashpot's place."""
         n, chi = values["exponent"], values["chi_over_k_s_m"]
-        return mechanism.with_contact(lambda c: replace(c, p=(c.p[0], c.p[1], n, chi)))
+        return mechanism.with_contact(lambda c: replace(c, p=(c.p[0], 0.0, n, chi)))

@@ -152,6 +152,13 @@ class Dynamics:
                 out[base + r] += self.slack
         return float(self.w[self._press_rate])
 
+    def contact_force(self, t: float, y: np.ndarray) -> float:
+        """Contact force, positive in compression, at state y in the present modes [N]."""
+        self._locate(y)
+        floats, ints = self.packed
+        exert(floats, ints, LAWS.laws, t, self.modes, self._drives, self.w, self.nv)
+        return -float(self.w[ints[FORCE]])
+
     def friction_excess(self, r: int) -> float:
         """How far the force that holds friction `r` exceeds its limit [N], at the state last evaluated."""
         floats, ints = self.packed

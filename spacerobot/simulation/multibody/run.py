@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -108,7 +109,6 @@ class MultibodyRun:
         if last is not None and np.array_equal(last.time, times):
             return last
         dyn, steps, model = self.dynamics, self.steps, self.assembly.model
-        index = np.clip(np.searchsorted(steps.time, times, side="right") - 1, 0, steps.time.size - 1)
         n, count = len(self.mechanism.coordinates), times.size
         shapes: dict[str, tuple[int, ...]] = {
             **dict.fromkeys(("position", "velocity", "acceleration"), (n,)),
@@ -128,16 +128,13 @@ class MultibodyRun:
             "modes": (dyn.modes.size,),
         }
         out = MultibodySample(time=times, **{k: np.empty((count, *shape)) for k, shape in shapes.items()})
-        y, rate = np.empty(dyn.size), np.empty(dyn.size)
+        rate = np.empty(dyn.size)
         ints, w, slider = dyn.packed.ints, dyn.w, dyn.features.index("slider")
         touch, centre = dyn.contact_places(), np.empty((count, 3))
         with dyn.with_bias():
-            for i, step in enumerate(index):
-                length = steps.length[step]
-                theta = min(max((times[i] - steps.time[step]) / length, 0.0), 1.0) if length > 0.0 else 0.0
-                interpolate(steps.state[step], steps.dense[step], theta, y)
+            for i, (t, step, y) in enumerate(self._placed(times)):
                 dyn.modes[:] = out.modes[i] = steps.modes[step]
-                dyn.rate(float(times[i]), y, rate)
+                dyn.rate(t, y, rate)
                 value, row = dyn.scratch.value, dyn.scratch.row
                 free = rate[dyn.nq : dyn.nq + dyn.nv]
                 out.position[i] = dyn.coordinates @ value[:, 0]
@@ -173,9 +170,37 @@ class MultibodyRun:
         """Positions alone at `times`."""
         return self.sample(times).position
 
+    def _placed(self, times: np.ndarray) -> Iterator[tuple[float, int, np.ndarray]]:
+        """Each time with its step and the ambient state there, a work array."""
+        steps, y = self.steps, np.empty(self.dynamics.size)
+        index = np.clip(np.searchsorted(steps.time, times, side="right") - 1, 0, steps.time.size - 1)
+        for t, step in zip(times.tolist(), index.tolist(), strict=True):
+            length = steps.length[step]
+            theta = min(max((t - steps.time[step]) / length, 0.0), 1.0) if length > 0.0 else 0.0
+            interpolate(steps.state[step], steps.dense[step], theta, y)
+            yield t, step, y
+
     def contact_at(self, times: np.ndarray) -> np.ndarray:
         """Contact force, positive in compression, at `times`, shape (T,) [N]."""
-        return self.contact_force(self.sample(times))
+        dyn, out = self.dynamics, np.empty(len(times))
+        for i, (t, step, y) in enumerate(self._placed(np.asarray(times, dtype=float))):
+            dyn.modes[:] = self.steps.modes[step]
+            out[i] = dyn.contact_force(t, y)
+        return out
+
+    @property
+    def pieces(self) -> int:
+        """Steps of order 8 resolve what happens in them to the tolerance; a quarter of one turns once at most."""
+        return 4
+
+    def pressed(self) -> np.ndarray:
+        """Whether the contact carries force in each step, shape (m,)."""
+        return np.asarray(self.steps.modes[:, 0] == PRESSED)
+
+    def deflection_at(self, times: np.ndarray) -> np.ndarray:
+        """Of the wrist, positive pushed in, at `times`, shape (T,) [m]."""
+        at = self.assembly.model.joints[self.assembly.joints["slider"]].idx_q
+        return np.array([y[at] for _, _, y in self._placed(np.asarray(times, dtype=float))])
 
     def port(self, name: str, states: np.ndarray) -> np.ndarray:
         """A port's displacement, rate or acceleration from the coordinates', shape (T,)."""

@@ -92,6 +92,19 @@ class ReducedRun:
         at = np.ascontiguousarray(times, dtype=float)
         return np.asarray(sample_contact(*self.packed, LAWS.laws, self.packed.work(), *self.steps, at))
 
+    @property
+    def pieces(self) -> int:
+        """A step of the series, the longest there is, spans 3.5 rad of the fastest motion (REACH): 0.2 rad a piece."""
+        return 16
+
+    def pressed(self) -> np.ndarray:
+        """Whether the contact carries force in each step, shape (m,)."""
+        return np.asarray(self.steps.modes[:, 0] == PRESSED)
+
+    def deflection_at(self, times: np.ndarray) -> np.ndarray:
+        """Of the wrist, positive pushed in, at `times`, shape (T,), ascending [m]."""
+        return self.port("wrist", self.positions(times))
+
     def port(self, name: str, states: np.ndarray) -> np.ndarray:
         """A port's displacement, rate or acceleration from the coordinates', shape (T,); constant rows."""
         return np.asarray(states @ self.system.rows[self.layout.port(name)])

@@ -67,8 +67,7 @@ def trajectory_film(trajectory: Trajectory, scene: Scene | None = None) -> Film:
     touch = tip[np.argmax(np.abs(channel["contact.force"]))]
     focus, reach, floor = view_of(bodies)
     force = channel["contact.force"]
-    peak = float(np.abs(force).max())
-    arrow = Arrow(force, tip, -approach, arrow_scale(force)) if peak > 0.0 else None
+    arrow = Arrow(force, tip, -approach, arrow_scale(force)) if np.any(force) else None
     joints = "free" if scene.joints == "servo" else scene.joints
     still = scene.joints == "locked" and not space
     ellipsoid = None if still else mass_ellipsoid(robot, configurations, 1.0, joints=joints, base=scene.base)
@@ -79,7 +78,7 @@ def trajectory_film(trajectory: Trajectory, scene: Scene | None = None) -> Film:
     return Film(
         title=scene.title or f"{robot.name} meets a {scene.target.mass:g} kg body",
         subtitle=_subtitle(scene, trajectory),
-        description=_description(scene, trajectory, peak),
+        description=_description(scene, trajectory),
         time=time,
         bodies=bodies,
         focus=focus,
@@ -217,11 +216,12 @@ def _subtitle(scene: Scene, trajectory: Trajectory) -> str:
     return f"{base}, {scene.joints} joints, {scene.target.mass:.4g} kg at {1e3 * scene.target.speed:.4g} mm/s{effects}"
 
 
-def _description(scene: Scene, trajectory: Trajectory, peak: float) -> str:
+def _description(scene: Scene, trajectory: Trajectory) -> str:
     found: Any = trajectory.restitution
     said = f"A {scene.target.mass:g} kg body meets the compliant wrist of {scene.prepared.name}"
     if found.touches:
-        said += f"; they touch {found.touches} time{'s' if found.touches != 1 else ''} with up to {peak:.3g} N"
+        times = f"{found.touches} time{'s' if found.touches != 1 else ''}"
+        said += f"; they touch {times} with up to {trajectory.peak_force.value:.3g} N"
         if np.isfinite(found.target):
             said += f", and the body leaves with {found.target:.3f} of its speed"
     return said + "."
