@@ -28,6 +28,14 @@ def joint_axis(model: pin.Model, joint: int) -> tuple[bool, np.ndarray]:
     raise InputError("joint is neither revolute nor prismatic", given=f"{model.names[joint]} ({record.shortname()})")
 
 
+def z_onto(axis: np.ndarray) -> np.ndarray:
+    """A rotation whose third column is `axis`."""
+    helper = np.eye(3)[int(np.argmin(np.abs(axis)))]
+    x = np.cross(helper, axis)
+    x /= np.linalg.norm(x)
+    return np.column_stack([x, np.cross(axis, x), axis])
+
+
 def angular(robot: Robot, names: Iterable[str]) -> list[bool]:
     """Whether each named joint turns (its position is an angle).
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import pinocchio as pin
 
-from spacerobot.dynamics.joint_kinds import joint_axis
+from spacerobot.dynamics.joint_kinds import joint_axis, z_onto
 from spacerobot.dynamics.regime import Regime, partition_of
 from spacerobot.model.robot import Robot
 
@@ -93,7 +93,7 @@ def kinematic_tree(
     while joint >= 0:
         on_path[joint] = True
         joint = parents[joint]
-    turned = [pin.SE3(_z_onto(axis), np.zeros(3)) for _, axis in kinds]
+    turned = [pin.SE3(z_onto(axis), np.zeros(3)) for _, axis in kinds]
     before = [turned[p] if p >= 0 else pin.SE3.Identity() for p in parents]
     placements = [b.inverse() * model.jointPlacements[j] * t for b, j, t in zip(before, rows, turned, strict=True)]
     bodies = [t.actInv(model.inertias[j]) for t, j in zip(turned, rows, strict=True)]
@@ -120,14 +120,6 @@ def kinematic_tree(
         base_inertia=np.array(base.inertia),
         floating=floats,
     )
-
-
-def _z_onto(axis: np.ndarray) -> np.ndarray:
-    """A rotation whose third column is `axis`."""
-    helper = np.eye(3)[int(np.argmin(np.abs(axis)))]
-    x = np.cross(helper, axis)
-    x /= np.linalg.norm(x)
-    return np.column_stack([x, np.cross(axis, x), axis])
 
 
 def _stack(arrays: list[np.ndarray], shape: tuple[int, ...]) -> np.ndarray:
