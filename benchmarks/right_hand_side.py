@@ -56,7 +56,7 @@ def page(found: dict[str, Any]) -> str:
     """Markdown."""
     lines = [
         "Both called from Python. The right-hand side is more than forward dynamics: ports, contact, friction, the energy",
-        "ledger, quaternions; its spatial algebra is Pinocchio's, the rest compiled. Target: 8 through Python, 2 compiled.",
+        "ledger, quaternions; a compiled recursion over the model's tree of joints. Targets: 2 (held arm), 1.25 (20 degrees of freedom).",
         "",
         "| scene | degrees of freedom | right-hand side, us | pin.aba, us | ratio |",
         "|---|---|---|---|---|",

@@ -2,24 +2,26 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
 
 from spacerobot.dynamics.joint_kinds import joint_axis, z_onto
 from spacerobot.support.errors import InputError
+from spacerobot.support.jit import jit, lean
 
 TURN, SLIDE, CIRCLE, BALL, FREE = range(5)
 """Kinds of joint: one angle; one distance; one angle kept as cosine and sine; a unit quaternion; a place and one."""
+
 
 class TreeArrays(NamedTuple):
     """Constants of a model of m joints and nv velocities; SI, joint frames as Pinocchio has them.
 
     Attributes:
         joint: shape (m, 5), int: parent (-1: the world), kind, first index into q and into v, root of its own tree.
-        before: shape (m, 12), placement in the parent: rotation by rows, then translation. The z axis of the rotation is
-            the joint's own axis, where it has one.
+        before: shape (m, 12), placement in the parent: rotation by rows, then translation. The z axis of the
+            rotation is the joint's own axis, where it has one.
         after: shape (m, 9), rotation from that turned frame back to the joint's, by rows.
         plain: shape (m,), int: whether `after` is the identity.
         mass: shape (m,).
@@ -54,7 +56,7 @@ class TreeWork(NamedTuple):
         bias: shape (m, 6), acceleration at zero joint acceleration, without gravity.
         force: shape (m, 6), force and moment that the body asks for; then of everything behind the joint.
         composite: shape (m, 10), mass, moment and inertia of everything behind the joint.
-        inertia: shape (nv, nv), joint-space inertia, its upper triangle.
+        inertia: shape (nv, nv), joint-space inertia.
         load: shape (nv,), Coriolis, centrifugal and gravity terms.
     """
 
@@ -120,3 +122,40 @@ def _kind(model: pin.Model, joint: int) -> tuple[int, np.ndarray]:
     if np.array_equal(axis, [0.0, 0.0, 1.0]):
         return kind, np.eye(3)
     return kind, z_onto(axis)
+
+
+def packed_tree(tree: TreeArrays) -> tuple[np.ndarray, np.ndarray, int]:
+    """Integers and floats that hold a tree, and the size of its work."""
+    m, nv = tree.mass.size, tree.armature.size
+    ints = np.concatenate([np.array([m, nv]), tree.joint.ravel(), tree.plain]).astype(np.int64)
+    floats = [tree.before, tree.after, tree.mass, tree.moment, tree.inertia, tree.armature, tree.gravity]
+    return ints, np.concatenate([a.ravel() for a in floats]).astype(float), 43 * m + 13 * nv + nv * nv
+
+
+@jit
+def tree_from(k: Any, x: Any) -> TreeArrays:
+    """The tree that `packed_tree` wrote, as views."""
+    m, nv = k[0], k[1]
+    joint, plain = k[2 : 2 + 5 * m].reshape((m, 5)), k[2 + 5 * m : 2 + 6 * m]
+    before, after = x[: 12 * m].reshape((m, 12)), x[12 * m : 21 * m].reshape((m, 9))
+    mass, moment = x[21 * m : 22 * m], x[22 * m : 25 * m].reshape((m, 3))
+    inertia, a = x[25 * m : 31 * m].reshape((m, 6)), 31 * m
+    return TreeArrays(joint, before, after, plain, mass, moment, inertia, x[a : a + nv], x[a + nv : a + nv + 3])
+
+
+@jit
+def tree_work_from(k: Any, s: Any) -> TreeWork:
+    """The work of such a tree inside an array, as views."""
+    m, nv = k[0], k[1]
+    rotation, place = s[: 9 * m].reshape((m, 9)), s[9 * m : 12 * m].reshape((m, 3))
+    point, speed = s[12 * m : 15 * m].reshape((m, 3)), s[15 * m : 21 * m].reshape((m, 6))
+    bias, force = s[21 * m : 27 * m].reshape((m, 6)), s[27 * m : 33 * m].reshape((m, 6))
+    composite, a = s[33 * m : 43 * m].reshape((m, 10)), 43 * m
+    motion, drift = s[a : a + 6 * nv].reshape((nv, 6)), s[a + 6 * nv : a + 12 * nv].reshape((nv, 6))
+    load, b = s[a + 12 * nv : a + 13 * nv], a + 13 * nv
+    inertia = s[b : b + nv * nv].reshape((nv, nv))
+    return TreeWork(rotation, place, point, motion, drift, speed, bias, force, composite, inertia, load)
+
+
+tree_inside, tree_work_inside = lean(tree_from.py_func), lean(tree_work_from.py_func)
+"""The same for compiled callers; what they return must not reach Python."""

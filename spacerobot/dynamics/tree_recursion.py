@@ -11,17 +11,25 @@ from typing import Any
 
 import numpy as np
 
-from spacerobot.dynamics.tree_arrays import BALL, CIRCLE, FREE, SLIDE, TreeArrays, TreeWork
+from spacerobot.dynamics.tree_arrays import (
+    BALL,
+    CIRCLE,
+    FREE,
+    SLIDE,
+    TURN,
+    TreeArrays,
+    TreeWork,
+    packed_tree,
+    tree_work_from,
+)
 from spacerobot.support.jit import jit, lean
 
 
 def tree_work(tree: TreeArrays) -> TreeWork:
     """Room for one evaluation."""
-    m, nv = tree.mass.size, tree.armature.size
-    rows = {"rotation": 9, "place": 3, "point": 3, "speed": 6, "bias": 6, "force": 6, "composite": 10}
-    found = {name: np.zeros((m, width)) for name, width in rows.items()}
-    wide = {name: np.zeros((nv, 6)) for name in ("motion", "drift")}
-    return TreeWork(**found, **wide, inertia=np.zeros((nv, nv)), load=np.zeros(nv))
+    ints, _, size = packed_tree(tree)
+    found: TreeWork = tree_work_from(ints, np.zeros(size))
+    return found
 
 
 @lean
@@ -53,7 +61,7 @@ def _placed(tree: Any, work: Any, i: int, q: Any) -> None:
         px = work.place[parent, 0] + p[0] * x + p[1] * y + p[2] * z
         py = work.place[parent, 1] + p[3] * x + p[4] * y + p[5] * z
         pz = work.place[parent, 2] + p[6] * x + p[7] * y + p[8] * z
-    if kind == FREE or kind == BALL:
+    if kind in (FREE, BALL):
         at = a
         if kind == FREE:
             x, y, z = q[a], q[a + 1], q[a + 2]
@@ -117,8 +125,8 @@ def _placed(tree: Any, work: Any, i: int, q: Any) -> None:
         root = work.point[tree.joint[i, 4]]
         point[0], point[1], point[2] = root[0], root[1], root[2]
         place[0], place[1], place[2] = px, py, pz
-    # the joint's axis, in world axes, for `_moved`
-    if kind == SLIDE or kind == CIRCLE or kind == 0:
+    # the Jacobian's columns: axis through the place, about the tree's point
+    if kind in (SLIDE, TURN, CIRCLE):
         column = work.motion[tree.joint[i, 3]]
         if kind == SLIDE:
             column[0], column[1], column[2], column[3], column[4], column[5] = m02, m12, m22, 0.0, 0.0, 0.0
@@ -181,7 +189,7 @@ def move_bodies(tree: Any, work: Any, v: Any) -> None:
 
 @lean
 def weigh_bodies(tree: Any, work: Any) -> None:
-    """Joint-space inertia (upper triangle) and Coriolis, centrifugal and gravity terms, after `move_bodies`."""
+    """Joint-space inertia and Coriolis, centrifugal and gravity terms, after `move_bodies`."""
     m = tree.mass.size
     gx, gy, gz = tree.gravity[0], tree.gravity[1], tree.gravity[2]
     for i in range(m):
@@ -259,14 +267,16 @@ def weigh_bodies(tree: Any, work: Any) -> None:
             nz = c[7] * a + c[8] * b + c[9] * e + hx * y - hy * x
             for k in range(first, d + 1):
                 o = work.motion[k]
-                work.inertia[k, d] = o[0] * fx + o[1] * fy + o[2] * fz + o[3] * nx + o[4] * ny + o[5] * nz
+                share = o[0] * fx + o[1] * fy + o[2] * fz + o[3] * nx + o[4] * ny + o[5] * nz
+                work.inertia[k, d] = work.inertia[d, k] = share
             work.inertia[d, d] += tree.armature[d]
             j = parent
             while j >= 0:
                 at, other = tree.joint[j, 3], tree.joint[j, 1]
                 for k in range(at, at + (6 if other == FREE else 3 if other == BALL else 1)):
                     o = work.motion[k]
-                    work.inertia[k, d] = o[0] * fx + o[1] * fy + o[2] * fz + o[3] * nx + o[4] * ny + o[5] * nz
+                    share = o[0] * fx + o[1] * fy + o[2] * fz + o[3] * nx + o[4] * ny + o[5] * nz
+                    work.inertia[k, d] = work.inertia[d, k] = share
                 j = tree.joint[j, 0]
         if parent >= 0:
             up, above = work.composite[parent], work.force[parent]

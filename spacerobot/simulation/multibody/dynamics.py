@@ -1,4 +1,4 @@
-"""The equations of motion of an assembly in a mode: Pinocchio's terms, then the compiled kernel."""
+"""The equations of motion of an assembly in a mode, compiled; Pinocchio is the reference."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ import contextlib
 from collections.abc import Iterator
 
 import numpy as np
-import pinocchio as pin
 
+from spacerobot.dynamics.tree_arrays import tree_arrays
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.simulation.multibody.assembly import Assembly
-from spacerobot.simulation.multibody.kernel import CIRCLE, STRAIGHT, accelerate, exert, load, sense
-from spacerobot.simulation.multibody.layout import packed, scratch_from
+from spacerobot.simulation.multibody.kernel import CIRCLE, STRAIGHT, exert, locate, rate_of
+from spacerobot.simulation.multibody.layout import bodies_from, packed, scratch_from
 from spacerobot.simulation.multibody.ports import for_bodies, layout_of
 from spacerobot.simulation.reduced.arrays import BIAS, FORCE, FRICTION, RAW, W_ROWS, D, System, V, pack
 from spacerobot.simulation.reduced.assemble import assemble
@@ -34,7 +34,7 @@ class Dynamics:
         layout, scratch: constant and work arrays of the kernel, as views.
         nq, nv, size: of configuration, velocity and ambient state.
         slack: force [N] below which what holds a friction is rounding.
-        inertia: shape (nv, nv), at the state last evaluated; a view into Pinocchio's data.
+        inertia: shape (nv, nv), at the state last evaluated by `rate`; a view.
     """
 
     def __init__(self, assembly: Assembly, mechanism: Mechanism) -> None:
@@ -51,18 +51,13 @@ class Dynamics:
         self.modes = np.zeros(1 + self.forces + self.frictions, dtype=np.int64)
         self.q, self.v = np.zeros(self.nq), np.zeros(self.nv)
         self._drives = np.zeros((1, 1))
-        self._arrays = packed(self.layout, self.frictions)
+        self._arrays = packed(self.layout, tree_arrays(self.model), self.frictions)
         self.scratch = scratch_from(self._arrays[0], self._arrays[2])
         self.biased = self._needs_bias()
         self.pressed_by_contact = [f.normal is not None for f in self.mechanism.frictions]
         self.slack = 0.0
         self._press_rate = self._at(V, "contact")
-        pin.computeJointJacobiansTimeVariation(self.model, self.data, assembly.configuration, assembly.velocity)
-        pin.crba(self.model, self.data, assembly.configuration)
-        self._views = [self.data.J, self.data.dJ, self.biased]
-        for body in (assembly.hand[0], assembly.tip[0], assembly.base[0], assembly.target):
-            self._views += [self.data.oMi[body].rotation, self.data.oMi[body].translation]
-        self.inertia, self._nle = self.data.M, self.data.nle
+        self.inertia = bodies_from(self._arrays[0], self._arrays[2]).inertia
 
     def _widened(self, system: System) -> System:
         """The reduced model's arrays over this model's velocities: rows and masses come from Pinocchio."""
@@ -93,32 +88,19 @@ class Dynamics:
     def with_bias(self) -> Iterator[None]:
         """Bias accelerations are found too, which ports at rest do without."""
         before = self.biased
-        self.biased = self._views[2] = True
+        self.biased = True
         try:
             yield
         finally:
-            self.biased = self._views[2] = before
+            self.biased = before
 
     def _locate(self, y: np.ndarray) -> None:
-        load(y, self.layout.joints, self.q, self.v)
-        if self.biased:
-            pin.computeJointJacobiansTimeVariation(self.model, self.data, self.q, self.v)
-        else:
-            pin.computeJointJacobians(self.model, self.data, self.q)
-        sense(self.packed.ints, self.w, *self._arrays, self.q, self.v, *self._views)
+        locate(self.packed.ints, self.w, *self._arrays, y, self.q, self.v, self.biased)
 
     def rate(self, t: float, y: np.ndarray, out: np.ndarray) -> None:
         """out = dy/dt, and all forces into the work array."""
-        load(y, self.layout.joints, self.q, self.v)
-        pin.crba(self.model, self.data, self.q)
-        pin.nonLinearEffects(self.model, self.data, self.q, self.v)
-        if self.biased:
-            pin.computeJointJacobiansTimeVariation(self.model, self.data, self.q, self.v)
-        else:
-            pin.computeJointJacobians(self.model, self.data, self.q)
         floats, ints = self.packed
-        sense(ints, self.w, *self._arrays, self.q, self.v, *self._views)
-        accelerate(
+        rate_of(
             floats,
             ints,
             LAWS.laws,
@@ -127,10 +109,10 @@ class Dynamics:
             self._drives,
             self.w,
             *self._arrays,
+            y,
             self.q,
             self.v,
-            self.inertia,
-            self._nle,
+            self.biased,
             out,
         )
 

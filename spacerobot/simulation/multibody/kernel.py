@@ -11,7 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from spacerobot.simulation.multibody.layout import Scratch, layout_inside, scratch_inside
+from spacerobot.dynamics.tree_recursion import move_bodies, place_bodies, weigh_bodies
+from spacerobot.simulation.multibody.layout import Scratch, bodies_of, layout_inside, scratch_inside, tree_of
 from spacerobot.simulation.reduced.arrays import (
     BIAS,
     FORCE,
@@ -88,101 +89,87 @@ def configuration_rate(q: Any, v: Any, joints: Any, out: Any) -> None:
 
 
 @lean
-def _turned(rotation: Any, a: Any, out: Any) -> None:
-    """out = rotation a."""
-    for i in range(3):
-        out[i] = rotation[i, 0] * a[0] + rotation[i, 1] * a[1] + rotation[i, 2] * a[2]
-
-
-@lean
 def _along(a: Any, b: Any) -> float:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @lean
-def _row(jacobian: Any, mask: Any, n: Any, p: Any, sign: float, out: Any) -> None:
-    """out += sign * velocity along n of the body point at p, per unit velocity."""
-    m0 = p[1] * n[2] - p[2] * n[1]
-    m1 = p[2] * n[0] - p[0] * n[2]
-    m2 = p[0] * n[1] - p[1] * n[0]
+def _row(motion: Any, mask: Any, n: Any, arm: Any, sign: float, out: Any) -> None:
+    """out += sign * velocity along n of the body point at `arm` from the tree's point, per unit velocity."""
+    m0 = arm[1] * n[2] - arm[2] * n[1]
+    m1 = arm[2] * n[0] - arm[0] * n[2]
+    m2 = arm[0] * n[1] - arm[1] * n[0]
     for i in range(out.size):
         if mask[i]:
-            out[i] += sign * (
-                n[0] * jacobian[0, i]
-                + n[1] * jacobian[1, i]
-                + n[2] * jacobian[2, i]
-                + m0 * jacobian[3, i]
-                + m1 * jacobian[4, i]
-                + m2 * jacobian[5, i]
-            )
+            s = motion[i]
+            out[i] += sign * (n[0] * s[0] + n[1] * s[1] + n[2] * s[2] + m0 * s[3] + m1 * s[4] + m2 * s[5])
 
 
 @lean
-def _drift(jacobian: Any, rate: Any, mask: Any, v: Any, p: Any, out: Any) -> None:
-    """Angular velocity, velocity and bias acceleration of the body point at p: out shape (3, 3)."""
+def _drift(bodies: Any, body: int, arm: Any, out: Any) -> None:
+    """Angular velocity, velocity and bias acceleration of the body point at `arm`: out shape (3, 3)."""
     for k in range(3):
         for i in range(3):
             out[k, i] = 0.0
+    if body < 0:
+        return
+    s, b = bodies.speed[body], bodies.bias[body]
     for k in range(3):
-        drift, turn = 0.0, 0.0
-        for i in range(v.size):
-            if mask[i]:
-                out[0, k] += jacobian[3 + k, i] * v[i]
-                out[1, k] += jacobian[k, i] * v[i]
-                drift += rate[k, i] * v[i]
-                turn += rate[3 + k, i] * v[i]
-        out[2, k] += drift
-        out[2, (k + 1) % 3] -= turn * p[(k + 2) % 3]  # (angular bias) x p
-        out[2, (k + 2) % 3] += turn * p[(k + 1) % 3]
+        out[0, k] = s[3 + k]
     for k in range(3):
         i, j = (k + 1) % 3, (k + 2) % 3
-        out[1, k] += out[0, i] * p[j] - out[0, j] * p[i]
+        out[1, k] = s[k] + s[3 + i] * arm[j] - s[3 + j] * arm[i]
     for k in range(3):
         i, j = (k + 1) % 3, (k + 2) % 3
-        out[2, k] += out[0, i] * out[1, j] - out[0, j] * out[1, i]
+        turn = b[3 + i] * arm[j] - b[3 + j] * arm[i]  # (angular bias) x arm
+        out[2, k] = b[k] + turn + s[3 + i] * out[1, j] - s[3 + j] * out[1, i]
 
 
 @lean
-def sense(
-    c: Any,
-    w: Any,
-    ints: Any,
-    floats: Any,
-    work: Any,
-    q: Any,
-    v: Any,
-    jacobian: Any,
-    rate: Any,
-    biased: bool,
-    r_hand: Any,
-    t_hand: Any,
-    r_tip: Any,
-    t_tip: Any,
-    r_base: Any,
-    t_base: Any,
-    r_target: Any,
-    t_target: Any,
-) -> None:
+def _put(bodies: Any, body: int, local: Any, out: Any, arm: Any) -> None:
+    """A body's point in the world, and from its tree's point."""
+    if body < 0:
+        for k in range(3):
+            out[k] = arm[k] = local[k]
+        return
+    r, p, o = bodies.rotation[body], bodies.place[body], bodies.point[body]
+    for k in range(3):
+        arm[k] = p[k] + r[3 * k] * local[0] + r[3 * k + 1] * local[1] + r[3 * k + 2] * local[2]
+        out[k] = o[k] + arm[k]
+
+
+@lean
+def _turned(bodies: Any, body: int, local: Any, out: Any) -> None:
+    """A body's direction in the world."""
+    if body < 0:
+        for k in range(3):
+            out[k] = local[k]
+        return
+    r = bodies.rotation[body]
+    for k in range(3):
+        out[k] = r[3 * k] * local[0] + r[3 * k + 1] * local[1] + r[3 * k + 2] * local[2]
+
+
+@lean
+def sense(c: Any, w: Any, layout: Any, scratch: Any, bodies: Any, q: Any, v: Any, biased: bool) -> None:
     """Rows, displacements, rates and (where `biased`) bias accelerations of all ports, into `w`.
 
-    `ints`, `floats` and `work` hold Layout and Scratch.
+    `bodies` is the tree's work: placed, and moved where `biased`.
     """
-    layout, scratch = layout_inside(ints, floats), scratch_inside(ints, work)
     nv = v.size
-    row, value, place = scratch.row, scratch.value, scratch.place
+    row, value, place, arm = scratch.row, scratch.value, scratch.place, scratch.arm
     motion, other, vectors = scratch.motion[0], scratch.motion[1], scratch.vectors
-    _turned(r_hand, layout.local[HAND], place[HAND])
-    _turned(r_tip, layout.local[TIP], place[TIP])
-    _turned(r_base, layout.local[BASE], place[BASE])
-    touch, apart = vectors[0], vectors[1]
-    _turned(r_target, layout.local[TARGET], touch)
+    carrier = layout.carrier
+    for b in (HAND, TIP, BASE):
+        _put(bodies, carrier[b], layout.local[b], place[b], arm[b])
+    touch, apart, from_tip, from_target = vectors[0], vectors[1], vectors[2], vectors[3]
+    own = carrier[TARGET]
+    _put(bodies, own, layout.local[TARGET], touch, from_target)
     for i in range(3):
-        place[HAND, i] += t_hand[i]
-        place[TIP, i] += t_tip[i]
-        place[BASE, i] += t_base[i]
-        place[TARGET, i] = t_target[i]
-        touch[i] += t_target[i]
+        arm[TARGET, i] = bodies.place[own, i]
+        place[TARGET, i] = bodies.point[own, i] + arm[TARGET, i]
         apart[i] = touch[i] - place[TIP, i]
+        from_tip[i] = arm[TIP, i] + apart[i]
     for f in range(row.shape[0]):
         kind, a, b = layout.feature[f, 0], layout.feature[f, 1], layout.feature[f, 2]
         for i in range(nv):
@@ -198,19 +185,19 @@ def sense(
         elif kind == POINT:
             n = layout.axes[b]
             d = _along(n, place[a]) - layout.reference[f]
-            _row(jacobian, layout.support[a], n, place[a], 1.0, row[f])
+            _row(bodies.motion, layout.support[a], n, arm[a], 1.0, row[f])
             if biased:
-                _drift(jacobian, rate, layout.support[a], v, place[a], motion)
+                _drift(bodies, carrier[a], arm[a], motion)
                 bias = _along(n, motion[2])
         else:
-            turned, up = vectors[2], layout.axes[2]
-            _turned(r_target, layout.ahead, turned)
+            turned, up = vectors[4], layout.axes[2]
+            _turned(bodies, own, layout.ahead, turned)
             d = np.arctan2(_along(layout.axes[1], turned), _along(layout.axes[0], turned))
             for i in range(nv):
                 if layout.support[TARGET, i]:
-                    row[f, i] = up[0] * jacobian[3, i] + up[1] * jacobian[4, i] + up[2] * jacobian[5, i]
-                    if biased:
-                        bias += (up[0] * rate[3, i] + up[1] * rate[4, i] + up[2] * rate[5, i]) * v[i]
+                    row[f, i] = _along(up, bodies.motion[i, 3:])
+            if biased:
+                bias = _along(up, bodies.bias[own, 3:])
         speed = 0.0
         for i in range(nv):
             speed += row[f, i] * v[i]
@@ -231,26 +218,26 @@ def sense(
         w[c[D] + p], w[c[V] + p], w[c[BIAS] + p] = d, speed, bias
     if c[PRESS] < 0:
         return
-    relative = vectors[3]
+    relative = vectors[4]
     if biased:
-        _drift(jacobian, rate, layout.support[TIP], v, touch, other)
-        _drift(jacobian, rate, layout.support[TARGET], v, touch, motion)
+        _drift(bodies, carrier[TIP], from_tip, other)
+        _drift(bodies, own, from_target, motion)
         x, y, z = motion[1, 0] - other[1, 0], motion[1, 1] - other[1, 1], motion[1, 2] - other[1, 2]
         relative[0] = motion[2, 0] - other[2, 0] - 2.0 * (other[0, 1] * z - other[0, 2] * y)
         relative[1] = motion[2, 1] - other[2, 1] - 2.0 * (other[0, 2] * x - other[0, 0] * z)
         relative[2] = motion[2, 2] - other[2, 2] - 2.0 * (other[0, 0] * y - other[0, 1] * x)
-    n = vectors[4]
+    n = vectors[5]
     for k in range(3):
         p = c[PRESS] if k == 0 else c[SLIDE] if k == 1 else layout.rise
         if p < 0:
             continue
-        _turned(r_tip, layout.tip_axes[k], n)
+        _turned(bodies, carrier[TIP], layout.tip_axes[k], n)
         out = w[c[W_ROWS] + p * nv : c[W_ROWS] + (p + 1) * nv]
         for i in range(nv):
             out[i] = 0.0
         # the face belongs to the tip, the point to the target; both feel the force at the point
-        _row(jacobian, layout.support[TARGET], n, touch, 1.0, out)
-        _row(jacobian, layout.support[TIP], n, touch, -1.0, out)
+        _row(bodies.motion, layout.support[TARGET], n, from_target, 1.0, out)
+        _row(bodies.motion, layout.support[TIP], n, from_tip, -1.0, out)
         speed = 0.0
         for i in range(nv):
             speed += out[i] * v[i]
@@ -310,25 +297,22 @@ def accelerate(
     modes: Any,
     u: Any,
     w: Any,
-    ints: Any,
-    floats: Any,
-    work: Any,
+    layout: Any,
+    scratch: Any,
+    bodies: Any,
     q: Any,
     v: Any,
-    inertia: Any,
-    bias: Any,
     out: Any,
 ) -> None:
     """out = d/dt (configuration, velocity, work of every force and friction); call after `sense`."""
-    layout, scratch = layout_inside(ints, floats), scratch_inside(ints, work)
     nq, nv = q.size, v.size
     stuck = exert(x, c, laws, t, modes, u, w, nv)
     split = layout.split
-    _factorise(inertia, 0, split, scratch.factor)
-    _factorise(inertia, split, nv, scratch.factor)
+    _factorise(bodies.inertia, 0, split, scratch.factor)
+    _factorise(bodies.inertia, split, nv, scratch.factor)
     free = scratch.free
     for i in range(nv):
-        free[i] = w[c[TAU] + i] - bias[i]
+        free[i] = w[c[TAU] + i] - bodies.load[i]
     solve(scratch.factor, split, free)
     if stuck:
         hold(c, w, stuck, split, scratch)
@@ -387,3 +371,44 @@ def hold(c: Any, w: Any, stuck: int, split: int, scratch: Scratch) -> None:
         w[c[FRICTION] + int(w[c[STUCK] + a])] = vector[a]
         for i in range(nv):
             free[i] += held[a, i] * vector[a]
+
+
+@lean
+def locate(c: Any, w: Any, ints: Any, floats: Any, work: Any, y: Any, q: Any, v: Any, biased: bool) -> None:
+    """Configuration, velocity, bodies and ports of an ambient state."""
+    layout, scratch = layout_inside(ints, floats), scratch_inside(ints, work)
+    tree, bodies = tree_of(ints, floats), bodies_of(ints, work)
+    load(y, layout.joints, q, v)
+    place_bodies(tree, bodies, q)
+    if biased:
+        move_bodies(tree, bodies, v)
+    sense(c, w, layout, scratch, bodies, q, v, biased)
+
+
+@lean
+def rate_of(
+    x: Any,
+    c: Any,
+    laws: Any,
+    t: float,
+    modes: Any,
+    u: Any,
+    w: Any,
+    ints: Any,
+    floats: Any,
+    work: Any,
+    y: Any,
+    q: Any,
+    v: Any,
+    biased: bool,
+    out: Any,
+) -> None:
+    """out = dy/dt. `ints`, `floats` and `work` hold Layout, Scratch and the tree of bodies."""
+    layout, scratch = layout_inside(ints, floats), scratch_inside(ints, work)
+    tree, bodies = tree_of(ints, floats), bodies_of(ints, work)
+    load(y, layout.joints, q, v)
+    place_bodies(tree, bodies, q)
+    move_bodies(tree, bodies, v)
+    weigh_bodies(tree, bodies)
+    sense(c, w, layout, scratch, bodies, q, v, biased)
+    accelerate(x, c, laws, t, modes, u, w, layout, scratch, bodies, q, v, out)

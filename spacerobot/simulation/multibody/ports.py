@@ -115,6 +115,7 @@ def layout_of(assembly: Assembly, mechanism: Mechanism) -> tuple[Layout, list[st
             reference=reference,
             ports=rows,
             support=np.array([_support(model, body) for body in bodies]),
+            carrier=np.array(bodies, dtype=np.int64) - 1,
             local=np.array([np.zeros(3), assembly.hand[1], assembly.tip[1], assembly.base[1], assembly.point]),
             axes=np.ascontiguousarray(assembly.axes.T),
             tip_axes=np.ascontiguousarray((tip.T @ assembly.axes).T),
