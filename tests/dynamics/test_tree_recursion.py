@@ -101,7 +101,8 @@ def test_jacobian_and_drift_move_every_body_as_pinocchio_does(seed: int) -> None
 def test_a_body_that_has_flown_far_away_loses_no_digits() -> None:
     model = pin.Model()
     joint = model.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "body")
-    model.appendBodyToJoint(joint, pin.Inertia(9.0, np.array([0.1, 0.0, 0.2]), np.diag([0.1, 0.2, 0.3])), pin.SE3.Identity())
+    body = pin.Inertia(9.0, np.array([0.1, 0.0, 0.2]), np.diag([0.1, 0.2, 0.3]))
+    model.appendBodyToJoint(joint, body, pin.SE3.Identity())
     near, far = pin.neutral(model), pin.neutral(model)
     far[:3] = 1e8
     v = np.array([1e3, -2e3, 5e2, 0.3, -0.2, 0.1])
