@@ -5,15 +5,15 @@ Made once for the whole study, and once more for each part of it that is kept as
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 from spacerobot.diagnosis.adequacy import Left
 from spacerobot.diagnosis.candidates import contains
 from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.found import Found, Report
 from spacerobot.diagnosis.freed import baseline_freed, set_free
-from spacerobot.diagnosis.hypothesis import Site
+from spacerobot.diagnosis.hypothesis import Label, Site
 from spacerobot.diagnosis.judge import Judgement, judge
 from spacerobot.diagnosis.pool import Pool
 from spacerobot.diagnosis.search import search
@@ -37,12 +37,14 @@ class Decided:
         left_of: what each finalist leaves over, by id(fit).
         freed: the baseline without what is stated of the values that it bends; None where it bends none.
         judgement: the decision, before the fit's own checks.
+        withdrawn: sets that are not named, with the reason: an effect whose interval does not show it.
     """
 
     found: Found
     left_of: Mapping[int, Left]
     freed: Fit | None
     judgement: Judgement
+    withdrawn: Mapping[Label, str] = field(default_factory=dict)
 
     @property
     def inflation(self) -> float:
@@ -51,7 +53,18 @@ class Decided:
 
     def but_for(self, failed: Sequence[str]) -> Judgement:
         """The decision when these checks have failed."""
-        return judge(self.found, dict(self.left_of), self.freed, failed) if failed else self.judgement
+        return judge(self.found, self.left_of, self.freed, failed, self.withdrawn) if failed else self.judgement
+
+    def withdrawing(self, workshop: Workshop, why: str) -> Decided:
+        """The decision without the set that was chosen."""
+        withdrawn = {**self.withdrawn, self.judgement.chosen.hypothesis.label: why}
+        left_of = {**_finalists(workshop, self.found, self.freed, withdrawn), **self.left_of}
+        return replace(
+            self,
+            left_of=left_of,
+            judgement=judge(self.found, left_of, self.freed, (), withdrawn),
+            withdrawn=withdrawn,
+        )
 
 
 def decide(pool: Pool, sites: Sequence[Site], report: Report) -> Decided:
@@ -70,8 +83,10 @@ def decide(pool: Pool, sites: Sequence[Site], report: Report) -> Decided:
     return Decided(found, left_of, freed, judge(found, left_of, freed, ()))
 
 
-def _finalists(workshop: Workshop, found: Found, freed: Fit | None) -> dict[int, Left]:
-    ranked = sorted(found.fits.values(), key=lambda f: f.cost)
+def _finalists(
+    workshop: Workshop, found: Found, freed: Fit | None, withdrawn: Collection[Label] = ()
+) -> dict[int, Left]:
+    ranked = sorted((f for f in found.fits.values() if f.hypothesis.label not in withdrawn), key=lambda f: f.cost)
     least = found.best.cost
     reach = max(CLOSE, 2.0 * SMALL * (found.baseline.cost - least))
     slight = SLIGHT * (found.baseline.cost - least)

@@ -14,15 +14,14 @@ from spacerobot.diagnosis.candidates import candidate_sites
 from spacerobot.diagnosis.checks import nested, synthetic, widened
 from spacerobot.diagnosis.confirm import confirm
 from spacerobot.diagnosis.decide import decide
-from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.found import Report
 from spacerobot.diagnosis.held_out import hold_out
-from spacerobot.diagnosis.judge import AMBIGUOUS, NAMED, Judgement
+from spacerobot.diagnosis.intervals import with_intervals
+from spacerobot.diagnosis.judge import AMBIGUOUS, NAMED
 from spacerobot.diagnosis.locate.located import LEVEL, Located
 from spacerobot.diagnosis.memory import Store
 from spacerobot.diagnosis.next_experiment import next_experiment
 from spacerobot.diagnosis.pool import Pool
-from spacerobot.diagnosis.profile import profile_interval
 from spacerobot.diagnosis.result import Diagnosis
 from spacerobot.diagnosis.scene_out import scene_of
 from spacerobot.diagnosis.verdict import detectable, held_out_entry, labels_of, verdict_dict
@@ -89,17 +88,16 @@ def diagnose(
         # with the believed values: a refit that lacks the physics bends them until every balance is a little wrong
         locating = pool.aside(_located, seed)
         decided = decide(pool, sites, report)
+        report("intervals", 0, 1)
+        decided, profiled = with_intervals(pool, decided)
         found, left_of, inflation, first = decided.found, decided.left_of, decided.inflation, decided.judgement
-        chosen, keys = first.chosen, _stated(first)
+        chosen = first.chosen
         checks = [nested(found, chosen)]
         # begun together, asked for below
-        profiles = [pool.aside(_profiled, chosen, key, inflation) for key in keys]
         copied = pool.aside(synthetic, chosen, seed, first.lead) if first.verdict == NAMED else None
         whole = pool.aside(confirm, chosen) if first.verdict == NAMED else None
         report("predicting held-out conditions", 0, 1)
         held = hold_out(pool, {"before": found.baseline, "after": chosen})
-        report("intervals", 0, 1)
-        profiled = {key: interval() for key, interval in zip(keys, profiles, strict=True)}
         if copied is not None and whole is not None:
             report("checking on a synthetic copy", 0, 1)
             checks += copied()
@@ -160,16 +158,3 @@ def _located(workshop: Workshop, seed: int) -> Located:
     from spacerobot.diagnosis.locate.locate import locate  # takes half a second to load, best in another process
 
     return locate(workshop.model, workshop.trials, seed=seed)
-
-
-def _profiled(workshop: Workshop, chosen: Fit, key: str, inflation: float) -> tuple[float, float]:
-    return profile_interval(workshop.fitter(), chosen, key, inflation)
-
-
-def _stated(judgement: Judgement) -> list[str]:
-    """Keys of what the verdict gives intervals of: the values that moved, and the named effects' parameters."""
-    free = judgement.chosen.hypothesis.free
-    return [
-        *(k for k in judgement.moved if k in judgement.chosen.hypothesis.keys),
-        *(f.key for f in free if f.kind == "effect" and judgement.verdict == NAMED),
-    ]

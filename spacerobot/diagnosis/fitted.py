@@ -56,6 +56,14 @@ class Fit:
         """Physical values of the free parameters."""
         return self.hypothesis.values(self.z)
 
+    def errors(self) -> dict[str, tuple[float, float]]:
+        """Physical values one standard error below and above, by key; empty where no covariance is known."""
+        if self.covariance is None:
+            return {}
+        sigma = np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
+        rows = zip(self.hypothesis.free, self.z, sigma, strict=True)
+        return {f.key: (f.value(float(z - s)), f.value(float(z + s))) for f, z, s in rows}
+
     def initials(self) -> dict[str, np.ndarray]:
         """Initial values by trial, for a warm start."""
         return {name: t.initial for name, t in self.trials.items()}

@@ -74,8 +74,8 @@ class Found:
 
     def preferred(self, fits: Sequence[Fit]) -> Fit:
         """The one of these that a verdict would prefer."""
-        scores = {id(f): score(f) for f in [self.baseline, *fits]}
-        return simplest(sorted(fits, key=lambda f: scores[id(f)]), scores, self.baseline)
+        scores = {id(f): score(f) for f in fits}
+        return simplest(sorted(fits, key=lambda f: scores[id(f)]), scores)
 
     def singles_by_cost(self) -> list[Fit]:
         """Fits of one effect, best first."""

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,16 +11,15 @@ from spacerobot.diagnosis.adequacy import Left
 from spacerobot.diagnosis.candidates import contains, plausible
 from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.found import Found
-from spacerobot.diagnosis.weigh import PENALTY, SLIGHT, score, simplest
+from spacerobot.diagnosis.hypothesis import Label
+from spacerobot.diagnosis.shown import held_by_bounds
+from spacerobot.diagnosis.weigh import MARGIN, PENALTY, defect, score, simplest
 
 NAMED, AMBIGUOUS, UNKNOWN = "named", "ambiguous", "unknown"
 NOTHING_MISSING, WRONG_PARAMETER, NOT_TRUSTED = "nothing_missing", "wrong_parameter", "not_trusted"
 
 EARN = 20.0
 """Fall of the penalised cost that an effect must bring, after correction for the noise's level and colour."""
-
-MARGIN = 10.0
-"""Lead over a rival below which the two cannot be told apart."""
 
 MOVED = 3.0
 """Stated sigmas beyond which a believed value counts as wrong."""
@@ -67,7 +66,13 @@ def moved(fit: Fit) -> tuple[str, ...]:
     return tuple(k for k, s in fit.hypothesis.sigmas(fit.z).items() if abs(s) > MOVED)
 
 
-def judge(found: Found, left_of: dict[int, Left], freed: Fit | None, failed: Sequence[str]) -> Judgement:
+def judge(
+    found: Found,
+    left_of: Mapping[int, Left],
+    freed: Fit | None,
+    failed: Sequence[str],
+    withdrawn: Collection[Label] = (),
+) -> Judgement:
     """Decide.
 
     Args:
@@ -75,42 +80,58 @@ def judge(found: Found, left_of: dict[int, Left], freed: Fit | None, failed: Seq
         left_of: what each finalist leaves over, by id(fit); the baseline and the best few are there.
         freed: the baseline refitted without the priors of the values it moves, or None where it moves none.
         failed: names of the fit's own checks that failed.
+        withdrawn: sets with an effect whose interval does not show it (`shown.py`); they are not named.
     """
     base = found.baseline
-    candidates = [base, *(f for f in found.fits.values() if plausible(f.hypothesis.label, f.values()))]
-    inflation = min((left_of[id(f)].inflation for f in candidates if id(f) in left_of), default=1.0)
-    scores = {id(f): score(f, inflation) for f in candidates}
+    nameless = [f for f in found.fits.values() if f.hypothesis.label in withdrawn or _held(f)]
+    candidates = [base, *(f for f in found.fits.values() if _means(f) and f not in nameless)]
+    inflation = min((left_of[id(f)].inflation for f in [*candidates, *nameless] if id(f) in left_of), default=1.0)
+    scores = {id(f): score(f, inflation) for f in [*candidates, *nameless]}
     many = freed is not None and len(moved(base)) > FEW
     at_will = np.inf if freed is None else score(freed, inflation)
     if not many:
         scores[id(base)] = min(scores[id(base)], at_will)
     ranked = sorted(candidates, key=lambda f: scores[id(f)])
-    favourite = simplest(ranked, scores, base, lambda fit: id(fit) in left_of and left_of[id(fit)].adequate)
-    lead = scores[id(base)] - scores[id(favourite)]
-    bent = many and at_will < scores[id(favourite)] - MARGIN  # many wrong values do better than any effect
-    if favourite is base or lead < EARN or bent:
+    best = simplest(ranked, scores)
+    lead = scores[id(base)] - scores[id(best)]
+    bent = many and at_will < scores[id(best)] - MARGIN  # many wrong values do better than any effect
+    if best is base or lead < EARN or bent:
         if freed is not None and not (bent or failed):
             instead = _instead(freed, at_will, ranked, scores, left_of)
             if instead:
                 return _either(instead, freed, at_will, ranked, scores)
-        return _without_effect(base, freed, ranked, scores, left_of, failed)
-    rivals = []
-    equal = []
+        said = _without_effect(base, freed, ranked, scores, left_of, failed)
+        return _unnamed(said, [f for f in nameless if scores[id(f)] < scores[id(base)] - EARN])
+    parts = {id(p): _floor(p, best, scores[id(base)] - scores[id(p)], left_of) for p in _parts(best, ranked)}
+    known = [p for p in ranked if id(p) in parts and _law_of_its_own(p, left_of)]
+    favourite = next((p for p in known if scores[id(p)] - scores[id(best)] < parts[id(p)]), best)
+    rivals, equal, odds = [], [], 0.0
     for fit in ranked:
         if fit is favourite:
             continue
-        gap = scores[id(fit)] - scores[id(favourite)]
-        if contains(fit.hypothesis.label, favourite.hypothesis.label):
-            lost = "holds the favourite as a special case and gains too little by it"
-        elif _its_own_defect(fit, favourite, gap, scores[id(base)] - scores[id(fit)]):
+        gap = scores[id(fit)] - scores[id(best)]
+        floor = parts.get(id(fit), 0.0)
+        if fit is best:  # all that it earns may be a defect of the favourite's own law
             equal.append(fit)
-            lost = "not told apart: what it leaves may be a defect of its own law"
+            behind = scores[id(favourite)] - scores[id(best)]
+            odds += float(np.exp(-0.5 * MARGIN * (1.0 - behind / parts[id(favourite)])))
+            lost = "not told apart: what it earns may be a defect of the favourite's own law"
+        elif contains(fit.hypothesis.label, favourite.hypothesis.label):
+            lost = "holds the favourite as a special case and gains too little by it"
         elif gap < MARGIN:
             equal.append(fit)
+            odds += float(np.exp(-0.5 * gap))
             lost = f"not told apart: chi-squared differs by {fit.cost - favourite.cost:+.1f}"
+        elif gap < floor:
+            equal.append(fit)
+            odds += float(np.exp(-0.5 * MARGIN * gap / floor))
+            lost = "not told apart: what it leaves may be a defect of its own law"
         else:
+            odds += float(np.exp(-0.5 * min(gap, 700.0)))
             lost = f"chi-squared larger by {fit.cost - favourite.cost:.0f}"
-        rivals.append(Rival(fit, gap, lost))
+        rivals.append(Rival(fit, scores[id(fit)] - scores[id(favourite)], lost))
+    if favourite is best:
+        odds += _richer(favourite, ranked, scores)
     left = left_of.get(id(favourite))
     adequate = left is not None and left.adequate
     if failed:
@@ -119,12 +140,10 @@ def judge(found: Found, left_of: dict[int, Left], freed: Fit | None, failed: Seq
         verdict = UNKNOWN
     else:
         verdict = AMBIGUOUS if equal else NAMED
-    gaps = np.array([r.score for r in rivals if not r.lost.startswith("holds")])
-    weight = float(np.exp(-0.5 * np.clip(gaps, 0.0, 700.0)).sum()) if gaps.size else 0.0
-    confidence = 1.0 / (1.0 + weight) * (1.0 - np.exp(-0.5 * (lead - EARN + 6.0)))
+    confidence = 1.0 / (1.0 + odds) * (1.0 - np.exp(-0.5 * (lead - EARN + 6.0)))
     if verdict == UNKNOWN:
         confidence = _surprise(left)
-    return Judgement(
+    said = Judgement(
         verdict,
         float(np.clip(confidence, 0.05, 0.99)),
         favourite,
@@ -132,16 +151,58 @@ def judge(found: Found, left_of: dict[int, Left], freed: Fit | None, failed: Seq
         tuple(rivals),
         moved(favourite),
     )
+    sound = [f.hypothesis.label for f in ranked if f.hypothesis.sites and _adequate(f, left_of)]
+    others = [f for f in nameless if not any(contains(f.hypothesis.label, label) for label in sound)]
+    return _unnamed(said, [f for f in others if scores[id(f)] < scores[id(best)] - MARGIN])
 
 
-def _its_own_defect(fit: Fit, favourite: Fit, gap: float, explained: float) -> bool:
-    """Whether all that a favourite does more than a part of it may be that the part's law is too simple."""
-    part = bool(fit.hypothesis.sites) and contains(favourite.hypothesis.label, fit.hypothesis.label)
-    return part and gap < SLIGHT * explained and any(s.effect.stands_for for s in fit.hypothesis.sites)
+def _means(fit: Fit) -> bool:
+    """Whether a fit's signs make physical sense."""
+    return plausible(fit.hypothesis.label, fit.values())
+
+
+def _held(fit: Fit) -> bool:
+    """Whether a bound holds one of a fit's effects."""
+    values, errors = fit.values(), fit.errors()
+    return any(held_by_bounds(site, values, errors) for site in fit.hypothesis.sites)
+
+
+def _parts(best: Fit, ranked: Sequence[Fit]) -> list[Fit]:
+    """Sets of effects that the best one holds."""
+    return [f for f in ranked if f.hypothesis.sites and contains(best.hypothesis.label, f.hypothesis.label)]
+
+
+def _adequate(fit: Fit, left_of: Mapping[int, Left]) -> bool:
+    return id(fit) in left_of and left_of[id(fit)].adequate
+
+
+def _floor(part: Fit, whole: Fit, explained: float, left_of: Mapping[int, Left]) -> float:
+    return defect(part, whole, explained, _adequate(part, left_of))
+
+
+def _law_of_its_own(part: Fit, left_of: Mapping[int, Left]) -> bool:
+    """Whether a part leaves nothing but noise, and its law is known to be the simplest of its kind."""
+    return _adequate(part, left_of) and any(s.effect.stands_for for s in part.hypothesis.sites)
+
+
+def _richer(favourite: Fit, ranked: Sequence[Fit], scores: Mapping[int, float]) -> float:
+    """Odds that the nearest set that holds the favourite is meant: even where it would earn its place."""
+    label = favourite.hypothesis.label
+    gains = [scores[id(favourite)] - scores[id(f)] for f in ranked if contains(f.hypothesis.label, label)]
+    return float(np.exp(0.5 * min(max(gains, default=-np.inf) - MARGIN, 0.0)))
+
+
+def _unnamed(said: Judgement, better: Sequence[Fit]) -> Judgement:
+    """Unknown, where a set that shows none of its effects (at a bound, or perhaps nothing) explains more than what is
+    said: something is there, and that is not its name.
+    """
+    if not better or said.verdict == NOT_TRUSTED:
+        return said
+    return replace(said, verdict=UNKNOWN, confidence=max(said.confidence, BENT), alternatives=())
 
 
 def _instead(
-    freed: Fit, at_will: float, ranked: Sequence[Fit], scores: dict[int, float], left_of: dict[int, Left]
+    freed: Fit, at_will: float, ranked: Sequence[Fit], scores: Mapping[int, float], left_of: Mapping[int, Left]
 ) -> list[Fit]:
     """Effects that put back believed values and cost less than wrong values do, best first.
 
@@ -154,7 +215,7 @@ def _instead(
 
 
 def _either(
-    instead: Sequence[Fit], freed: Fit, at_will: float, ranked: Sequence[Fit], scores: dict[int, float]
+    instead: Sequence[Fit], freed: Fit, at_will: float, ranked: Sequence[Fit], scores: Mapping[int, float]
 ) -> Judgement:
     """Ambiguous: one of these effects, or values that are stated wrongly."""
     least = scores[id(instead[0])]
@@ -172,8 +233,8 @@ def _without_effect(
     base: Fit,
     freed: Fit | None,
     ranked: Sequence[Fit],
-    scores: dict[int, float],
-    left_of: dict[int, Left],
+    scores: Mapping[int, float],
+    left_of: Mapping[int, Left],
     failed: Sequence[str],
 ) -> Judgement:
     left = left_of[id(freed)] if freed is not None and id(freed) in left_of else left_of[id(base)]

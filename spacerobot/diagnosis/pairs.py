@@ -8,7 +8,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from spacerobot.diagnosis.candidates import contains, mirrored, simpler
-from spacerobot.diagnosis.fit import HOPE
 from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.found import (
     WORTH_A_FIT,
@@ -23,7 +22,7 @@ from spacerobot.diagnosis.hypothesis import Label, Site
 from spacerobot.diagnosis.pool import Pool
 from spacerobot.diagnosis.screen import Screen, faint
 from spacerobot.diagnosis.starts import effect_starts
-from spacerobot.diagnosis.weigh import worth
+from spacerobot.diagnosis.weigh import MARGIN
 from spacerobot.diagnosis.workshop import Task
 from spacerobot.effects.registry import effect
 
@@ -111,9 +110,9 @@ def _beside(found: Found, single: Fit, second: Screen) -> list[Task]:
     for label, item in list(second.best().items())[:TOP_PAIRS]:
         both = tuple(sorted((*single.hypothesis.label, label)))
         found.screened[both] = max(found.screened.get(both, 0.0), gained + item.gain)
-        if item.gain > max(WORTH_A_FIT, worth(gained) / HOPE):
+        if item.gain > WORTH_A_FIT:
             start = faint(item.site, item.start, share_of(item))
-            bar = single.cost - worth(gained)
+            bar = single.cost - MARGIN
             tasks.append(Task(both, start, near=single, max_iterations=20, hopeless=bar, eager=True))
     return tasks
 

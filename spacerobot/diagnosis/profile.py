@@ -26,7 +26,11 @@ FURTHER, OUTSIDE = 20, 5
 """What happens at a moment fits at several, with noise between them. One step of a search further out is such a part of
 the longest trial; it takes so many steps at most, and ends after so many outside the interval in a row."""
 
-TRIES = 4
+TRIES, STRIDE = 6, 5.0
+FLAT = 0.5
+"""Each step of a search for an end is up to five times the one before. Where, after six, the cost has not risen by this
+share of the level, it does not rise before the bound as far as anybody can tell."""
+
 CLOSE = 0.1
 """Share of the level within which an end counts as met."""
 
@@ -56,7 +60,8 @@ def profile_interval(fitter: Fitter, fit: Fit, key: str, inflation: float) -> tu
             size = spread
         if _moment(fit.hypothesis, key):
             size = _further(fitter, fit, index, side, size, inflation)
-        ends.append(free.value(min(max(best + side * size, low), high)))
+        at = min(max(best + side * size, low), high)
+        ends.append(free.value(at) if math.isfinite(at) else (free.lower if side < 0.0 else free.upper))
     return min(ends), max(ends)
 
 
@@ -71,16 +76,18 @@ def _end(fitter: Fitter, fit: Fit, index: int, step: float, inflation: float) ->
         if at != best + step and rise < LEVEL_95:
             return at  # the bound itself is inside
         if abs(rise - LEVEL_95) < CLOSE * LEVEL_95:
-            break
+            return at
         size = abs(at - best)
         if rise < LEVEL_95:
             inner = max(inner, size)
         else:
             outer = min(outer, size)
-        wanted = size * min(max(math.sqrt(LEVEL_95 / max(rise, 1e-3)), 0.3), 2.5)
+        wanted = size * min(max(math.sqrt(LEVEL_95 / max(rise, 1e-3)), 0.3), STRIDE)
         if not inner < wanted < outer:
             wanted = 0.5 * (inner + outer) if math.isfinite(outer) else 2.0 * inner
         step = math.copysign(wanted, step)
+    if math.isinf(outer) and rise < FLAT * LEVEL_95:
+        return low if step < 0.0 else high
     return min(max(best + step, low), high)
 
 

@@ -17,28 +17,39 @@ AT = 1e-3
 """Distance from a bound, as a share of it, within which a value sits there: searches stop at a bound to the last
 digit, and nothing physical is known to a thousandth of where somebody drew a line."""
 
+Ends = Mapping[str, tuple[float, float]]
+"""Low and high ends of intervals by parameters' keys, physical."""
 
-def at_bound(parameter: Parameter, value: float) -> bool:
-    """Whether a value sits at a bound drawn for the search: not nothing (its null, or zero), and not infinity."""
+
+def at_bound(parameter: Parameter, value: float, error: tuple[float, float] | None = None) -> bool:
+    """Whether a value sits at a bound drawn for the search: not nothing (its null, or zero), and not infinity.
+
+    Args:
+        parameter: whose bounds.
+        value: fitted.
+        error: its ends one standard error away; a bound that lies between them holds the value, not the recordings.
+    """
     bounds = [b for b in (parameter.lower, parameter.upper) if math.isfinite(b) and b not in (0.0, parameter.null)]
-    return any(abs(value - bound) <= AT * abs(bound) for bound in bounds)
+    low, high = error or (value, value)
+    return any(abs(value - bound) <= AT * abs(bound) or low <= bound <= high for bound in bounds)
 
 
-def held_by_bounds(site: Site, values: Mapping[str, float]) -> str:
+def held_by_bounds(site: Site, values: Mapping[str, float], errors: Ends | None = None) -> str:
     """Why a fitted effect is not shown, as far as its values tell; empty where nothing speaks against it.
 
     Args:
         site: the effect at its place.
         values: of its parameters, by key, in their own units.
+        errors: the values one standard error below and above, by key, where these are known.
     """
     for p in site.effect.parameters:
-        value = values.get(site.key(p.name))
-        if value is not None and at_bound(p, value):
-            return f"{site.key(p.name)} sits at its bound, {value:.4g} {p.unit}"
+        key = site.key(p.name)
+        if key in values and at_bound(p, values[key], (errors or {}).get(key)):
+            return f"{key} sits at its bound, {values[key]:.4g} {p.unit}"
     return ""
 
 
-def not_shown(site: Site, values: Mapping[str, float], intervals: Mapping[str, tuple[float, float]]) -> str:
+def not_shown(site: Site, values: Mapping[str, float], intervals: Ends) -> str:
     """Why an effect is not to be named; empty where it is shown.
 
     Args:

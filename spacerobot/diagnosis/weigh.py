@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 from spacerobot.diagnosis.candidates import contains
 from spacerobot.diagnosis.fitted import Fit
@@ -10,12 +10,17 @@ from spacerobot.diagnosis.fitted import Fit
 PENALTY = 8.0
 """Cost of one effect parameter: the look over forty effects finds a chance fall of chi-squared of this size."""
 
+MARGIN = 10.0
+"""Lead below which two sets cannot be told apart, odds of 150 to 1; and which a set must have over a part of it."""
+
 SMALL = 1e-3
-"""Share of what the simpler model explains that a further effect must earn."""
+"""Share of what a law explains that a richer one in its place, or a further effect beside it, may owe to the law's own
+small defects: a law that is wrong by three per cent of its force.
+"""
 
 SLIGHT = 0.05
-"""That share where the simpler set leaves nothing but noise: what it lacks is then no more than a small defect of its
-own law, which many a further effect can take up a little.
+"""That share for a further effect where the simpler set leaves nothing but noise. Between either and what statistics
+ask for, the two are not told apart: with many samples a harmless defect of the first law is always significant.
 """
 
 
@@ -27,34 +32,29 @@ def score(fit: Fit, inflation: float = 1.0) -> float:
     return fit.cost / inflation + PENALTY * count
 
 
-def worth(explained: float, share: float = SMALL) -> float:
-    """Fall of the penalised cost that a further effect must bring, beside one that explains so much."""
-    return max(4.0, share * explained)
-
-
-def simplest(
-    ranked: Sequence[Fit],
-    scores: Mapping[int, float],
-    base: Fit,
-    adequate: Callable[[Fit], bool] = lambda fit: False,
-) -> Fit:
+def simplest(ranked: Sequence[Fit], scores: Mapping[int, float]) -> Fit:
     """The best, unless a special case of it does nearly as well.
-
-    What a further effect earns is also held against what the simpler model explains: with many samples a harmless
-    defect of the first effect's law is always significant, and a second effect would be named for it.
 
     Args:
         ranked: fits, best first.
         scores: penalised costs by id(fit).
-        base: the refitted baseline.
-        adequate: whether a fit is known to leave nothing but noise.
     """
     best = ranked[0]
     for fit in ranked[1:]:
-        if not contains(best.hypothesis.label, fit.hypothesis.label):
-            continue
-        fewer = len(fit.hypothesis.sites) < len(best.hypothesis.sites)
-        share = SLIGHT if fewer and adequate(fit) else SMALL
-        if scores[id(fit)] - scores[id(best)] < worth(scores[id(base)] - scores[id(fit)], share):
+        if contains(best.hypothesis.label, fit.hypothesis.label) and scores[id(fit)] - scores[id(best)] < MARGIN:
             best = fit
     return best
+
+
+def defect(special: Fit, general: Fit, explained: float, adequate: bool) -> float:
+    """Fall of the penalised cost up to which all that a set earns over a part of it may be a defect of the part's law.
+
+    Args:
+        special: the part.
+        general: the set that holds it.
+        explained: what the part earns over the baseline.
+        adequate: whether the part leaves nothing but noise.
+    """
+    fewer = len(special.hypothesis.sites) < len(general.hypothesis.sites)
+    more_to_it = any(s.effect.stands_for for s in special.hypothesis.sites)
+    return (SLIGHT if fewer and (adequate or more_to_it) else SMALL) * max(explained, 0.0)

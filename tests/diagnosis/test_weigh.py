@@ -1,4 +1,4 @@
-"""Weighing sets of unlike size: what a further effect must earn, and beside what."""
+"""Weighing sets of unlike size: what a further effect must earn, and how much of that a law's own defect may earn."""
 
 from __future__ import annotations
 
@@ -6,45 +6,49 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from spacerobot.diagnosis.weigh import SLIGHT, SMALL, simplest
+from spacerobot.diagnosis.weigh import MARGIN, SLIGHT, SMALL, defect, simplest
 
 FRICTION, DRAG = ("coulomb_friction", "wrist"), ("viscous_drag", "target")
-STRIBECK = ("stribeck_friction", "wrist")
+STRIBECK, ARM = ("stribeck_friction", "wrist"), ("arm_compliance", "arm")
 
 
 def fit(*label: tuple[str, str]) -> Any:
-    return SimpleNamespace(hypothesis=SimpleNamespace(label=tuple(sorted(label)), sites=label))
+    sites = [SimpleNamespace(effect=SimpleNamespace(stands_for="x" if one is ARM else "")) for one in label]
+    return SimpleNamespace(hypothesis=SimpleNamespace(label=tuple(sorted(label)), sites=sites))
 
 
-def winner(general: Any, special: Any, share: float, adequate: bool) -> Any:
-    """Which wins where the special one explains 1e5 of the cost and the general one that share of it more."""
-    base = fit()
-    scores = {id(base): 2e5, id(special): 1e5, id(general): 1e5 - share * 1e5}
-    return simplest([general, special], scores, base, lambda f: adequate and f is special)
+def winner(general: Any, special: Any, earned: float) -> Any:
+    scores = {id(special): 1e5, id(general): 1e5 - earned}
+    return simplest(sorted([general, special], key=lambda f: scores[id(f)]), scores)
+
+
+@given(st.integers(-100, 10**6))
+def test_a_further_effect_wins_exactly_where_it_leads_by_the_margin(earned: int) -> None:
+    """Whatever the first one explains: what earns decisively is never dropped in silence."""
+    pair, single = fit(FRICTION, DRAG), fit(FRICTION)
+    assert winner(pair, single, earned) is (pair if earned >= MARGIN else single)
+    rich = fit(STRIBECK)
+    assert winner(rich, single, earned) is (rich if earned >= MARGIN else single)
+
+
+@given(st.integers(-(10**6), 10**6))
+def test_what_does_not_hold_the_best_never_takes_its_place(earned: int) -> None:
+    pair, other = fit(FRICTION, DRAG), fit(("backlash", "wrist"))
+    assert winner(pair, other, earned) is (pair if earned >= 0.0 else other)
 
 
 @pytest.mark.parametrize(
-    ("share", "adequate", "both"),
+    ("part", "whole", "adequate", "share"),
     [
-        (0.5 * SMALL, False, False),
-        (2.0 * SMALL, False, True),
-        (2.0 * SMALL, True, False),
-        (0.8 * SLIGHT, True, False),
-        (1.2 * SLIGHT, True, True),
+        (fit(FRICTION), fit(FRICTION, DRAG), False, SMALL),
+        (fit(FRICTION), fit(FRICTION, DRAG), True, SLIGHT),
+        (fit(FRICTION), fit(STRIBECK), True, SMALL),
+        (fit(ARM), fit(ARM, DRAG), False, SLIGHT),
     ],
 )
-def test_a_further_effect_beside_one_that_leaves_noise_must_earn_more(share: float, adequate: bool, both: bool) -> None:
-    pair, single = fit(FRICTION, DRAG), fit(FRICTION)
-    assert winner(pair, single, share, adequate) is (pair if both else single)
-
-
-def test_a_richer_law_in_a_laws_place_is_no_further_effect() -> None:
-    rich, plain = fit(STRIBECK), fit(FRICTION)
-    assert winner(rich, plain, 2.0 * SMALL, True) is rich
-    assert winner(rich, plain, 0.5 * SMALL, True) is plain
-
-
-def test_what_does_not_hold_the_best_never_takes_its_place() -> None:
-    pair, other = fit(FRICTION, DRAG), fit(("backlash", "wrist"))
-    assert winner(pair, other, 1e-9, True) is pair
+def test_how_much_a_laws_own_defect_may_earn(part: Any, whole: Any, adequate: bool, share: float) -> None:
+    assert defect(part, whole, 1e5, adequate) == pytest.approx(share * 1e5)
+    assert defect(part, whole, -1.0, adequate) == 0.0
