@@ -60,7 +60,7 @@ def _alternative(chosen: Sequence[tuple[Part, Candidate]]) -> dict[str, Any]:
     scores = [_score(part, one) for part, one in chosen]
     return {
         "effects": [{"effect": e, "where": w} for _, one in chosen for e, w in one.label],
-        "parameters": {k: v for p, one in chosen for k, v in one.fits[p.which].values().items() if "@" in k},
+        "parameters": {k: v for _, one in chosen for k, v in one.fit.values().items() if "@" in k},
         "score": sum(scores) if np.isfinite(scores).all() else None,
         "part": ", ".join(part.name for part, _ in chosen),
     }

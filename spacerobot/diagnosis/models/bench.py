@@ -69,9 +69,20 @@ class Bench:
 
     def _set(self, ratios: Mapping[str, float]) -> None:
         """A sensor whose noise is stated is never believed more than that."""
+        factor = dict(self.weights)
         for channel, ratio in ratios.items():
-            total = self._factor.get(channel, 1.0) * (ratio or 1.0)
-            self._factor[channel] = max(total, 1.0) if channel in self.model.stated else total
+            total = factor.get(channel, 1.0) * (ratio or 1.0)
+            factor[channel] = max(total, 1.0) if channel in self.model.stated else total
+        self.weights = factor
+
+    @property
+    def weights(self) -> Mapping[str, float]:
+        """By channel, what the model's own weights are divided by."""
+        return self._factor
+
+    @weights.setter
+    def weights(self, factor: Mapping[str, float]) -> None:
+        self._factor = dict(factor)
         self.trials = reweighted(self.model.trials, self._factor)
 
     def again(self, fit: Fit) -> Fit:

@@ -109,10 +109,7 @@ def body_models(study: Study, trials: Sequence[Trial], group: str = "body") -> l
     bodies: dict[str, list[Trial]] = {}
     for trial in trials:
         bodies.setdefault(study.condition(trial), []).append(trial)
-    found = [_model(study, own, group, name) for name, own in bodies.items()]
-    for one in found:
-        one.family = group
-    return found
+    return [_model(study, own, group, name) for name, own in bodies.items()]
 
 
 def _model(study: Study, trials: Sequence[Trial], group: str, name: str) -> Simulated:

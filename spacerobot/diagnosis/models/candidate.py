@@ -9,6 +9,7 @@ import numpy as np
 from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.hypothesis import Label, Site
 from spacerobot.diagnosis.models.held_out import HeldOut
+from spacerobot.support.errors import SimulationError
 
 
 @dataclass(frozen=True, eq=False)
@@ -16,22 +17,22 @@ class Candidate:
     """A baseline with effects in it: how it fits, and how it predicts.
 
     Attributes:
-        fits: to all trials, one a model.
-        held_out: on unseen trials, one a model; empty where that was not tried.
+        fit: to all trials.
+        held_out: on unseen trials; None where that was not tried, or could not be.
     """
 
-    fits: tuple[Fit, ...]
-    held_out: tuple[HeldOut, ...] = ()
+    fit: Fit
+    held_out: HeldOut | None = None
 
     @property
     def sites(self) -> tuple[Site, ...]:
         """Effects and places."""
-        return self.fits[0].hypothesis.sites
+        return self.fit.hypothesis.sites
 
     @property
     def label(self) -> Label:
         """Which effects where."""
-        return self.fits[0].hypothesis.label
+        return self.fit.hypothesis.label
 
     @property
     def size(self) -> int:
@@ -45,17 +46,26 @@ class Candidate:
 
     @property
     def cost(self) -> float:
-        """Of the fits together."""
-        return sum(f.cost for f in self.fits)
+        """Of the fit."""
+        return self.fit.cost
 
     @property
     def error(self) -> float:
         """Weighted rms on unseen trials; infinite where it was not tried."""
-        if not self.held_out:
-            return np.inf
-        return float(np.sqrt(np.mean([h.mean_square for h in self.held_out])))
+        return np.inf if self.held_out is None else float(np.sqrt(self.held_out.mean_square))
 
 
 def words(label: Label) -> str:
     """A set of effects in words, for progress and tables."""
     return " + ".join(f"{effect}@{where}" for effect, where in label) or "baseline"
+
+
+def tried(one: Candidate) -> HeldOut:
+    """How a candidate predicts unseen trials.
+
+    Raises:
+        SimulationError: it cannot.
+    """
+    if one.held_out is None:
+        raise SimulationError(f"{words(one.label)} cannot predict trials that it was not fitted to")
+    return one.held_out

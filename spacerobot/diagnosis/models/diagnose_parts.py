@@ -14,7 +14,6 @@ from spacerobot.diagnosis.memory import Store
 from spacerobot.diagnosis.models.choose import models_for
 from spacerobot.diagnosis.models.grow import MOST, grow
 from spacerobot.diagnosis.models.kept import Kept
-from spacerobot.diagnosis.models.model import Model
 from spacerobot.diagnosis.models.model_out import model_text
 from spacerobot.diagnosis.models.part import Part
 from spacerobot.diagnosis.models.part_checks import checks_of
@@ -41,7 +40,7 @@ def diagnose_parts(
         study: what the lab believes and recorded.
         report: told of progress.
         threads: of the fits.
-        seed: of sign flips and synthetic copies.
+        seed: of synthetic copies.
         without: effects to leave out of the catalogue.
         store: keeps every finished fit, so that a diagnosis that was stopped goes on where it was.
 
@@ -50,8 +49,8 @@ def diagnose_parts(
     """
     began = time.perf_counter()
     report("reading the recordings", 0, 1)
-    families = _families(models_for(study))
-    if not families:
+    models = models_for(study)
+    if not models:
         raise InputError(
             "nothing that was recorded can be compared with this baseline",
             given=", ".join(study.channels()[:8]),
@@ -60,15 +59,16 @@ def diagnose_parts(
         )
     catalogue = [e for e in all_effects().values() if e.name not in without]
     parts: list[Part] = []
-    for place, family in enumerate(families, 1):
-        what = f"{family[0].family or family[0].name} ({place} of {len(families)})"
-        kept = [Kept(store, f"{place}.{which} {m.name}") for which, m in enumerate(family)]
-        growth = grow(family, effects=catalogue, threads=threads, reached=partial(_tell, report, what), kept=kept)
-        parts += [Part(growth, which) for which in range(len(family))]
+    for place, model in enumerate(models, 1):
+        what = f"{model.name} ({place} of {len(models)})"
+        kept = Kept(store, f"{place} {model.name}")
+        growth = grow(model, effects=catalogue, threads=threads, reached=partial(_tell, report, what), kept=kept)
+        parts.append(Part(growth))
     done = []
     for place, part in enumerate(parts):
         report("locating and checking", place, len(parts))
-        located = locate_model(part.model, trials=part.trials, seed=seed) if has_balance(part.model) else None
+        # the flips of signs are a quadrature: the same for every seed, as no answer shall hang on them
+        located = locate_model(part.model, trials=part.trials) if has_balance(part.model) else None
         done.append(replace(part, located=located, checks=checks_of(part, seed)))
     report("judging", 0, 1)
     verdict = verdict_of(study, done, version=__version__, seed=seed, seconds=time.perf_counter() - began)
@@ -78,11 +78,3 @@ def diagnose_parts(
 
 def _tell(report: Report, what: str, size: int) -> None:
     report(what, size, MOST)
-
-
-def _families(models: Sequence[Model]) -> list[list[Model]]:
-    """Models that grow together; most grow alone."""
-    out: dict[str, list[Model]] = {}
-    for place, model in enumerate(models):
-        out.setdefault(f"family {model.family}" if model.family else f"model {place}", []).append(model)
-    return list(out.values())

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from spacerobot.diagnosis.data import TrialData
-from spacerobot.diagnosis.models.candidate import Candidate
+from spacerobot.diagnosis.models.candidate import Candidate, tried
 from spacerobot.diagnosis.models.held_out import HEAD, HeldOut, parent, predict_held_out
 from spacerobot.diagnosis.models.model import Model
 from spacerobot.diagnosis.models.noise import split
@@ -125,13 +125,13 @@ def measured(figure: Figure, parts: Sequence[Part]) -> dict[str, list[float]]:
 
 def _predicted(figure: Figure, part: Part, candidate: Candidate) -> tuple[tuple[TrialData, ...], HeldOut]:
     if figure.window is None and not figure.read_start and not figure.alone:
-        return part.trials, candidate.held_out[part.which]
+        return part.trials, tried(candidate)
     model: Model = part.model
     if figure.window is not None:
         if not hasattr(model, "in_windows"):
             raise InputError("this model cannot be cut anew", given=figure.what, where=part.name)
         model = model.in_windows(figure.window)
-    fit = candidate.fits[part.which]
+    fit = candidate.fit
     if figure.alone:
         pieces = tuple(t for t in model.trials if _among(figure, t))
         left_out = _folds(figure, part, pieces)
@@ -142,7 +142,7 @@ def _predicted(figure: Figure, part: Part, candidate: Candidate) -> tuple[tuple[
         part.trials,
         fit.hypothesis,
         fit.values(),
-        part.growth.benches[part.which].left_out,
+        part.growth.bench.left_out,
         fit.initials(),
         shown=model,
         head=0.0 if figure.read_start else HEAD,
@@ -154,7 +154,7 @@ def _folds(figure: Figure, part: Part, pieces: Sequence[TrialData]) -> list[tupl
     if figure.interleaved:
         return [(f"every other piece, from {k + 1}", tuple(t.id for t in pieces[k::2])) for k in range(2)]
     folds = []
-    for name, ids in part.growth.benches[part.which].left_out:
+    for name, ids in part.growth.bench.left_out:
         whole = {i.split("@")[0] for i in ids}
         inside = tuple(t.id for t in pieces if parent(t) in whole)
         if inside:

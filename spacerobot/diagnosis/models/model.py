@@ -42,7 +42,6 @@ class Model(ABC):
         sizes: what is typical, by place; "" for all others.
         stated: channels whose noise the study states; the weights of others come from what the best model leaves.
         relative_to: values that are not known and take part as 1: forces are told per unit of them.
-        family: models of one family are things of one kind, which lack the same physics; "" for one of its own.
         no_balance: why nothing can be located in its balance, where it has none.
         metric: what the residual is, for tables, e.g. "torque balance" or "simulated motion".
     """
@@ -54,7 +53,6 @@ class Model(ABC):
     sizes: Mapping[str, Sizes]
     metric: str
     stated: frozenset[str] = frozenset()
-    family: str = ""
     relative_to: tuple[str, ...] = ()
     no_balance: str = ""
 

@@ -59,7 +59,7 @@ def next_trial(part: Part) -> dict[str, Any] | None:
         return None
     rival = min(part.rivals, key=lambda c: c.error)
     if contains(rival.label, part.chosen.label):
-        rival = Candidate(tuple(least_alike(f) for f in rival.fits))
+        rival = Candidate(least_alike(rival.fit))
     pair = (part.chosen, rival)
     here = _distance(part, pair, Variant({}, part.model))
     best, most = None, here or 0.0
@@ -111,8 +111,8 @@ def _distance(part: Part, pair: tuple[Candidate, Candidate], variant: Variant) -
         shown = []
         try:
             for candidate in pair:
-                fit = candidate.fits[part.which]
-                start = pair[0].fits[part.which].trials[trial.id].initial.copy()
+                fit = candidate.fit
+                start = pair[0].fit.trials[trial.id].initial.copy()
                 rates = [n.rate for n in part.model.nuisances(trial)]
                 start[np.array(rates, dtype=bool)] *= variant.rates
                 mechanism = variant.model.trial_mechanism(fit.hypothesis, fit.z, changed)

@@ -11,12 +11,12 @@ from spacerobot.diagnosis.data import TrialData
 from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.judge import AMBIGUOUS, NAMED, NOT_TRUSTED, NOTHING_MISSING, UNKNOWN, WRONG_PARAMETER, moved
 from spacerobot.diagnosis.locate.located import LEVEL, Located, Row
-from spacerobot.diagnosis.models.candidate import Candidate
+from spacerobot.diagnosis.models.candidate import Candidate, tried
 from spacerobot.diagnosis.models.growth import Growth
 from spacerobot.diagnosis.models.held_out import HeldOut
 from spacerobot.diagnosis.models.model import Model
 from spacerobot.diagnosis.models.noise import squares_of
-from spacerobot.diagnosis.models.worth import TIE
+from spacerobot.diagnosis.models.worth import TIE, agreeing, ratio
 
 STRIKING = 0.2
 """Share of what a balance leaves over that one pattern must explain to be called a mismatch: an effect size, for in
@@ -35,21 +35,19 @@ class Part:
     """One model of a study and the search it took part in.
 
     Attributes:
-        growth: the search, which models of one family share.
-        which: this model's place in it.
+        growth: the search.
         located: its balances; None where it has none of its own.
         checks: of the fit itself, with "name", "passed" and "detail".
     """
 
     growth: Growth
-    which: int = 0
     located: Located | None = None
     checks: tuple[dict[str, Any], ...] = field(default=())
 
     @property
     def model(self) -> Model:
         """What was fitted."""
-        return self.growth.benches[self.which].model
+        return self.growth.bench.model
 
     @property
     def name(self) -> str:
@@ -59,30 +57,27 @@ class Part:
     @property
     def trials(self) -> tuple[TrialData, ...]:
         """Under the weights that the chosen model asks for."""
-        return self.growth.benches[self.which].trials
+        return self.growth.bench.trials
 
     @property
     def chosen(self) -> Candidate:
-        """The growth's choice, or the baseline where this model does not need it."""
-        growth = self.growth
-        if growth.after is growth.before or len(growth.benches) == 1:
-            return growth.after
-        return growth.after if growth.needs(self.which) else growth.before
+        """The growth's choice; the baseline where nothing pays."""
+        return self.growth.after
 
     @property
     def fit(self) -> Fit:
         """Of the chosen candidate."""
-        return self.chosen.fits[self.which]
+        return self.chosen.fit
 
     @property
     def before(self) -> HeldOut:
         """The baseline on unseen trials."""
-        return self.growth.before.held_out[self.which]
+        return tried(self.growth.before)
 
     @property
     def after(self) -> HeldOut:
         """The chosen candidate on unseen trials."""
-        return self.chosen.held_out[self.which]
+        return tried(self.chosen)
 
     @property
     def turning(self) -> frozenset[str]:
@@ -132,21 +127,15 @@ class Part:
         """Between 0 and 1: how clear the lead over rivals is, and in how many of the unseen pieces it holds."""
         sites = self.fit.hypothesis.sites
         if not sites:
-            best = min((c.error for c in self.growth.considered if c.sites), default=np.inf)
-            lead = best / self.growth.considered_baseline.error - 1.0 + TIE
+            base = self.growth.considered_baseline
+            lead = min((ratio(c, base) for c in self.growth.considered if c.sites), default=np.inf) - 1.0 + TIE
             return float(np.clip(1.0 - DOUBT * np.exp(-max(lead, 0.0) / TIE), DOUBT, 0.99))
         chosen = set(self.growth.after.label)
-        own = next((c.error for c in self.growth.considered if c.label == self.growth.after.label), np.nan)
-        size = self.growth.after.simplicity
-        others = [
-            c.error / own - 1.0
-            for c in self.growth.considered
-            if not chosen <= set(c.label) and not (c.simplicity > size and abs(c.error - own) < TIE * own)
-        ]
-        lead = min(others, default=np.inf)
-        clear = 1.0 - DOUBT * np.exp(-max(lead, 0.0) / TIE)
-        before, after = self.before.squares(), self.after.squares()
-        share = np.mean([after[k] < before[k] for k in before])
+        own = next(c for c in self.growth.considered if c.label == self.growth.after.label)
+        others = [(c, ratio(c, own)) for c in self.growth.considered if not chosen <= set(c.label)]
+        leads = [x - 1.0 for c, x in others if not (c.simplicity > own.simplicity and abs(x - 1.0) < TIE)]
+        clear = 1.0 - DOUBT * np.exp(-max(min(leads, default=np.inf), 0.0) / TIE)
+        share = agreeing(self.chosen, self.growth.before)
         return float(np.clip(clear * share, 0.05, 0.99))
 
     def errors(self) -> dict[str, tuple[float, float, int]]:

@@ -47,12 +47,11 @@ def evidence_of(study: Study, parts: Sequence[Part], verdict: Mapping[str, Any])
             "body": _body(study),
         },
         "traces": [t for p in parts for t in _traces(p, units, len(parts))],
-        "hypotheses": [h for p in _searches(parts) for h in _hypotheses(p, len(_searches(parts)))],
+        "hypotheses": [h for p in parts for h in _hypotheses(p, len(parts))],
         "located": [
-            {**r.entry(), "balance": balance(p, r.balance, len(parts)), "significance": r.score}
-            for p, r in rows[:SHOWN]
+            {**r.entry(), "balance": balance(p, r.balance, parts), "significance": r.score} for p, r in rows[:SHOWN]
         ],
-        "surfaces": [{**asdict(s), "balance": balance(p, s.balance, len(parts))} for p, s in surfaces],
+        "surfaces": [{**asdict(s), "balance": balance(p, s.balance, parts)} for p, s in surfaces],
         "whiteness": [],
         "formulas": formulas([p.fit.hypothesis.label for p in parts]),
         "checks": [c for p in parts for c in p.checks],
@@ -126,25 +125,20 @@ def _traces(part: Part, units: Mapping[str, str], count: int) -> list[dict[str, 
     return out
 
 
-def _searches(parts: Sequence[Part]) -> list[Part]:
-    """One part of each search."""
-    return [p for p in parts if p.which == 0]
-
-
 def _hypotheses(part: Part, count: int) -> list[dict[str, Any]]:
     """Every candidate that was tried on unseen data with why it lost, then what was only screened."""
     growth = part.growth
     best = growth.considered[0].error
     rows = [
         {
-            "part": (part.model.family or part.name) if count > 1 else "",
+            "part": part.name if count > 1 else "",
             "effects": _names(c),
             "stage": "fitted",
             "ratio": c.error / growth.considered_baseline.error,
             "held_out": -float(np.log(c.error / best)) if np.isfinite(c.error) else None,
             "chi2": None,
             "chi2_per_sample": None,
-            "parameters": {k: v for k, v in c.fits[0].values().items() if "@" in k} if len(c.fits) == 1 else {},
+            "parameters": {k: v for k, v in c.fit.values().items() if "@" in k},
             "lost": _lost(c, part),
         }
         for c in growth.considered
@@ -154,7 +148,7 @@ def _hypotheses(part: Part, count: int) -> list[dict[str, Any]]:
     rest = sorted(((cost, label) for label, cost in growth.screened if label not in tried), key=lambda pair: pair[0])
     rows += [
         {
-            "part": (part.model.family or part.name) if count > 1 else "",
+            "part": part.name if count > 1 else "",
             "effects": [{"effect": e, "where": w} for e, w in label],
             "stage": "screened",
             "ratio": None,
@@ -174,6 +168,8 @@ def _lost(one: Candidate, part: Part) -> str:
     chosen = next((c for c in growth.considered if c.label == growth.after.label), growth.considered_baseline)
     if one.label == chosen.label:
         return ""
+    if one.label in growth.refused:
+        return growth.refused[one.label]
     if one in growth.rivals:
         return "not told apart: predicts as well, and is no more complicated"
     if not np.isfinite(one.error):

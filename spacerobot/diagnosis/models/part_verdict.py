@@ -51,7 +51,7 @@ def verdict_of(study: Study, parts: Sequence[Part], *, version: str, seed: int, 
         "alternatives": alternatives(speaking, verdict),
         "parameters": _all_moved(parts),
         "located": [
-            {**r.entry(), "balance": balance(p, r.balance, len(parts))}
+            {**r.entry(), "balance": balance(p, r.balance, parts)}
             for p in parts
             if p.located is not None
             for r in p.located.rows
@@ -127,9 +127,10 @@ def turning_unit(unit: str) -> str:
     return f"{above}/{below.replace('m', 'rad')}" if below else above
 
 
-def balance(part: Part, name: str, count: int) -> str:
-    """Name of a balance; where models of one family call theirs alike, with the model's own name."""
-    return f"{part.name}: {name}" if count > 1 and part.model.family else name
+def balance(part: Part, name: str, parts: Sequence[Part]) -> str:
+    """Name of a balance; where another part calls one of its own alike, with the part's name."""
+    others = [r.balance for p in parts if p is not part and p.located is not None for r in p.located.rows]
+    return f"{part.name}: {name}" if name in others else name
 
 
 def _moved(part: Part) -> dict[str, Any]:
@@ -200,7 +201,7 @@ def _detectable(parts: Sequence[Part]) -> list[dict[str, Any]]:
     """The smallest effects that would have shown, of parts that lack nothing and of single ones."""
     out = []
     for part in parts:
-        bench = part.growth.benches[part.which]
+        bench = part.growth.bench
         near = [s for s in part.model.sites() if s.label not in part.fit.hypothesis.label]
         screen = Screener(bench.fitter(), part.model.believed).screen(part.fit, near)
         rows = detectable(screen, 1.0)

@@ -29,7 +29,7 @@ SLIDING = Figure(
     moving={"body.position.x": 0.02},
     alone=True,
 )
-PART = SimpleNamespace(which=0, growth=SimpleNamespace(benches=[SimpleNamespace(left_out=[("one", ("one@0",))])]))
+PART = SimpleNamespace(growth=SimpleNamespace(bench=SimpleNamespace(left_out=[("one", ("one@0",))])))
 
 
 def test_only_pieces_that_slide_count() -> None:

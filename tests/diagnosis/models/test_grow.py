@@ -22,15 +22,20 @@ from spacerobot.proof.engine.missing import Missing
 JOINT = "S1"
 
 
-def chosen_rashly(folder: Path, monkeypatch: pytest.MonkeyPatch, hidden: tuple[Missing, ...]) -> Label:
+def chosen_rashly(
+    folder: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    hidden: tuple[Missing, ...] = (),
+    known: tuple[str, ...] = ("coulomb_friction", "viscous_friction"),
+) -> Label:
     """What stands of a search that always wants an effect, whatever unseen trials say of it."""
 
     def rash(tested: Sequence[Candidate], baseline: Candidate, trials: object) -> Candidate:
-        return min((c for c in tested if c.sites), key=lambda c: c.error)
+        return min((c for c in tested if c.sites), key=lambda c: c.error, default=baseline)
 
     monkeypatch.setattr(module, "choice", rash)
     (model,) = [m for m in models_for(driven_study(folder, *hidden)) if m.name == JOINT]
-    found = grow(model, effects=[effect("coulomb_friction"), effect("viscous_friction")])
+    found = grow(model, effects=[effect(name) for name in known])
     assert (found.after is found.before) == (not found.after.sites)
     assert found.after.sites or not found.rivals
     return found.after.label
@@ -39,9 +44,18 @@ def chosen_rashly(folder: Path, monkeypatch: pytest.MonkeyPatch, hidden: tuple[M
 def test_what_gains_nothing_under_the_stated_noise_is_not_chosen(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    assert chosen_rashly(tmp_path, monkeypatch, ()) == ()
+    assert chosen_rashly(tmp_path, monkeypatch) == ()
 
 
 def test_what_is_there_stands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     item = Missing("coulomb_friction", f"joint.{JOINT}", {"force_Nm": 0.3})
     assert ("coulomb_friction", f"joint.{JOINT}") in chosen_rashly(tmp_path, monkeypatch, (item,))
+
+
+def test_an_effect_whose_interval_holds_nothing_is_not_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Even where chance and unseen trials were to speak for it."""
+    monkeypatch.setattr(module, "by_chance", lambda gain, parameters: False)
+    monkeypatch.setattr(module, "pays", lambda new, old, trials: True)
+    assert chosen_rashly(tmp_path, monkeypatch, known=("viscous_friction",)) == ()
+    monkeypatch.setattr(module, "unshown", lambda fit: "")
+    assert chosen_rashly(tmp_path, monkeypatch, known=("viscous_friction",)) != ()

@@ -43,7 +43,7 @@ def searched(store: Drawer | None) -> Growth:
     }
     model = InverseDynamics(robot, (0.0, 0.0, -9.81), grids, ("shoulder", "elbow"), compared=["shoulder"])
     catalogue = [effect(n) for n in ("coulomb_friction", "viscous_friction", "preload")]
-    return grow(model, effects=catalogue, kept=None if store is None else [Kept(store, "shoulder")])
+    return grow(model, effects=catalogue, kept=None if store is None else Kept(store, "shoulder"))
 
 
 def test_a_stopped_search_goes_on_and_ends_where_it_would_have() -> None:
@@ -59,11 +59,11 @@ def test_a_stopped_search_goes_on_and_ends_where_it_would_have() -> None:
     resumed = searched(store)
     assert store.loaded >= before
     assert resumed.after.label == whole.after.label == (("coulomb_friction", "joint.shoulder"),)
-    np.testing.assert_array_equal(resumed.after.fits[0].z, whole.after.fits[0].z)
+    np.testing.assert_array_equal(resumed.after.fit.z, whole.after.fit.z)
     assert [c.label for c in resumed.considered] == [c.label for c in whole.considered]
     assert resumed.after.error == whole.after.error
 
     store.loaded, size = 0, len(store.kept)
     again = searched(store)
     assert len(store.kept) == size  # nothing was computed
-    np.testing.assert_array_equal(again.after.fits[0].z, whole.after.fits[0].z)
+    np.testing.assert_array_equal(again.after.fit.z, whole.after.fit.z)

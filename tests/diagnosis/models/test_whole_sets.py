@@ -59,14 +59,14 @@ def test_an_effect_that_chance_would_bring_is_dropped_and_no_other(tmp_path: Pat
     viscous = Missing("viscous_friction", "joint.S1", {"coefficient_Nms_rad": 0.6})
     study = driven_study(tmp_path, viscous, *([Missing(*both[0], {"force_Nm": coulomb})] if coulomb else []))
     (model,) = [m for m in models_for(study) if m.name == "S1"]
-    search = _Search((Bench(model),), None, lambda text: None)
-    bench, sites = search.benches[0], search.sites[0]
+    search = _Search(Bench(model), None, lambda text: None)
+    bench, sites = search.bench, search.sites
     start = bench.baseline()
     bench.sharpen(start)
     fit = bench.fitted_as(bench.again(start), [sites[one] for one in both], {})
     assert fit is not None
     bench.weigh(fit)
-    chosen = search.tested(Candidate((bench.again(fit),)))
+    chosen = search.tested(Candidate(bench.again(fit)))
     kept = search.without_chance(chosen, [both, both[:1], both[1:]])
     assert kept.label == (both if coulomb else both[1:])
     assert search.without_chance(chosen, [both]) is chosen  # what was never tried is not come back to

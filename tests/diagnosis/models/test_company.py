@@ -1,0 +1,123 @@
+"""A part has the same verdict alone and in company, and with any seed: what says nothing of it changes nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+import pytest
+from helpers_balls import balls
+from hypothesis import given
+from hypothesis import strategies as st
+
+from spacerobot.diagnosis.data import TrialData
+from spacerobot.diagnosis.diagnose import diagnose
+from spacerobot.diagnosis.hypothesis import Site
+from spacerobot.diagnosis.models.candidate import Candidate
+from spacerobot.diagnosis.models.held_out import HeldOut
+from spacerobot.diagnosis.models.part_checks import COPIES, agreed
+from spacerobot.diagnosis.models.worth import WORTH_OF_REST, as_good, choice, pays, ratio
+from spacerobot.effects.registry import all_effects
+from spacerobot.recordings.study import Study
+
+LIGHT, HEAVY = (0.05, 0.003), (8.0, 0.003)
+
+READINGS = 20
+
+
+@dataclass(frozen=True, eq=False)
+class Tried:
+    """As much of a candidate as its worth hangs on."""
+
+    size: int
+    held_out: HeldOut
+    sites: tuple[Site, ...] = ()
+
+    @property
+    def error(self) -> float:
+        return float(np.sqrt(self.held_out.mean_square))
+
+
+def tried(size: int, noise: np.ndarray, off: Sequence[float], silent: int) -> Candidate:
+    """A candidate that predicts each trial wrong by so many standard deviations, and others as every candidate does."""
+    wrong = np.concatenate([off, np.zeros(silent)])
+    residual = {f"t{k}": own + w for k, (own, w) in enumerate(zip(noise, wrong, strict=False))}
+    return cast(Candidate, Tried(size, HeldOut(residual, {k: np.ones(READINGS, bool) for k in residual})))
+
+
+def noises(trials: int) -> np.ndarray:
+    return np.random.default_rng(5).standard_normal((trials, READINGS))
+
+
+def named(trials: int) -> list[TrialData]:
+    return [TrialData(f"t{k}", "", {}, (), 0.0, 1.0) for k in range(trials)]
+
+
+OFF = st.floats(0.0, 4.0)
+
+
+@given(st.lists(st.tuples(OFF, OFF, OFF), min_size=1, max_size=5), st.integers(0, 40))
+def test_trials_that_tell_no_two_models_apart_decide_nothing(
+    told: list[tuple[float, float, float]], silent: int
+) -> None:
+    noise, count = noises(len(told) + silent), len(told)
+    answers = []
+    for more in (0, silent):
+        baseline, one, other = (tried(k, noise, [t[k] for t in told], more) for k in range(3))
+        trials = named(count + more)
+        worth = (pays(one, baseline, trials), pays(other, baseline, trials), as_good(one, other, baseline))
+        answers.append((*worth, choice([one, other], baseline, trials).size, round(ratio(one, other), 9)))
+    assert answers[0] == answers[1]
+
+
+def test_a_rule_that_pools_over_all_trials_would_be_turned_by_them() -> None:
+    """What the test above would find: the error over all trials hardly falls where one of many tells everything."""
+    noise = noises(41)
+    old, new = (tried(k, noise, [off], 40) for k, off in enumerate((1.5, 0.0)))
+    assert new.error > (1.0 - WORTH_OF_REST) * old.error
+    assert ratio(new, old) < 0.7
+    assert pays(new, old, named(41))
+
+
+def said(study: Study, seed: int = 0) -> dict[str, Any]:
+    kept = ("quadratic_drag", "viscous_drag", "payload", "scale")
+    return dict(diagnose(study, jobs=1, seed=seed, without=[n for n in all_effects() if n not in kept]).verdict)
+
+
+def of(verdict: Mapping[str, Any], name: str) -> dict[str, Any]:
+    (found,) = [p for p in verdict["parts"] if p["part"] == name]
+    return {k: v for k, v in found.items() if k != "part"}
+
+
+@pytest.mark.parametrize("stated", [True, False])
+def test_a_light_ball_lacks_its_drag_whatever_else_is_dropped(tmp_path: Path, stated: bool) -> None:
+    alone = said(balls(tmp_path / "alone", {"light": LIGHT}, stated=stated))
+    company = said(balls(tmp_path / "all", {"iron": HEAVY, "light": LIGHT, "lead": HEAVY}, stated=stated))
+    assert of(company, "light") == of(alone, "light")
+    assert of(company, "light")["verdict"] == "named"
+    assert [(e["effect"], e["part"]) for e in company["effects"]] == [("quadratic_drag", "light")]
+    assert {of(company, n)["verdict"] for n in ("iron", "lead")} == {"nothing_missing"}
+
+
+def test_another_seed_gives_the_same_verdict(tmp_path: Path) -> None:
+    study = balls(tmp_path, {"iron": HEAVY, "light": LIGHT})
+    found = [{k: v for k, v in said(study, seed).items() if k not in ("seconds", "seed")} for seed in (0, 1, 77)]
+    assert found[0] == found[1] == found[2]
+
+
+@pytest.mark.parametrize(
+    ("bad", "passed"), [((), True), ((0,), True), ((1, 2), True), ((0, 2), False), ((0, 1, 2), False)]
+)
+def test_no_single_draw_of_noise_takes_an_answer_back(bad: tuple[int, ...], passed: bool) -> None:
+    asked: list[int] = []
+
+    def copy(number: int) -> tuple[dict[str, Any], ...]:
+        asked.append(number)
+        return ({"name": "a", "passed": True, "detail": ""}, {"name": "b", "passed": number not in bad, "detail": "x"})
+
+    found = {c["name"]: c["passed"] for c in agreed(copy)}
+    assert found == {"a": True, "b": passed}
+    assert asked == list(range(COPIES if 0 in bad else 1))
