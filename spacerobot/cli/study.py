@@ -20,6 +20,16 @@ _EPILOG = """examples:
 """
 
 
+_KINDS = {
+    "wrist": "a wrist rig",
+    "arm": "an arm with joint logs",
+    "platform": "a floating platform with an arm",
+    "body": "a free body",
+    "axis": "one driven axis",
+    "": "a rig of which no column was recognised",
+}
+
+
 def configure(parser: argparse.ArgumentParser) -> None:
     """Arguments of the command."""
     parser.epilog = _EPILOG
@@ -51,7 +61,8 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _new(args: argparse.Namespace) -> int:
-    from spacerobot.recordings.draft import draft_study
+    from spacerobot.recordings.draft import draft
+    from spacerobot.recordings.lacking import lacks
     from spacerobot.recordings.study import load_study
 
     path: Path = args.out or args.folder / "study.toml"
@@ -59,20 +70,34 @@ def _new(args: argparse.Namespace) -> int:
         path = path / "study.toml"
     if path.exists() and not args.overwrite:
         raise InputError("a study is there already", given=str(path), valid="another --out, or --overwrite")
-    text = draft_study(args.folder)
+    made = draft(args.folder)
     try:
-        write_text(path, text)
+        for name, content in made.files.items():
+            if not (path.parent / name).exists():
+                write_text(path.parent / name, content)
+        write_text(path, made.text())
     except OSError as error:
         raise InputError(f"cannot be written: {error.strerror}", where=str(path)) from None
     study = load_study(path, data=args.folder)
     names = [t.id for t in study.trials]
+    answer: dict[str, Any] = {
+        "study": str(path),
+        "kind": made.kind or None,
+        "trials": names,
+        "streams": list(study.streams),
+    }
+    answer |= {"channels": study.channels(), "lacks": lacks(study), "not_read": made.remarks}
     if args.json:
-        print(
-            dumps({"study": str(path), "trials": names, "streams": list(study.streams), "channels": study.channels()})
-        )
+        print(dumps(answer))
         return 0
-    print(f"{path}: {len(names)} trials, streams {', '.join(study.streams)}")
-    print("Next: state what you believe about the rig in it, then run `spacerobot study check`.")
+    print(f"{path}: {_KINDS[made.kind]}; {len(names)} trial{'s' if len(names) > 1 else ''}")
+    for name, lines in made.lines.items():
+        print(f"  {name}: {', '.join(line.channel for line in lines[:8])}{', ...' if len(lines) > 8 else ''}")
+    for remark in made.remarks[:5]:
+        print(f"  not read: {remark}")
+    if len(made.remarks) > 5:
+        print(f"  and {len(made.remarks) - 5} more, listed at the end of the file")
+    print(f"Next: {lacks(study)}.\nThen run `spacerobot study check {args.folder}`.")
     if path.resolve().parent != args.folder.resolve():
         print(f"The recordings are elsewhere: give --data {args.folder} with the study.")
     return 0

@@ -59,7 +59,8 @@ def keep_rows(
     """Indices of the rows to keep, in order of time, and remarks on the others.
 
     A row with the time and readings of the row before is a repeat and left out. One with the readings alone
-    is left out only if the stream says `repeated = "drop"`: a body at rest repeats itself honestly.
+    is left out only if the stream says `repeated = "drop"`: a body at rest repeats itself honestly. One with the time
+    alone is refused, or left out by itself where the stream says `repeated = "first"`.
 
     Raises:
         InputError: time runs backwards (without `sort`), or stands still while the readings change.
@@ -88,7 +89,7 @@ def keep_rows(
         raise InputError(
             "time stands still while the readings change",
             given=f"{int(conflict.sum())} times",
-            valid='repeated = "drop" keeps the first of them',
+            valid='repeated = "first" keeps the first row of each time, and all others',
             where=table.at(int(order[row])),
         )
     drop = still | same if stream.repeated == "drop" else still

@@ -1,225 +1,247 @@
-"""A first study file from a folder of recordings, with what could be guessed and comments on what could not."""
+"""A first study file from a folder of recordings: the kind of rig, its channels and trials, and what is left to say.
+
+Whatever is written here, `study check` reads: the draft is read back, and what it would refuse is left out.
+"""
 
 from __future__ import annotations
 
-import json
-import re
+import math
+import tempfile
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
-from spacerobot.recordings.guess import Guess, find_time, guess, time_unit
-from spacerobot.recordings.readers import read_table, reader_for
-from spacerobot.recordings.series import estimate_noise
-from spacerobot.recordings.table import Options, RawTable
+from spacerobot.recordings.drafting.columns import Reading, readings
+from spacerobot.recordings.drafting.files import Found, recordings_in, robots_in
+from spacerobot.recordings.drafting.groups import Group, Trial, groups_of, trials_of, unused
+from spacerobot.recordings.drafting.heads import head
+from spacerobot.recordings.drafting.lines import Line, comment, toml
+from spacerobot.recordings.drafting.machines import AXIS, draft_machine, kind_of
+from spacerobot.recordings.drafting.names import ENDINGS
+from spacerobot.recordings.drafting.robots import joints_of
+from spacerobot.recordings.drafting.wrist import Drafted, draft_wrist, is_wrist
+from spacerobot.recordings.guess import find_time, time_unit
+from spacerobot.recordings.recording import load_trial
+from spacerobot.recordings.study import load_study
+from spacerobot.recordings.table import Column
+from spacerobot.recordings.units import UNITS
 from spacerobot.support.errors import InputError
 
-_SUFFIXES = (
-    ".csv", ".tsv", ".txt", ".dat", ".log", ".asc", ".mat", ".h5", ".hdf5", ".npz", ".npy", ".bag", ".mcap", ".db3",
-    ".gz", ".bz2", ".xz",
-)  # fmt: skip
-_MOST_FILES = 2000
 _MOST_CHANNELS = 40
+_MOST_REMARKS = 40
 
-_HEAD = """format = 1
-draft = true               # diagnose waits until you have read this through and deleted this line
-title = {title}
-
-# What you believe about the rig, in SI units. A value left out is unknown and will be fitted.
-[baseline]
-robot = "pa10_wrist"       # a bundled robot, one of example-robot-data, or a URDF beside this file
-base = "fixed"             # or "free"
-joints = "locked"          # or "free", "servo"
-approach = [1, 0, 0]       # unit vector: the target's direction of motion
-gravity = [0, 0, 0]        # along the axes that move; [0, 0, -9.80665] for an arm on a pedestal
-# pose_deg = [0, 45, 0, 90, 0, -45, 0]
-
-# [baseline.wrist]
-# mass = 0.7
-# stiffness = 1000.0
-# damping = 2.0
-# equivalent_damping = 5.0
-
-# [baseline.contact]
-# stiffness = 70000.0
-
-# [baseline.target]
-# mass = 20.0              # or for each trial: target.mass = 20.0
-
-# How well you know them: one standard deviation, relative.
-# [baseline.sigma]
-# "wrist.stiffness" = 0.01
-# "target.mass" = 0.002
-"""
+_MOST_ROUNDS = 60
+"""Times that a draft is read back; each settles one refusal of every trial."""
 
 
 @dataclass
-class _Stream:
-    """Files with the same columns.
+class Draft:
+    """A study in the making.
 
     Attributes:
-        name: the stream's name.
-        stem: what the files' names have in common.
-        format: name of the reader.
-        columns: names of the columns that tell one stream from another.
-        table: of the first file.
-        files: trial -> file.
+        title: of the study.
+        kind: "wrist", "arm", "platform", "body", "axis" or "" where nothing was recognised.
+        robot: as a study names it, None where nothing is known of it.
+        joints: of the robot, from base to tip.
+        groups: stream -> its files.
+        lines: stream -> its channels.
+        settings: stream -> its other keys.
+        left: stream -> columns that are no channel.
+        trials: which files belong together.
+        remarks: what was left out, and why.
+        files: further files that the study needs, name -> text.
     """
 
-    name: str
-    stem: str
-    format: str
-    columns: tuple[str, ...]
-    table: RawTable
+    title: str
+    kind: str
+    robot: str | None
+    joints: tuple[str, ...]
+    groups: dict[str, Group]
+    lines: dict[str, list[Line]]
+    settings: dict[str, list[str]]
+    left: dict[str, list[str]]
+    trials: list[Trial]
+    remarks: list[str]
     files: dict[str, str] = field(default_factory=dict)
 
-    def takes(self, stem: str, format: str, columns: tuple[str, ...], trial: str) -> bool:
-        """Whether a file belongs here."""
-        same = (stem, format, columns) == (self.stem, self.format, self.columns)
-        return same and trial not in self.files
+    def text(self) -> str:
+        """The study.toml."""
+        parts = [head(self.title, self.kind, self.robot, self.joints, [_mass(t) for t in self.trials])]
+        used = {name for trial in self.trials for name in trial.files}
+        parts += [self._stream(name) for name in self.lines if name in used]
+        parts += [self._trial(t) for t in self.trials if any(n in self.lines for n in t.files)]
+        parts += ["".join(f"# not read: {comment(r)}\n" for r in self.remarks[:_MOST_REMARKS])]
+        return "\n".join(p for p in parts if p)
+
+    def _stream(self, name: str) -> str:
+        lines = [f"[streams.{name}]", *self.settings[name], f"[streams.{name}.channels]"]
+        lines += [line.text() for line in self.lines[name]]
+        if self.left[name]:
+            lines.append(f"# left out: {comment(', '.join(self.left[name]))}")
+        return "\n".join(lines) + "\n"
+
+    def _trial(self, trial: Trial) -> str:
+        asked = f"   # ? {comment(trial.question)}" if trial.question else ""
+        lines = ["[[trials]]", f"id = {toml(trial.id)}{asked}"]
+        mass = _mass(trial)
+        owner = "body" if self.kind == "body" else "target"
+        if mass is not None:
+            lines.append(f"{owner}.mass = {mass:g}   # from the file's name")
+        elif self.kind == "wrist":
+            lines.append("# target.mass =             # kg, if it is not the same in all trials")
+        lines += [f"{name} = {toml(file.relative)}" for name, file in trial.files.items() if name in self.lines]
+        return "\n".join(lines) + "\n"
+
+
+def _mass(trial: Trial) -> float | None:
+    """The mass that the names of a trial's files state, kg; None where they state none, or two."""
+    found = {v * UNITS[unit].factor for file in trial.files.values() for _, v, unit in file.named.values}
+    return found.pop() if len(found) == 1 else None
 
 
 def draft_study(folder: Path) -> str:
-    """The text of a first study.toml for the recordings in `folder`.
+    """The text of a first study.toml for the recordings in `folder`; see `draft`."""
+    return draft(folder).text()
 
-    Files with the same columns become one stream; parts of a file's name with digits, or its folder, name the
-    trial. Columns that cannot be told become `aux.NAME`, which loads and is never balanced.
+
+def draft(folder: Path) -> Draft:
+    """A first study for the recordings in `folder`.
 
     Raises:
         InputError: no folder, or no file in it that can be read.
     """
-    if not folder.is_dir():
-        raise InputError("no such folder", given=str(folder))
-    files = sorted(p for p in folder.rglob("*") if _considered(p, folder))
-    if len(files) > _MOST_FILES:
-        raise InputError("the folder holds too many files", given=len(files), valid=f"at most {_MOST_FILES}")
-    streams: list[_Stream] = []
-    refused: list[str] = []
-    for path in files:
-        relative = str(path.relative_to(folder))
-        try:
-            table = read_table(path, Options(wanted=frozenset()))
-            used = frozenset(str(j) for j, c in enumerate(table.columns) if np.isfinite(c.values).mean() > 0.2)
-            table = read_table(path, Options(wanted=used))
-            format_name = reader_for(path).name
-        except InputError as error:
-            refused.append(str(error).replace(str(path), relative))
-            continue
-        if not any(np.isfinite(c.values).sum() > 2 for c in table.columns):
-            refused.append(f"{relative}: no columns of numbers")
-            continue
-        trial, name = _trial_and_stream(path.relative_to(folder))
-        columns = table.names() if format_name != "motive" else ()
-        stream = next((s for s in streams if s.takes(name, format_name, columns, trial)), None)
-        if stream is None:
-            stream = _Stream(_unique(name, streams), name, format_name, columns, table)
-            streams.append(stream)
-        stream.files[trial] = relative
-    if not streams:
-        listed = "; ".join(refused[:5]) or "it holds none of " + ", ".join(_SUFFIXES)
+    files, refused = recordings_in(folder)
+    if not files:
+        listed = "; ".join(refused[:5]) or "it holds none of " + ", ".join(ENDINGS)
         raise InputError("the folder holds no recording that can be read", given=str(folder), valid=listed)
-    parts = [_HEAD.format(title=_text(folder.resolve().name or "study"))]
-    parts += [_stream_text(s) for s in streams]
-    parts += _trials_text(streams)
-    parts += [f"# not read: {_comment(r)}\n" for r in refused]
-    return "\n".join(parts)
-
-
-def _considered(path: Path, folder: Path) -> bool:
-    if any(part.startswith(".") for part in path.relative_to(folder).parts) or path.is_symlink():
-        return False
-    try:
-        str(path).encode("utf-8")  # a study is UTF-8, and could not name the file otherwise
-    except UnicodeEncodeError:
-        return False
-    return path.is_file() and path.name.lower().endswith(_SUFFIXES)
-
-
-def _trial_and_stream(relative: Path) -> tuple[str, str]:
-    """Trial and stream by the file's name: parts with digits name the trial, the others the stream."""
-    stem = re.sub(
-        r"(\.(csv|tsv|txt|dat|log|asc|gz|bz2|xz|mat|h5|hdf5|npz|npy|bag|mcap|db3))+$", "", relative.name, flags=re.I
-    )
-    tokens = [t for t in re.split(r"[_\-\s.,+=()]+", stem) if t]
-    numbered = [t for t in tokens if any(c.isdigit() for c in t)]
-    plain = [t for t in tokens if t not in numbered]
-    folders = [re.sub(r"[^\w.+=-]+", "_", part) for part in relative.parts[:-1]]
-    trial = "_".join([*folders, *numbered]) or stem
-    name = "_".join(plain) if (plain and (numbered or folders)) else "log"
-    trial = re.sub(r"[^\w.+=-]+", "_", trial).strip("._ ") or "01"
-    return trial[:60], re.sub(r"[^\w-]+", "_", name)[:30].lower() or "log"
-
-
-def _unique(name: str, streams: list[_Stream]) -> str:
-    taken = {s.name for s in streams}
-    reserved = {"id", "condition", "pose", "pose_deg", "window", "each", "wrist", "contact", "target", "body", "hand",
-                "platform", "joint", "link"}  # fmt: skip
-    if name in reserved:
-        name = f"{name}_log"
-    candidates = [name, *(f"{name}_{i}" for i in range(2, len(taken) + 3))]
-    return next(c for c in candidates if c not in taken)
-
-
-def _stream_text(stream: _Stream) -> str:
-    table, names = stream.table, stream.table.names()
-    clock = find_time(table)
-    lines = [f"[streams.{stream.name}]"]
-    if stream.format not in ("csv", "text"):
-        lines.append(f'format = "{stream.format}"')
-    if clock is None:
-        lines.append("rate = 100.0               # Hz: no column looked like a clock, so please say")
-    else:
-        step = float(np.median(np.diff(table.columns[clock].values)))
-        unit = time_unit(table.columns[clock])
-        scale = {"s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9}[unit]
-        lines.append(f"time = {_text(names[clock])}{f'   # about {scale / step:.4g} Hz' if step > 0 else ''}")
-        if unit != "s":
-            lines.append(f'time_unit = "{unit}"')
-    lines.append(f"[streams.{stream.name}.channels]")
-    length = len(table.columns[clock].values) if clock is not None else None
+    robot, joints = joints_of(robots_in(folder), folder, [f.relative for f in files])
+    groups = groups_of(files)
+    seen = {g.name: readings(g.leanest, joints) for g in groups}
+    trials = trials_of(groups)
+    kind = "wrist" if is_wrist(seen) else kind_of(seen)
+    representative = {g.name: g.leanest for g in groups}
+    drafted = draft_wrist(seen, trials) if kind == "wrist" else Drafted(draft_machine(kind, seen, representative))
+    told = [g for g in groups if drafted.lines.get(g.name)] or groups
+    if len(told) < len(groups):  # files of which nothing was recognised would only part what belongs together
+        trials = trials_of(told)
+        refused += [_unrecognised(g) for g in groups if g not in told]
     taken: set[str] = set()
-    written = 0
-    for index, column in enumerate(table.columns):
-        enough = np.isfinite(column.values).sum() > 2 and (length is None or len(column.values) == length)
-        if index == clock or not enough:
-            continue
-        written += 1
-        if written > _MOST_CHANNELS:
-            lines.append(
-                f"# and {len(table.columns) - index} columns more: {_comment(', '.join(names[index : index + 30]))}"
-            )
-            break
-        lines.append(_channel_text(guess(names[index], column.unit), estimate_noise(column.values), taken))
-    return "\n".join(lines) + "\n"
+    lines = {g.name: drafted.lines.get(g.name) or _loose(seen[g.name], taken) for g in told}
+    made = Draft(
+        title=folder.resolve().name or "study",
+        kind=kind,
+        robot=robot if kind in ("arm", "platform") else None,
+        joints=joints,
+        groups={g.name: g for g in told},
+        lines={name: found for name, found in lines.items() if found},
+        settings={g.name: _settings(g.leanest, drafted.own_clock.get(g.name)) for g in told},
+        left={g.name: _left(seen[g.name], lines[g.name]) for g in told},
+        trials=trials,
+        remarks=refused,
+    )
+    if kind == "axis":
+        columns = [line.reading for found in lines.values() for line in found]
+        turning = any(c.unit in ("rad", "deg") or c.axis == "yaw" for c in columns)
+        shape = ("revolute", "0 0 1") if turning else ("prismatic", "1 0 0")
+        made.files["axis.urdf"] = AXIS.format(kind=shape[0], direction=shape[1])
+    return _readable(made, folder)
 
 
-def _channel_text(found: Guess, noise: float, taken: set[str]) -> str:
-    channel = found.channel
-    if channel in taken:
-        channel = f"aux.{re.sub(r'[^A-Za-z0-9_-]+', '_', found.column).strip('_') or 'column'}"
-    while channel in taken:
-        channel += "_"
-    taken.add(channel)
-    unit = f', unit = "{found.unit}"' if found.unit else ""
-    remark = f"   # noise about {noise:.2g} as read: sigma = ?" if noise > 0 else ""
-    return f'{_text(found.column)} = {{ is = "{channel}"{unit} }}{remark}'
+def _unrecognised(group: Group) -> str:
+    """Why a group became no stream."""
+    fault = next((f.fault for f in group.files if f.fault), None)
+    like = f" and {len(group.files) - 1} like it" if len(group.files) > 1 else ""
+    names = ", ".join(group.files[0].table.names()[:12])
+    return fault or f"{group.files[0].relative}{like}: no column was recognised among {names}"
 
 
-def _trials_text(streams: list[_Stream]) -> list[str]:
-    trials = sorted({trial for stream in streams for trial in stream.files})
-    found: list[str] = []
-    for trial in trials:
-        lines = ["[[trials]]", f"id = {_text(trial)}", "# target.mass = "]
-        lines += [f"{s.name} = {_text(s.files[trial])}" for s in streams if trial in s.files]
-        found.append("\n".join(lines) + "\n")
-    return found
+def _loose(found: Sequence[Reading], taken: set[str]) -> list[Line]:
+    """Columns that could not be told, kept under names of their own."""
+    lines: list[Line] = []
+    for reading in found[:_MOST_CHANNELS]:
+        plain = reading.plain.channel
+        channel = unused(plain if plain.startswith("aux.") else f"aux.{reading.index}", taken)
+        taken.add(channel)
+        lines.append(Line(reading, channel))
+    return lines
 
 
-def _text(value: str) -> str:
-    """A TOML string."""
-    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+def _left(found: Sequence[Reading], lines: Sequence[Line]) -> list[str]:
+    used = {line.reading.column for line in lines} | {c for line in lines for c in line.plus}
+    left = [r.column for r in found if r.column not in used]
+    return [*left[:24], *([f"and {len(left) - 24} more"] if len(left) > 24 else [])]
 
 
-def _comment(value: str) -> str:
-    return "".join(c if c.isprintable() else "?" for c in value)[:400]
+def _settings(file: Found, own_clock: str | None) -> list[str]:
+    """Format, times and clock of a stream."""
+    lines = [] if file.format in ("csv", "text") else [f"format = {toml(file.format)}"]
+    clock = find_time(file.table)
+    if clock is None:
+        lines.append("rate = 100.0   # ? Hz: no column looked like a clock")
+    else:
+        column = file.table.columns[clock]
+        lines.append(f"time = {toml(file.table.names()[clock])}{_rate(column)}")
+        if time_unit(column) != "s":
+            lines.append(f"time_unit = {toml(time_unit(column))}")
+    if own_clock:
+        lines.append(f'clock = "own"   # {comment(own_clock)}')
+    return lines
+
+
+def _rate(column: Column) -> str:
+    step = float(np.median(np.diff(column.values[np.isfinite(column.values)])))
+    rate = 1.0 / (step * UNITS[time_unit(column)].factor) if step > 0 else math.nan
+    return f"   # about {rate:.4g} Hz" if math.isfinite(rate) else ""
+
+
+def _readable(made: Draft, folder: Path) -> Draft:
+    """`made` without what its own check would refuse; each refusal becomes a remark.
+
+    Raises:
+        InputError: nothing is left.
+    """
+    with tempfile.TemporaryDirectory() as scratch:
+        path = Path(scratch) / "study.toml"
+        for _ in range(_MOST_ROUNDS):
+            made.trials = [t for t in made.trials if any(n in made.lines for n in t.files)]
+            if not made.trials:
+                break
+            path.write_text(made.text(), encoding="utf-8")
+            study = load_study(path, data=folder)
+            faults = []
+            for trial in made.trials:
+                try:
+                    load_trial(study.streams, study.root, study.trial(trial.id))
+                except InputError as error:
+                    faults.append((trial, error))
+            if not faults:
+                return made
+            for trial, fault in faults:
+                _mend(made, trial, fault, folder)
+    raise InputError(
+        "the folder holds no recording that can be read", given=str(folder), valid="; ".join(made.remarks[-5:])
+    )
+
+
+def _mend(made: Draft, trial: Trial, error: InputError, folder: Path) -> None:
+    """Settle one refusal: by a setting of the stream where there is one, else without the channel or the file."""
+    where = (error.where or "").replace(str(folder.resolve()) + "/", "").replace(str(folder) + "/", "")
+    owner = next((n for n, f in trial.files.items() if n in made.lines and where.startswith(f.relative)), None)
+    name = owner or next(n for n in trial.files if n in made.lines)
+    settings = made.settings[name]
+    if "stands still" in error.what and 'repeated = "first"' not in settings:
+        settings.append('repeated = "first"')
+        return
+    if "backwards" in error.what and "sort = true" not in settings:
+        settings.append("sort = true")
+        return
+    channel = next((line for found in made.lines.values() for line in found if line.channel in error.what), None)
+    stream = next((n for n, found in made.lines.items() if channel in found), name)
+    if channel is not None and len(made.lines[stream]) > 1:
+        made.lines[stream].remove(channel)
+        made.remarks.append(f"column {channel.reading.column} of {stream}: {error}")
+        return
+    made.remarks.append(str(error).replace(str(folder.resolve()), "."))
+    del trial.files[name]

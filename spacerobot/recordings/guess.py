@@ -13,6 +13,9 @@ from spacerobot.recordings.units import UNITS
 _TIME = re.compile(r"^(?:t|time|times|timestamp|stamp|zeit|rt_tout|sec|secs|seconds|elapsed|clock)(?:$|[\W_])", re.I)
 _BRACKETED = re.compile(r"[\[(]\s*([^\])]+?)\s*[\])]\s*$")
 
+_TURN = re.compile(r"\b(?:rotation|quat\w*|orientation)\b", re.I)
+"""Parts of a quaternion, whose x is no position."""
+
 _RULES: tuple[tuple[str, str], ...] = (
     (r"(target|satellite|body).*(yaw|theta|heading)|(yaw|theta|heading).*(target|satellite)", "target.yaw"),
     (r"target.*(pos\w*)?\W*x|x\W*target", "target.x"),
@@ -49,11 +52,13 @@ class Guess:
         column: how the study names it.
         channel: canonical channel, "aux.NAME" where the name says nothing.
         unit: unit that the name states and that is not SI, else None.
+        stated: unit that name or file states, SI or not.
     """
 
     column: str
     channel: str
     unit: str | None
+    stated: str | None = None
 
 
 def is_time(column: Column) -> bool:
@@ -99,19 +104,21 @@ def guess(name: str, stated: str | None = None) -> Guess:
     joint = _JOINT.match(plain.replace(" ", ""))
     if joint:
         channel = f"joint.joint{int(joint.group(2))}.{_JOINT_KIND[joint.group(1).lower()]}"
+    elif _TURN.search(plain):
+        channel = ""
     else:
         channel = next((c for pattern, c in _RULES if re.search(pattern, plain)), "")
     if not channel or not _fits(channel, unit):
         channel = f"aux.{re.sub(r'[^A-Za-z0-9_-]+', '_', name).strip('_') or 'column'}"
-    return Guess(name, channel, unit if unit and UNITS[unit].factor != 1.0 else None)
+    return Guess(name, channel, unit if unit and UNITS[unit].factor != 1.0 else None, unit)
 
 
 def _unit(name: str) -> str | None:
     bracketed = _BRACKETED.search(name)
-    if bracketed and bracketed.group(1) in UNITS:
+    if bracketed and bracketed.group(1) in UNITS and not bracketed.group(1).isdigit():
         return bracketed.group(1)
     last = re.split(r"[_\s]", name.strip())[-1]
-    return last if last != name.strip() and last in UNITS else None
+    return last if last != name.strip() and last in UNITS and not last.isdigit() else None
 
 
 def _fits(channel: str, unit: str | None) -> bool:

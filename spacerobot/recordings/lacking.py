@@ -19,7 +19,8 @@ WRIST = ("wrist.mass", "wrist.stiffness", "contact.stiffness", "target.mass")
 def needed(study: Study) -> tuple[str, ...]:
     """Dotted names of the values that a baseline of this kind is made of."""
     channels = study.channels()
-    if any(c.startswith(("wrist.", "contact.")) or c == "target.x" for c in channels):
+    jointed = any(c.startswith("joint.") for c in channels)
+    if any(c.startswith("wrist.") or c == "target.x" or (c == "contact.force" and not jointed) for c in channels):
         return WRIST
     if any(c.startswith("body.") for c in channels):
         return ("body.mass",)

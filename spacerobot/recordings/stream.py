@@ -25,6 +25,7 @@ ENCODINGS = (
     "shift_jis",
     "gb18030",
 )
+REPEATED = ("keep", "drop", "first")
 KINDS = ("samples", "events")
 SEPARATORS = {"comma": ",", "semicolon": ";", "tab": "\t", "space": " ", "pipe": "|"}
 
@@ -74,7 +75,8 @@ class StreamSpec:
         clock: name of the clock; streams with the same name share it. "own" makes it the stream's own.
         kind: "samples" in time, or "events" (each row a before and after).
         missing: raw readings that mean "no reading", for every channel.
-        repeated: "keep" flags rows that repeat the row before, "drop" leaves them out.
+        repeated: "keep" flags rows that repeat the row before, "drop" leaves them out, "first" leaves out rows whose
+            time alone does not move on.
         sort: sort rows by time instead of refusing a clock that runs backwards.
         encoding: one of ENCODINGS, None to find out.
     """
@@ -175,7 +177,7 @@ def read_stream(document: Document, name: str) -> StreamSpec:
         clock=f"own:{name}" if clock == "own" else clock,
         kind=kind,
         missing=missing,
-        repeated=choice("repeated", ("keep", "drop")) or "keep",
+        repeated=choice("repeated", REPEATED) or "keep",
         sort=document.flag(table, "sort", *path),
         encoding=choice("encoding", ENCODINGS),
     )

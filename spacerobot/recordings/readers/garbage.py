@@ -3,12 +3,24 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
-from spacerobot.recordings.table import Options, RawTable
+from spacerobot.recordings.table import Column, Options, RawTable
 from spacerobot.support.errors import InputError
 
 TINY, HUGE = 1e-290, 1e90
 """Magnitudes beyond any sensor. Pointers and small integers read as doubles fall below, text above."""
+
+
+def _bad(column: Column) -> NDArray[np.bool_]:
+    magnitude = np.abs(column.values)
+    found: NDArray[np.bool_] = ((magnitude > 0) & (magnitude < TINY)) | (magnitude > HUGE)
+    return found
+
+
+def written_to(column: Column) -> bool:
+    """Whether a sensor may have given all of the column's numbers."""
+    return not bool(_bad(column).any())
 
 
 def refuse_garbage(table: RawTable, options: Options) -> None:
@@ -21,8 +33,7 @@ def refuse_garbage(table: RawTable, options: Options) -> None:
     for j, column in enumerate(table.columns):
         if options.wanted is not None and not options.wanted & {*column.names, str(j)}:
             continue
-        magnitude = np.abs(column.values)
-        bad = ((magnitude > 0) & (magnitude < TINY)) | (magnitude > HUGE)
+        bad = _bad(column)
         if bad.any():
             row = int(np.argmax(bad))
             worst = min(worst, (row, j)) if worst else (row, j)

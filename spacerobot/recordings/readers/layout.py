@@ -64,7 +64,9 @@ def split(line: str, separator: str) -> list[str]:
 
 
 def find_layout(lines: Sequence[str], separator: str | None, decimal: str | None, header_rows: int | None) -> Layout:
-    """The layout under which most cells of the table's middle are numbers; of those, with most columns.
+    """The layout under which a header names every column, then that under which most cells are numbers.
+
+    Cells are those of the table's middle; of equals the layout with most columns of numbers.
 
     Raises:
         InputError: more columns than the limit.
@@ -76,7 +78,7 @@ def find_layout(lines: Sequence[str], separator: str | None, decimal: str | None
     half = len(body) // 2 if header_rows is None else 0
     sample = [lines[i] for i in body[half : half + _SAMPLE]]
     sample = [line for line in sample if not _WORD.search(line)] or sample
-    best: tuple[tuple[float, int], str, str, int, tuple[bool, ...]] | None = None
+    best: tuple[tuple[bool, float, int], str, str, int, tuple[bool, ...]] | None = None
     for sep, mark in _CANDIDATES:
         if (separator is not None and sep != separator) or (decimal is not None and mark != decimal):
             continue
@@ -93,15 +95,30 @@ def find_layout(lines: Sequence[str], separator: str | None, decimal: str | None
             for j in range(width)
         )
         good = sum(numeric) / width * agreeing / len(rows)
-        key = (round(good, 2), sum(numeric))
+        key = (_headed(lines, body[:half], sep, width, sum(numeric)), round(good, 2), sum(numeric))
         if best is None or key > best[0]:
             best = (key, sep, mark, width, numeric)
     if best is None:
-        best = ((0.0, 0), separator or ",", decimal or ".", len(split(sample[0], separator or ",")), ())
+        best = ((False, 0.0, 0), separator or ",", decimal or ".", len(split(sample[0], separator or ",")), ())
     _, sep, mark, width, numeric = best
     first = start if header_rows is not None else _first_data(lines, body, sep, mark, width, numeric)
     header = tuple(i for i in range(first) if lines[i].strip())
     return Layout(sep, mark, header, first, width, numeric)
+
+
+def _headed(lines: Sequence[str], body: Sequence[int], separator: str, width: int, numbers: int) -> bool:
+    """Whether an early line names every column, of which some hold numbers.
+
+    Where cells hold lists, blanks or commas inside them may cut the rows into as many numbers as the right separator
+    does; only that one cuts the header into as many names.
+    """
+    if width < 2 or not numbers:
+        return False
+    for index in body[:_SAMPLE]:
+        cells = split(lines[index], separator)
+        if len(cells) == width and all(number(c) is None for c in cells) and len(set(cells)) == width:
+            return True
+    return False
 
 
 def is_comment(line: str) -> bool:

@@ -1,0 +1,176 @@
+"""What each column measures, by its name, the file's name and its neighbours: thing, quantity and axis."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from spacerobot.recordings.drafting.files import Found
+from spacerobot.recordings.drafting.vocabulary import (
+    COMMAND,
+    DIMENSION,
+    NOT_READINGS,
+    QUANTITY,
+    REAL,
+    THINGS,
+    TURN,
+)
+from spacerobot.recordings.guess import Guess, find_time, guess
+from spacerobot.recordings.units import UNITS
+
+_LATERAL = {"x": "x", "y": "y", "z": "z", "yaw": "yaw", "theta": "yaw", "heading": "yaw", "psi": "yaw"}
+_JOINT = re.compile(r"(?:^|[a-z])(\d{1,2})$")
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What a column seems to be.
+
+    Attributes:
+        column: how a study names it.
+        index: of the column in its file.
+        thing: "target", "wrist", "hand", "base", the joint's number as text or its name after "joint:", a body's own
+            name after "body:", or "" where the name is silent.
+        quantity: "position", "velocity", "torque", "force", "current", "voltage", "orientation", or "" if unknown.
+        axis: "x", "y", "z", "w", "yaw" or "".
+        unit: unit that name or file states, None where neither does.
+        command: whether it is what was asked for, not what was measured.
+        plain: what `guess` makes of the name alone.
+    """
+
+    column: str
+    index: int
+    thing: str
+    quantity: str
+    axis: str
+    unit: str | None
+    command: bool
+    plain: Guess
+
+
+def readings(file: Found, joints: Sequence[str]) -> list[Reading]:
+    """The readings of a file, without its clock, counters and what no sensor gave.
+
+    Args:
+        file: the file.
+        joints: names of the robot's joints from base to tip, empty where no robot is at hand.
+    """
+    clock = find_time(file.table)
+    names = file.table.names()
+    words = [_words(n) for n in names]
+    words = [[w for w in ws if len(ws) == 1 or w not in ("n", "m", "mm", "deg", "rad")] or ws for ws in words]
+    actual = {w for ws in words for w in ws}
+    unnamed = sum(not c.names for c in file.table.columns)
+    found: list[Reading] = []
+    for j in file.usable:
+        if j == clock or (clock is not None and len(file.table.columns[j].values) != file.rows):
+            continue
+        own = words[j] if file.table.columns[j].names else []
+        if NOT_READINGS.intersection(own) and not joints:
+            continue
+        reading: Reading | None = _reading(file, j, names[j], own, joints, actual)
+        if reading is not None and not own and unnamed >= len(names) - 1:
+            reading = _by_place(file, reading, clock, joints)
+        if reading is not None:
+            found.append(reading)
+    return _no_wishes(found)
+
+
+def _reading(
+    file: Found, index: int, name: str, words: list[str], joints: Sequence[str], neighbours: set[str]
+) -> Reading:
+    plain = guess(name, file.table.columns[index].unit)
+    stated = plain.stated
+    command = bool(COMMAND.intersection(words)) or ("target" in words and bool(REAL & neighbours) and not joints)
+    said = [w for w in words if w not in REAL] if REAL & set(words) and len(words) > 1 else words
+    if "target" in words and command:
+        said = [w for w in said if w != "target"]
+    quantity = _quantity(said) or (DIMENSION.get(UNITS[stated].dimension, "") if stated else "")
+    if not quantity or (quantity == "position" and stated is None):
+        quantity = _quantity(list(file.named.words)) or quantity
+    if stated in UNITS and DIMENSION.get(UNITS[stated].dimension) not in (None, quantity):
+        quantity = DIMENSION[UNITS[stated].dimension]  # the unit is the surer word
+    axis = next((_LATERAL[w] for w in said if w in _LATERAL), "")
+    if not axis:
+        axis = next((w[-1] for w in said if re.fullmatch(r"(?:v|d|f|p|t|m|w|force|pos|vel)[xyz]", w)), "")
+    if not axis and quantity in ("velocity", "position") and {"angular", "gyro", "omega", "rotation"} & set(words):
+        axis = "yaw"
+    if {"quat", "quaternion"} & set(words) or (TURN.intersection(words) and file.format == "motive"):
+        quantity, axis = "orientation", next((w[-1] for w in reversed(words) if re.fullmatch(r"q?[wxyz]", w)), "")
+    thing = _joint(name, said, joints)
+    if not thing:
+        thing = next((t for w in said for t, called in THINGS.items() if w in called), "")
+    if not thing:
+        thing = next((t for w in file.named.words for t, called in THINGS.items() if w in called), "")
+    if file.format == "motive" and "." in name:
+        body = name.split(".")[0]
+        mine = next((t for w in _words(body) for t, called in THINGS.items() if w in called), "")
+        thing = mine or f"body:{body}"
+    return Reading(name, index, thing, quantity, axis, stated, command, plain)
+
+
+def _by_place(file: Found, reading: Reading, clock: int | None, joints: Sequence[str]) -> Reading | None:
+    """A column without a name: the n-th joint, or the n-th axis, where the file's name says what it holds."""
+    quantity = _quantity(list(file.named.words))
+    readable = [j for j in range(len(file.table.columns)) if j != clock]
+    place = readable.index(reading.index)
+    words = set(file.named.words)
+    if quantity and ("joint" in words or "joints" in words or (joints and len(readable) == len(joints))):
+        thing = f"joint:{joints[place]}" if place < len(joints) else f"joint:joint{place + 1}"
+        return Reading(str(reading.index), reading.index, thing, quantity, "", None, False, reading.plain)
+    if quantity in ("position", "force") and len(readable) in (2, 3, 6) and place < 3:
+        return Reading(
+            str(reading.index), reading.index, reading.thing, quantity, "xyz"[place], None, False, reading.plain
+        )
+    return reading
+
+
+def _joint(name: str, words: list[str], joints: Sequence[str]) -> str:
+    """The joint that a column's name means: by its own name, else by its number."""
+    flat = re.sub(r"[^a-z0-9]", "", name.lower())
+    named = [j for j in joints if re.sub(r"[^a-z0-9]", "", j.lower()) in flat]
+    if named:
+        return f"joint:{max(named, key=len)}"
+    text = "".join(words)
+    if not re.search(r"joint|^(q|dq|qd|qdot|tau|pos|vel|eff|torque|effort|position|velocity|motor|axis)", text):
+        return ""
+    number = next((int(m.group(1)) for w in reversed(words) if (m := _JOINT.search(w))), None)
+    if number is None or not (joints or re.match(r"(joint|q|dq|qd|qdot|tau|torque|effort|pos|vel)", text)):
+        return ""
+    return f"joint:{joints[number - 1]}" if 0 < number <= len(joints) else f"joint:joint{number}"
+
+
+def _quantity(words: list[str]) -> str:
+    for word in words:
+        if re.fullmatch(r"q[mgr]", word):
+            return "position"
+        bare = word.rstrip("0123456789")
+        for quantity, called in QUANTITY.items():
+            if word in called or bare in called:
+                return quantity
+    return ""
+
+
+def _words(name: str) -> list[str]:
+    """The words of a name in lower case: "Current_VX [m/s]" is current, vx."""
+    text = re.sub(r"[\[(][^\])]*[\])]\s*$", "", name.replace("$\\theta$", "theta"))
+    text = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", text)
+    return [w.lower() for w in re.split(r"[^A-Za-z0-9]+", text) if w]
+
+
+def _no_wishes(found: list[Reading]) -> list[Reading]:
+    """What was asked for: `q_d` and `dq_d` beside `q` and `dq`, `qd` where there is a `dq` too, `qg` beside `qm`."""
+    names = {r.column.lower() for r in found}
+    has_dq = any(re.match(r"dq\W*\d", n) for n in names)
+    result = []
+    for reading in found:
+        name = reading.column.lower()
+        wished = re.match(r"d{0,2}q_?d_?\W*\d", name) and (("_d" in name) or has_dq) and not name.startswith("dq_0")
+        if "qm" in names and re.fullmatch(r"q[gr]", name):
+            reading = replace(reading, command=True)
+        if wished and not re.match(r"dq\W*\d", name):
+            kind = "position" if name[0] == "q" else "velocity"
+            reading = replace(reading, quantity=kind, axis="", command=True)
+        result.append(reading)
+    return result

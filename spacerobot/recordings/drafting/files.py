@@ -1,0 +1,117 @@
+"""The files of a folder that may be recordings, each read as far as it can be."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path, PurePath
+
+import numpy as np
+
+from spacerobot.recordings.drafting.names import ENDINGS, Named, named
+from spacerobot.recordings.readers import read_table, reader_for
+from spacerobot.recordings.readers.garbage import written_to
+from spacerobot.recordings.table import Options, RawTable
+from spacerobot.support.errors import InputError
+
+MOST_FILES = 2000
+
+SHORTEST = 3
+"""Rows of a recording: a rate and its change need so many."""
+
+_NO_RECORDING = re.compile(r"(readme|licen[cs]e|makefile|changelog|notice|authors|copying)", re.I)
+
+
+@dataclass(frozen=True)
+class Found:
+    """A file that holds columns of numbers.
+
+    Attributes:
+        relative: path relative to the folder.
+        format: name of its reader.
+        table: its columns, NaN where a cell is no number.
+        usable: indices of the columns that hold numbers a sensor may have given.
+        named: what its name says.
+        fault: what is wrong with some cell of a usable column, None where nothing is.
+    """
+
+    relative: str
+    format: str
+    table: RawTable
+    usable: tuple[int, ...]
+    named: Named
+    fault: str | None = None
+
+    @property
+    def rows(self) -> int:
+        """Rows of its longest column."""
+        return max((len(c.values) for c in self.table.columns), default=0)
+
+    def columns(self) -> tuple[str, ...]:
+        """Names that tell one kind of file from another: one for each column that has a name."""
+        return tuple(c.names[0] if c.names else "" for c in self.table.columns)
+
+
+def recordings_in(folder: Path) -> tuple[list[Found], list[str]]:
+    """The recordings beneath `folder`, and remarks on files that cannot be read.
+
+    Raises:
+        InputError: no such folder, or too many files in it.
+    """
+    if not folder.is_dir():
+        raise InputError("no such folder", given=str(folder))
+    files = sorted(p for p in folder.rglob("*") if _considered(p, folder))
+    if len(files) > MOST_FILES:
+        raise InputError("the folder holds too many files", given=len(files), valid=f"at most {MOST_FILES}")
+    found: list[Found] = []
+    refused: list[str] = []
+    for path in files:
+        relative = path.relative_to(folder)
+        try:
+            found.append(_read(path, relative))
+        except InputError as error:
+            refused.append(str(error).replace(str(path), str(relative)))
+    return found, refused
+
+
+def robots_in(folder: Path) -> list[Path]:
+    """The URDFs in the folder itself, relative to it."""
+    files = (p for p in sorted(folder.glob("*.urdf")) if p.is_file() and not p.is_symlink())
+    return [p.relative_to(folder) for p in files if _writable(p)]
+
+
+def _read(path: Path, relative: PurePath) -> Found:
+    table = read_table(path, Options(wanted=frozenset()))
+    usable = tuple(
+        j
+        for j, column in enumerate(table.columns)
+        if np.isfinite(column.values).mean() > 0.2 and np.isfinite(column.values).sum() > 2 and written_to(column)
+    )
+    if not usable:
+        raise InputError("no columns of numbers", where=str(path))
+    if max(len(table.columns[j].values) for j in usable) < SHORTEST:
+        raise InputError("too short for a recording", valid=f"at least {SHORTEST} rows", where=str(path))
+    fault = None
+    try:
+        read_table(path, Options(wanted=frozenset(map(str, usable))))
+    except InputError as error:
+        fault = str(error).replace(str(path), str(relative))
+    return Found(str(relative), reader_for(path).name, table, usable, named(relative), fault)
+
+
+def _considered(path: Path, folder: Path) -> bool:
+    if any(part.startswith(".") for part in path.relative_to(folder).parts) or path.is_symlink():
+        return False
+    if not path.is_file() or not _writable(path) or _NO_RECORDING.match(path.name):
+        return False
+    ending = path.suffix.lower()
+    return ending in ENDINGS or not re.fullmatch(r"\.[a-z][a-z0-9]*", ending)
+
+
+def _writable(path: Path) -> bool:
+    """Whether a study, which is UTF-8, can name the file."""
+    try:
+        str(path).encode("utf-8")
+    except UnicodeEncodeError:
+        return False
+    return True

@@ -1,0 +1,96 @@
+"""The head of a draft: the kind of rig, and the beliefs that only its author can state."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from spacerobot.recordings.drafting.lines import toml
+
+_TOP = """format = 1
+draft = true               # diagnose waits until you have read this through and deleted this line
+title = {title}
+
+# What you believe about the rig, in SI units. A value left out is unknown and will be fitted.
+"""
+
+_WRIST = """[baseline]                 # a wrist on a spring that meets a floating target
+robot = "pa10_wrist"       # a bundled robot, one of example-robot-data, or a URDF beside this file
+base = "fixed"             # or "free"
+joints = "locked"          # the hand stands still, whatever arm holds it; or "free", "servo"
+approach = [1, 0, 0]       # unit vector in the robot's world: the target's direction of motion
+gravity = [0, 0, 0]        # along the axes that move
+
+[baseline.wrist]
+# mass =                   # kg: the slider and what rides on it
+# stiffness =              # N/m
+# damping =                # N s/m
+# equivalent_damping =     # N s/m: your constant for the guide's friction, if you use one
+
+[baseline.contact]
+# stiffness =              # N/m
+# damping =                # N s/m
+
+[baseline.target]
+{mass}
+
+# How well you know them: one standard deviation, relative.
+[baseline.sigma]
+# wrist.mass =
+# wrist.stiffness =
+# target.mass =
+"""
+
+_ARM = """[baseline]                 # {words}
+robot = {robot}{asked}
+base = {base}
+joints = "free"            # driven by what is logged
+gravity = [0, 0, -9.80665] # in the robot's world
+"""
+
+_BODY = """[baseline]                 # a free body
+base = "free"
+gravity = [0, 0, -9.80665] # across a level table; turn it where another axis points up
+
+[baseline.body]
+# mass =                   # kg
+# yaw_inertia =            # kg m2, or inertia = [x, y, z]
+"""
+
+_AXIS = """[baseline]                 # one driven axis
+robot = "axis.urdf"
+base = "fixed"
+joints = "free"
+gravity = [0, 0, 0]
+
+[baseline.joint.axis]
+mass = "unknown"           # kg, or kg m2 where it turns; state what you know
+damping = 0.0              # N s/m, or N m s/rad
+"""
+
+_UNTOLD = """[baseline]                 # ? which rig is this: no column was recognised
+robot = "pa10_wrist"
+"""
+
+
+def head(title: str, kind: str, robot: str | None, joints: Sequence[str], masses: Sequence[float | None]) -> str:
+    """Everything above the streams.
+
+    Args:
+        title: of the study.
+        kind: of the rig.
+        robot: what is known of the robot, None where nothing is.
+        joints: its joints.
+        masses: what the trials' names say of the target's mass, kg.
+    """
+    top = _TOP.format(title=toml(title))
+    if kind == "wrist":
+        stated = masses and all(m is not None for m in masses)
+        mass = "# the mass is stated trial by trial" if stated else "# mass =                   # kg, or for each trial"
+        return top + _WRIST.format(mass=mass)
+    if kind in ("arm", "platform"):
+        words = "a platform that floats, with an arm" if kind == "platform" else "an arm with joint logs"
+        asked = "" if robot and joints else "   # ? which robot: no URDF that can be read lies beside the files"
+        named = toml(robot if robot and joints else "pa10")
+        base = '"free"' if kind == "platform" else '"fixed"'
+        return top + _ARM.format(words=words, robot=named, asked=asked, base=base)
+    return top + {"body": _BODY, "axis": _AXIS}.get(kind, _UNTOLD)

@@ -1,0 +1,72 @@
+"""The lines of a draft: a channel each, with its unit, sign, zero and noise."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import dataclass, field
+
+from spacerobot.recordings.channel import dimensions
+from spacerobot.recordings.drafting.columns import Reading
+from spacerobot.recordings.units import UNITS
+
+
+@dataclass
+class Line:
+    """A column that becomes a channel.
+
+    Attributes:
+        reading: the column.
+        channel: canonical name.
+        scale: factor on the reading: -1 turns it round.
+        plus: other columns with their factors, added to it.
+        offset: added after the factors, in the reading's unit.
+        sigma: noise in the reading's unit, None where it was not seen.
+        use: "output" or "input".
+        unwrap: whether an angle jumps by turns.
+        remark: for the reader of the draft.
+        question: what its author must answer.
+    """
+
+    reading: Reading
+    channel: str
+    scale: float = 1.0
+    plus: dict[str, float] = field(default_factory=dict)
+    offset: float = 0.0
+    sigma: float | None = None
+    use: str = "output"
+    unwrap: bool = False
+    remark: str = ""
+    question: str = ""
+
+    def text(self) -> str:
+        """The line in TOML."""
+        parts = [f"is = {toml(self.channel)}"]
+        unit = self.reading.unit
+        if unit is not None and UNITS[unit].dimension in dimensions(self.channel) and UNITS[unit].factor != 1.0:
+            parts.append(f"unit = {toml(unit)}")
+        if self.scale != 1.0:
+            parts.append(f"scale = {self.scale:.6g}")
+        if self.plus:
+            parts.append(f"plus = {{ {', '.join(f'{toml(c)} = {k:.6g}' for c, k in self.plus.items())} }}")
+        if self.offset:
+            parts.append(f"offset = {self.offset:.6g}")
+        if self.sigma is not None and math.isfinite(self.sigma) and self.sigma > 0:
+            parts.append(f"sigma = {self.sigma:.2g}")
+        if self.use != "output":
+            parts.append(f"use = {toml(self.use)}")
+        if self.unwrap:
+            parts.append("unwrap = true")
+        tail = f"   # {comment(self.remark)}" if self.remark else ""
+        asked = f"   # ? {comment(self.question)}" if self.question else tail
+        return f"{toml(self.reading.column)} = {{ {', '.join(parts)} }}{asked}"
+
+
+def toml(value: str) -> str:
+    """A TOML string."""
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def comment(value: str) -> str:
+    """`value` as it may stand in a comment."""
+    return "".join(c if c.isprintable() else "?" for c in value)[:400]

@@ -1,0 +1,150 @@
+"""Machines without a wrist: arms with joint logs, platforms, free bodies, single axes, and what their columns are."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from spacerobot.recordings.drafting.columns import Reading
+from spacerobot.recordings.drafting.files import Found
+from spacerobot.recordings.drafting.lines import Line
+from spacerobot.recordings.series import estimate_noise
+
+AXIS = """<?xml version="1.0"?>
+<!-- One driven axis, written by `study new`. Its mass comes from the study. -->
+<robot name="axis">
+  <link name="frame">
+    <inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
+  </link>
+  <link name="moving">
+    <inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
+  </link>
+  <joint name="axis" type="{kind}">
+    <parent link="frame"/><child link="moving"/>
+    <axis xyz="{direction}"/>
+    <limit lower="-1000" upper="1000" effort="1e6" velocity="1e4"/>
+  </joint>
+</robot>
+"""
+
+_MEASURED = re.compile(r"current_|actual|meas", re.I)
+
+_DRIVES = ("torque", "force", "voltage", "current")
+
+
+def kind_of(readings: Mapping[str, Sequence[Reading]]) -> str:
+    """ "arm", "platform", "axis", "body", or "" where nothing was recognised."""
+    every = [r for found in readings.values() for r in found]
+    measured = [r for r in every if not r.command]
+    joints = {r.thing for r in measured if r.thing.startswith("joint:") and r.quantity}
+    floats = any(r.thing == "base" and r.quantity == "position" for r in measured)
+    if joints:
+        return "platform" if floats else "arm"
+    plane = {r.axis for r in measured if r.quantity == "position" and r.axis in ("x", "y", "z")}
+    if plane:
+        return "body"
+    single = [r for r in measured if r.quantity in ("position", "velocity")]
+    return "axis" if single else ""
+
+
+def draft_machine(
+    kind: str, readings: Mapping[str, Sequence[Reading]], files: Mapping[str, Found]
+) -> dict[str, list[Line]]:
+    """Stream -> its channels, for a machine of this kind.
+
+    Args:
+        kind: see `kind_of`.
+        readings: stream -> what its columns seem to be.
+        files: stream -> one of its files.
+    """
+    main = _main_thing(readings) if kind == "body" else ""
+    found: dict[str, list[Line]] = {}
+    taken: set[str] = set()
+    for stream, columns in readings.items():
+        # Where two columns are one channel, the one that says it is measured goes first.
+        measured = {r.column for r in columns if _MEASURED.search(r.column) and not r.command}
+        for reading in sorted(columns, key=lambda r: r.column not in measured):
+            line = _line(kind, reading, main)
+            if line is None or line.channel in taken:
+                continue
+            if measured and reading.column not in measured and kind == "body" and line.use == "output":
+                continue
+            taken.add(line.channel)
+            values = files[stream].table.columns[reading.index].values
+            if line.use == "output" and not line.channel.endswith(".reference"):
+                # Not stated as sigma: a smooth log may have been filtered, and then its scatter is not its noise.
+                noise = estimate_noise(values)
+                line.remark = f"scatter about {noise:.2g} as read: sigma = ?" if noise > 0 else ""
+            if line.channel.endswith("yaw") and float(np.nanmax(np.abs(np.diff(values)))) > math.pi:
+                line.unwrap = True
+            found.setdefault(stream, []).append(line)
+    if kind == "axis" and not any(x.use == "input" for lines in found.values() for x in lines):
+        first = next(iter(found.values()))[0]
+        first.question = 'which column drives the axis: joint.axis.torque or .voltage, with use = "input"'
+    return {stream: sorted(lines, key=lambda x: x.reading.index) for stream, lines in found.items()}
+
+
+def _main_thing(readings: Mapping[str, Sequence[Reading]]) -> str:
+    """The body that most columns speak of."""
+    things = [
+        r.thing for found in readings.values() for r in found if r.quantity == "position" and r.axis and not r.command
+    ]
+    return max(dict.fromkeys(things), key=things.count) if things else ""
+
+
+def _line(kind: str, reading: Reading, main: str) -> Line | None:
+    if reading.thing.startswith("joint:"):
+        return _joint_line(reading, reading.thing.removeprefix("joint:"))
+    if kind == "axis":
+        return (
+            _joint_line(reading, "axis")
+            if reading.thing == "" or reading.quantity in ("position", "velocity")
+            else None
+        )
+    return _body_line(kind, reading, main)
+
+
+def _joint_line(reading: Reading, joint: str) -> Line | None:
+    quantity = "torque" if reading.quantity == "force" else reading.quantity
+    if reading.command:
+        if quantity in ("position", ""):
+            return Line(reading, f"joint.{joint}.reference") if quantity else None
+        if quantity not in _DRIVES:
+            return None
+    if quantity not in ("position", "velocity", "torque", "current", "voltage"):
+        return None
+    drives = quantity in _DRIVES
+    line = Line(reading, f"joint.{joint}.{quantity}", use="input" if drives else "output")
+    if quantity == "current":
+        line.question = "a current: state the torque per ampere as scale of joint.NAME.torque, or keep it"
+    return line
+
+
+def _body_line(kind: str, reading: Reading, main: str) -> Line | None:
+    body = "base" if kind == "platform" else "body"
+    if kind == "body" and reading.thing not in (main, ""):
+        if reading.thing.startswith("body:") and reading.quantity == "position" and reading.axis in ("x", "y", "z"):
+            marker = re.sub(r"[^A-Za-z0-9_-]+", "_", reading.thing.removeprefix("body:")).strip("_") or "other"
+            return Line(reading, f"marker.{marker}.position.{reading.axis}")
+        return None
+    quantity, axis = reading.quantity, reading.axis
+    if kind in ("arm", "platform") and quantity == "force" and not reading.command and reading.thing in ("", "hand"):
+        return Line(reading, f"hand.force.{axis}" if axis in ("x", "y", "z") else "contact.force")
+    if kind == "arm" or (kind == "platform" and reading.thing != "base"):
+        return None
+    if quantity in ("force", "torque") and axis in ("x", "y", "z", "yaw"):
+        if quantity == "force" and axis == "yaw":
+            return None
+        return Line(reading, f"{body}.{quantity}.{axis}", use="input" if reading.command else "output")
+    if reading.command or not axis:
+        return None
+    if quantity == "orientation" and axis in "wxyz":
+        return Line(reading, f"{body}.orientation.{axis}")
+    if quantity == "position":
+        return Line(reading, f"{body}.yaw" if axis == "yaw" else f"{body}.position.{axis}")
+    if quantity == "velocity":
+        return Line(reading, f"{body}.velocity.{axis}")
+    return None

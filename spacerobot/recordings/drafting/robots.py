@@ -1,0 +1,37 @@
+"""Which robot the files speak of: a URDF beside them, or one whose name stands in theirs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from spacerobot.support.errors import InputError
+
+_CALLED = {"panda": "panda", "franka": "panda", "ur10": "ur10", "ur5": "ur5", "ur3": "ur3", "kinova": "kinova"}
+"""Words in the names of files that mean a robot of example-robot-data."""
+
+
+def joints_of(urdfs: Sequence[Path], folder: Path, names: Sequence[str]) -> tuple[str | None, tuple[str, ...]]:
+    """The robot as a study names it, and its joints from base to tip.
+
+    Args:
+        urdfs: URDFs in the folder, relative to it.
+        folder: the folder.
+        names: paths of the recordings.
+    """
+    from spacerobot.model.library import load  # half a second, and only where a robot is in question
+
+    for urdf in urdfs:
+        try:
+            robot = load(folder / urdf)
+        except InputError:
+            continue
+        return str(urdf), tuple(robot.chain)
+    text = " ".join([folder.resolve().name, *names]).lower()
+    for word, name in _CALLED.items():
+        if word in text:
+            try:
+                return name, tuple(load(name).chain)
+            except InputError:
+                continue
+    return (str(urdfs[0]) if urdfs else None), ()

@@ -1,0 +1,64 @@
+"""The words that names of files and columns are made of, in lower case."""
+
+from __future__ import annotations
+
+
+def words(text: str) -> frozenset[str]:
+    """The words of a text."""
+    return frozenset(text.split())
+
+
+THINGS = {
+    "target": words("target satellite floater floating puck payload mockup client debris"),
+    "wrist": words("wrist slider carriage plunger spring probe"),
+    "hand": words("hand gripper ee effector flange tool tcp efpose"),
+    "base": words("base platform chaser servicer"),
+}
+"""Thing of a wrist rig or platform -> what labs call it."""
+
+QUANTITY = {
+    "position": words(
+        "pos position positions angle angles theta yaw heading psi q encoder encoders enc x y z px py pz "
+        "height pose efpose"
+    ),
+    "velocity": words(
+        "vel velocity velocities speed rate omega vx vy vz dx dy dz xdot ydot zdot dq qd qdot dtheta wz w gyro "
+        "thetadot yawrate"
+    ),
+    "torque": words("tau torque torques effort efforts moment"),
+    "force": words("force forces f fx fy fz load loadcell wrench"),
+    "current": words("curr current currents amps"),
+    "voltage": words("volt voltage volts"),
+}
+"""Quantity -> what columns of it are called."""
+
+DIMENSION = {
+    "length": "position", "angle": "position", "velocity": "velocity", "angular_velocity": "velocity",
+    "force": "force", "torque": "torque", "voltage": "voltage", "current": "current",
+}  # fmt: skip
+"""Dimension of a stated unit -> quantity."""
+
+COMMAND = words(
+    "ref reference references cmd command commands commanded des desired setpoint set goal sp dem demand "
+    "demanded planned plan"
+)
+"""Words of what was asked for, not measured."""
+
+REAL = words("current actual act measured meas real fb feedback true")
+"""Words of what was measured, beside what was asked for."""
+
+NOT_READINGS = words(
+    "frame frames index sample samples counter count step steps row error err status mean marker "
+    "residual quality id seq sequence"
+)
+"""Words of counters, statuses and errors."""
+
+TURN = words("rotation rot quat quaternion orientation qx qy qz qw")
+"""Words of the parts of a quaternion."""
+
+QUANTITIES = words(
+    "pos position positions vel velocity velocities acc accel torque torques effort efforts tau force forces "
+    "wrench ft ati loadcell curr current currents volt voltage mocap motive optitrack vicon camera video cam "
+    "imu gyro joint joints encoder encoders pose efpose state states time times stamps"
+)
+"""Words that say what a file measures, and so never tell one trial from another."""

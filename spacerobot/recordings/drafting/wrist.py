@@ -1,0 +1,318 @@
+"""A wrist rig: which columns are its channels, with signs, zeroes and noise from the free approach."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from spacerobot.recordings.drafting.approach import CERTAIN, CLEAR, Rest, Track, contact_zero, drift, rest
+from spacerobot.recordings.drafting.columns import Reading
+from spacerobot.recordings.drafting.files import Found
+from spacerobot.recordings.drafting.groups import Trial
+from spacerobot.recordings.drafting.lines import Line
+from spacerobot.recordings.guess import find_time, time_unit
+from spacerobot.recordings.series import estimate_noise
+from spacerobot.recordings.table import Floats
+from spacerobot.recordings.units import UNITS
+
+MOST_TRIALS = 16
+"""Trials whose approach is looked at; zeroes and noise are medians over them."""
+
+ALONG = 1e-3
+"""Share of the travel that an axis may miss and still be taken for its direction: a tenth of what labs know
+a spring to (1 %)."""
+
+
+@dataclass
+class Drafted:
+    """What became of the streams.
+
+    Attributes:
+        lines: stream -> its channels.
+        own_clock: stream -> why its clock is another's than the cameras'.
+    """
+
+    lines: dict[str, list[Line]] = field(default_factory=dict)
+    own_clock: dict[str, str] = field(default_factory=dict)
+
+
+def is_wrist(readings: Mapping[str, Sequence[Reading]]) -> bool:
+    """Whether a target is tracked, and the wrist that it meets or the force between them is measured."""
+    every = [r for found in readings.values() for r in found if not r.command]
+    target = any(r.thing == "target" and r.quantity == "position" for r in every)
+    wrist = any(r.thing == "wrist" and r.quantity == "position" for r in every)
+    return wrist or (target and any(r.quantity == "force" for r in every))
+
+
+def draft_wrist(readings: Mapping[str, Sequence[Reading]], trials: Sequence[Trial]) -> Drafted:
+    """The channels of a wrist rig.
+
+    Args:
+        readings: stream -> what its columns seem to be.
+        trials: the trials.
+    """
+    drafted = Drafted()
+    places = {thing: _tracked(readings, thing) for thing in ("target", "wrist", "hand")}
+    some = trials[:: max(1, len(trials) // MOST_TRIALS)][:MOST_TRIALS]
+    rests = _wrist_rests(places["wrist"], some)
+    travel = _travel(places["target"], some, rests)
+    for thing, (stream, columns) in places.items():
+        line = _along(thing, columns, travel)
+        if line is None:
+            continue
+        tracks = [t for trial in some if (t := _combined(trial, stream, line)) is not None]
+        if thing == "wrist" and line.reading.axis not in travel and _pushed(tracks) < 0:
+            line.scale, tracks = -line.scale, [Track(t.time, -t.value) for t in tracks]
+        line.sigma = _median([estimate_noise(t.value) for t in tracks])
+        if thing == "target":
+            line.question = _unit_question(line, tracks)
+        elif zeros := [r for r in map(rest, tracks) if r is not None]:
+            line.offset, _ = _zero(zeros, line.scale)
+        drafted.lines.setdefault(stream, []).append(line)
+    _place_target(drafted, places, some)
+    yaw = next((r for r in _of(readings, "target", places["target"][0]) if r.axis == "yaw" and not r.command), None)
+    if yaw is not None and yaw.quantity == "position":
+        stream = places["target"][0]
+        noise = _median([estimate_noise(_values(t.files[stream], yaw.column)) for t in some if stream in t.files])
+        drafted.lines[stream].append(Line(yaw, "target.yaw", sigma=noise, unwrap=True))
+    _place_force(drafted, readings, some, places, rests)
+    return drafted
+
+
+def _of(readings: Mapping[str, Sequence[Reading]], thing: str, stream: str) -> list[Reading]:
+    return [r for r in readings.get(stream, ()) if r.thing == thing]
+
+
+def _tracked(readings: Mapping[str, Sequence[Reading]], thing: str) -> tuple[str, list[Reading]]:
+    """The stream that tracks a thing, and its position along each axis it has."""
+    for stream, found in readings.items():
+        columns = [r for r in found if r.thing == thing and r.quantity == "position" and not r.command]
+        columns = [r for r in columns if r.axis in ("", "x", "y", "z")]
+        own = list({r.axis: r for r in reversed(columns)}.values())[::-1]
+        if own:
+            return stream, own
+    return "", []
+
+
+def _values(file: Found, column: str) -> Floats:
+    return file.table.columns[file.table.index(column)].values
+
+
+def track(file: Found, column: str, values: Floats | None = None) -> Track | None:
+    """A column over the file's own clock, s, without what is missing; None without a clock that runs forward."""
+    clock = find_time(file.table)
+    if clock is None:
+        return None
+    column_time = file.table.columns[clock]
+    time = column_time.values * UNITS[time_unit(column_time)].factor
+    value = _values(file, column) if values is None else values
+    if len(value) != len(time):
+        return None
+    good = np.isfinite(time) & np.isfinite(value)
+    return Track(time[good], value[good]) if good.sum() > 2 else None
+
+
+def _combined(trial: Trial, stream: str, line: Line) -> Track | None:
+    """What the line makes of a trial's file, before its offset."""
+    if stream not in trial.files:
+        return None
+    file = trial.files[stream]
+    total = line.scale * _values(file, line.reading.column)
+    for column, factor in line.plus.items():
+        total = total + factor * _values(file, column)
+    return track(file, line.reading.column, total)
+
+
+def _wrist_rests(place: tuple[str, list[Reading]], trials: Sequence[Trial]) -> dict[str, Rest]:
+    """Trial -> the rest of the wrist's axis that moves first and most."""
+    stream, columns = place
+    found: dict[str, Rest] = {}
+    for trial in trials:
+        if stream not in trial.files:
+            continue
+        seen = [rest(t) for c in columns if (t := track(trial.files[stream], c.column)) is not None]
+        moved = [r for r in seen if r is not None and r.leaves is not None]
+        if moved:
+            found[trial.id] = min(moved, key=lambda r: r.leaves or math.inf)
+    return found
+
+
+def _travel(place: tuple[str, list[Reading]], trials: Sequence[Trial], rests: Mapping[str, Rest]) -> dict[str, float]:
+    """Axis -> component of the target's direction of travel, from its free drift."""
+    stream, columns = place
+    total = np.zeros(len(columns))
+    for trial in trials:
+        if stream not in trial.files:
+            continue
+        axes = [track(trial.files[stream], c.column) for c in columns]
+        if any(a is None for a in axes):
+            continue
+        until = rests[trial.id].leaves if trial.id in rests else None
+        found = drift([a for a in axes if a is not None and len(a.time) == len(axes[0].time)], until)  # type: ignore[union-attr]
+        if found is not None and len(found.velocity) == len(columns) and np.linalg.norm(found.velocity) > 0:
+            total += np.array(found.velocity)
+    length = float(np.linalg.norm(total))
+    return {c.axis: float(v) for c, v in zip(columns, total / length, strict=True)} if length > 0 else {}
+
+
+def _along(thing: str, columns: Sequence[Reading], travel: Mapping[str, float]) -> Line | None:
+    """A thing's position along the travel: one axis, or the sum of several where none of them keeps to it."""
+    if not columns:
+        return None
+    known = [c for c in columns if c.axis in travel]
+    if not known:
+        sign = np.sign(next(iter(travel.values()))) if len(travel) == 1 else 1.0
+        return Line(columns[0], f"{thing}.x", scale=float(sign))
+    known = sorted(known, key=lambda c: -abs(travel[c.axis]))
+    first = known[0]
+    if 1 - abs(travel[first.axis]) <= ALONG or len(known) == 1:
+        return Line(first, f"{thing}.x", scale=float(np.sign(travel[first.axis]) or 1.0))
+    rest_of = {c.column: travel[c.axis] for c in known[1:] if abs(travel[c.axis]) > ALONG}
+    line = Line(first, f"{thing}.x", scale=travel[first.axis], plus=rest_of)
+    line.remark = "along the direction of travel"
+    return line
+
+
+def _pushed(tracks: Sequence[Track]) -> int:
+    """Which way most tracks first leave their rest."""
+    return sum(r.sign for r in map(rest, tracks) if r is not None and r.leaves is not None)
+
+
+def _median(values: Sequence[float]) -> float | None:
+    good = [v for v in values if math.isfinite(v) and v > 0]
+    return float(np.median(good)) if good else None
+
+
+def _zero(rests: Sequence[Rest], scale: float) -> tuple[float, float]:
+    """The offset that takes the reading at rest off (0 where it is certain to be none), and its error."""
+    zeros = np.array([r.zero for r in rests])
+    spread = float(np.std(zeros, ddof=1)) if len(zeros) > 1 else 0.0
+    error = max(float(np.median([r.error for r in rests])), spread) / math.sqrt(len(zeros))
+    zero = float(np.median(zeros))
+    return (_round(-zero, error), error) if abs(zero) > CERTAIN * error else (0.0, error)
+
+
+def _round(value: float, error: float) -> float:
+    """`value` to a tenth of its error."""
+    if not (error > 0 and math.isfinite(error)):
+        return value
+    return round(value, max(0, 1 - math.floor(math.log10(error))))
+
+
+def _place_target(drafted: Drafted, places: Mapping[str, tuple[str, list[Reading]]], trials: Sequence[Trial]) -> None:
+    """The target's zero: where it touches the resting wrist."""
+    lines = {line.channel: (stream, line) for stream, found in drafted.lines.items() for line in found}
+    if "target.x" not in lines or "wrist.x" not in lines:
+        return
+    (stream, target), (wrist_stream, wrist) = lines["target.x"], lines["wrist.x"]
+    same = UNITS[target.reading.unit or "m"].factor / UNITS[wrist.reading.unit or "m"].factor
+    zeros: list[float] = []
+    for trial in trials:
+        body, slider = _combined(trial, stream, target), _combined(trial, wrist_stream, wrist)
+        if body is None or slider is None:
+            continue
+        scaled = Track(slider.time, slider.value / same)
+        still = rest(scaled)
+        if still is None:
+            continue
+        if still.sign < 0:
+            wrist.question = "the wrist moves against the target: is its sign right?"
+        found = contact_zero(body, scaled, still, 1)
+        if found is not None:
+            zeros.append(found[0])
+    if not zeros:
+        target.question = target.question or "offset: target.x must be 0 where the target first touches the wrist"
+        return
+    error = 1.2533 * float(np.std(zeros, ddof=1)) / math.sqrt(len(zeros)) if len(zeros) > 1 else abs(zeros[0])
+    zero = float(np.median(zeros))
+    if abs(zero) > CERTAIN * error:
+        target.offset = _round(-zero, error)
+        unit = target.reading.unit or "m"
+        target.remark = f"0 where it touches the wrist, within {2 * error:.1g} {unit}"
+
+
+def _unit_question(line: Line, tracks: Sequence[Track]) -> str:
+    """A question where no unit is stated and metres would make the rig larger than any."""
+    if line.reading.unit is not None or not tracks:
+        return ""
+    span = max(float(np.ptp(t.value)) for t in tracks)
+    return f"unit: readings span {span:.3g}; in metres?" if span > 10 else ""
+
+
+def _place_force(
+    drafted: Drafted,
+    readings: Mapping[str, Sequence[Reading]],
+    trials: Sequence[Trial],
+    places: Mapping[str, tuple[str, list[Reading]]],
+    wrists: Mapping[str, Rest],
+) -> None:
+    """The component with the pulse, positive in compression, and whether its clock is the cameras'."""
+    best: tuple[float, str, Reading, dict[str, Rest]] | None = None
+    for stream, found in readings.items():
+        for reading in found:
+            if reading.quantity != "force" or reading.command:
+                continue
+            rests: dict[str, Rest] = {}
+            peaks = []
+            for trial in trials:
+                one = track(trial.files[stream], reading.column) if stream in trial.files else None
+                still = rest(one) if one is not None else None
+                if one is None or still is None or still.leaves is None:
+                    continue
+                rests[trial.id] = still
+                peaks.append(float(np.max(np.abs(one.value - still.zero))) / still.sigma)
+            strength = float(np.median(peaks)) if peaks else 0.0
+            if best is None or strength > best[0]:
+                best = (strength, stream, reading, rests)
+    if best is None:
+        return
+    strength, stream, reading, rests = best
+    line = Line(reading, "contact.force")
+    if not rests:
+        line.question = "no pulse was seen in any trial: is this the contact force?"
+        line.sigma = _median(
+            [estimate_noise(_values(t.files[stream], reading.column)) for t in trials if stream in t.files]
+        )
+    else:
+        line.scale = float(np.sign(sum(r.sign for r in rests.values())) or 1.0)
+        line.sigma = _median([r.sigma for r in rests.values()])
+        line.offset = line.scale * _zero(list(rests.values()), line.scale)[0]
+        line.remark = "the component with the pulse" if line.scale > 0 else "the component with the pulse, turned round"
+    drafted.lines.setdefault(stream, []).append(line)
+    if stream != places["target"][0]:
+        why = _clock(trials, rests, wrists, places, stream)
+        if why:
+            drafted.own_clock[stream] = why
+
+
+def _clock(
+    trials: Sequence[Trial],
+    rests: Mapping[str, Rest],
+    wrists: Mapping[str, Rest],
+    places: Mapping[str, tuple[str, list[Reading]]],
+    stream: str,
+) -> str:
+    """Why the force's clock is its own: its pulse comes at another time than the wrist's first movement."""
+    camera = places["wrist"][0]
+    shared = [t for t in trials if t.id in rests and t.id in wrists]
+    apart: list[float] = []
+    for trial in shared:
+        force, wrist = rests[trial.id].leaves, wrists[trial.id].leaves
+        body = [track(trial.files[places["target"][0]], c.column) for c in places["target"][1]]
+        whole = [b for b in body if b is not None]
+        found = drift(whole, wrist) if whole and len({len(b.time) for b in whole}) == 1 else None
+        speed = max((abs(v) for v in found.velocity), default=0.0) if found else 0.0
+        # The wrist shows itself only once it is CLEAR sigmas off its rest.
+        late = CLEAR * wrists[trial.id].sigma / speed if speed > 0 else 0.1
+        if force is not None and wrist is not None and not -3 * late < force - wrist < 3 * late:
+            apart.append(force)
+    if len(apart) <= len(shared) / 2 or not shared:
+        return ""
+    seen = [r.leaves for r in wrists.values() if r.leaves is not None]
+    return (
+        f"the pulse is at {min(apart):.3g} to {max(apart):.3g} s here, the wrist moves at "
+        f"{min(seen):.3g} to {max(seen):.3g} s in {camera}"
+    )
