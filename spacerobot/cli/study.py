@@ -3,13 +3,21 @@
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from spacerobot.support.errors import InputError
 from spacerobot.support.files import write_text
 from spacerobot.support.jsonio import dumps
+
+if TYPE_CHECKING:
+    from spacerobot.recordings.ranges import Limits
+    from spacerobot.recordings.study import Study
+
+_MOST_SHOWN = 60
+"""Channels that the table of a check has room for."""
 
 _EPILOG = """examples:
   spacerobot study new my_recordings        writes my_recordings/study.toml, to be completed by you
@@ -104,37 +112,62 @@ def _new(args: argparse.Namespace) -> int:
 
 
 def _check(args: argparse.Namespace) -> int:
-    from spacerobot.model.library import load
     from spacerobot.recordings.check import check_study
     from spacerobot.recordings.study import load_study
 
     study = load_study(args.study, args.data)
-    report = check_study(study)
-    source = study.robot_source
-    if source is not None:
-        try:
-            load(source)
-        except InputError as error:
-            report["errors"].append(f"robot: {error}")
+    limits, fault = _limits(study)
+    report = check_study(study, limits)
+    if fault:
+        report["errors"].append(f"robot: {fault}")
     print(dumps(report) if args.json else _text(report))
     if args.json and report["errors"]:
         print("\n".join(report["errors"]), file=sys.stderr)
     return 2 if report["errors"] else 0
 
 
+def _limits(study: Study) -> tuple[dict[str, Limits], str]:
+    """What the study's robot says of its joints, and why it cannot be read."""
+    from spacerobot.model.describe import joint_rows
+    from spacerobot.model.library import load
+    from spacerobot.recordings.ranges import Limits
+
+    source = study.robot_source
+    if source is None:
+        return {}, ""
+    try:
+        robot = load(source)
+    except InputError as error:
+        return {}, str(error)
+    rows = {r["name"]: r for r in joint_rows(robot)}
+    found = {n: Limits(r["lower"], r["upper"], r["velocity_limit"], r["effort_limit"]) for n, r in rows.items()}
+    return {**{name: Limits() for name in list(robot.model.names)[1:]}, **found}, ""
+
+
 def _text(report: dict[str, Any]) -> str:
     lines = [report["title"], f"  study {report['study']}", f"  data  {report['data']}", ""]
+    spans = report["ranges"]
+    if spans:
+        lines += [f"{'channel':28}  {'lowest':>10} {'highest':>10} unit   {'rate, Hz':>9}  {'sigma':>8}  the baseline"]
+    for r in spans[:_MOST_SHOWN]:
+        low, high = r["rate"]
+        rate = f"{low:.4g}" if high - low <= 0.01 * high else f"{low:.3g}-{high:.3g}"
+        sigma = f"{r['sigma']:.2g}{'' if r['sigma_stated'] else '*'}" if math.isfinite(r["sigma"]) else "-"
+        missing = f"  {r['missing']:.1%} missing" if r["missing"] > 0 else ""
+        numbers = f"{r['low']:10.4g} {r['high']:10.4g} {r['unit']:5}  {rate:>9}  {sigma:>8}"
+        lines.append(f"{r['name']:28}  {numbers}  {r['belief']}{missing}".rstrip())
+    if len(spans) > _MOST_SHOWN:
+        lines.append(f"and {len(spans) - _MOST_SHOWN} channels more")
+    if any(not r["sigma_stated"] for r in spans):
+        lines.append("* not stated: estimated from the readings")
+    lines.append("")
     for trial in report["trials"]:
-        lines.append(f"trial {trial['id']}  ({trial['condition']})")
-        for c in trial["channels"][:40]:
-            sigma = (
-                "" if c["sigma"] is None else f"  sigma {c['sigma']:.2g} {'' if c['sigma_stated'] else '(estimated)'}"
+        sizes: dict[str, str] = {}
+        for c in trial["channels"]:
+            sizes.setdefault(
+                c["stream"], f"{c['stream']} {c['samples']} samples {c['start_s']:.4g} to {c['end_s']:.4g} s"
             )
-            missing = f"  {c['missing']} missing" if c["missing"] else ""
-            span = f"{c['samples']:7d} samples {c['start_s']:9.3f} to {c['end_s']:.3f} s"
-            lines.append(f"  {c['name']:32s}{span}  {c['rate_hz']:8.4g} Hz  {c['unit']:5s}{sigma}{missing}".rstrip())
-        if len(trial["channels"]) > 40:
-            lines.append(f"  and {len(trial['channels']) - 40} channels more")
+        lines.append(f"trial {trial['id']}  ({trial['condition']})  {'; '.join(sizes.values())}".rstrip())
         lines += [f"  note: {note}" for note in trial["notes"]]
     lines += ["", f"{len(report['trials'])} trials in {len(report['conditions'])} conditions"]
     lines += [f"warning: {w}" for w in report["warnings"]]

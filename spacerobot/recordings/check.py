@@ -2,25 +2,33 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
 from spacerobot.recordings.lacking import WRIST, lacks
+from spacerobot.recordings.ranges import Limits, ranges, strangers
 from spacerobot.recordings.recording import Recording
 from spacerobot.recordings.series import Series, estimate_noise
 from spacerobot.recordings.study import Study
 from spacerobot.support.errors import InputError
 
 
-def check_study(study: Study) -> dict[str, Any]:
-    """Trials, channels, rates, gaps, warnings and errors of a study, ready for JSON.
+def check_study(study: Study, limits: Mapping[str, Limits] | None = None) -> dict[str, Any]:
+    """Trials, channels, ranges, rates, gaps, warnings and errors of a study, ready for JSON.
 
     A trial that cannot be read is listed with its error; the others are still checked.
+
+    Args:
+        study: the study.
+        limits: joint -> what its URDF says, where the robot was loaded.
     """
+    read: list[Recording] = []
     trials: list[dict[str, Any]] = []
     errors: list[str] = []
-    warnings: list[str] = []
+    warnings: list[tuple[str, str]] = []
     for trial in study.trials:
         entry: dict[str, Any] = {
             "id": trial.id,
@@ -35,7 +43,9 @@ def check_study(study: Study) -> dict[str, Any]:
         else:
             entry |= {"channels": [_channel(s) for s in recording.values()], "notes": list(recording.notes)}
             warnings += _remarks(study, recording)
+            read.append(recording)
         trials.append(entry)
+    spans = ranges(study, read, limits or {})
     try:
         digest = study.input_hash
     except InputError as error:
@@ -58,7 +68,13 @@ def check_study(study: Study) -> dict[str, Any]:
         },
         "conditions": {name: [t.id for t in members] for name, members in study.conditions().items()},
         "trials": trials,
-        "warnings": [*_believed(study), *dict.fromkeys(warnings)],
+        "ranges": [asdict(r) for r in spans],
+        "warnings": [
+            *_believed(study),
+            *strangers(study.channels(), limits or {}),
+            *(r.warning for r in spans if r.warning),
+            *_once(warnings),
+        ],
         "errors": list(dict.fromkeys(errors)),
     }
 
@@ -102,21 +118,36 @@ def _believed(study: Study) -> list[str]:
     return found
 
 
-def _remarks(study: Study, recording: Recording) -> list[str]:
-    """Warnings about channels, worded so that the same one in many trials is said once."""
-    found: list[str] = []
+def _once(warnings: Sequence[tuple[str, str]]) -> list[str]:
+    """Each warning about a channel once, with the numbers of its first trial and how many trials have it."""
+    found: dict[str, list[str]] = {}
+    for key, text in warnings:
+        found.setdefault(key, []).append(text)
+    return [texts[0] + (f" (and {len(texts) - 1} trials more)" if len(texts) > 1 else "") for texts in found.values()]
+
+
+def _remarks(study: Study, recording: Recording) -> list[tuple[str, str]]:
+    """Warnings about channels, each with what tells it from others."""
+    found: list[tuple[str, str]] = []
+    trial = recording.trial.id
     for series in recording.values():
         if series.use == "input" or series.name.startswith("aux.") or series.name.endswith(".reference"):
             continue
         if study.streams[series.stream].kind == "events":
             continue
         if not series.sigma_stated:
-            found.append(f"{series.name}: no sigma stated; its noise is estimated from the data")
+            text = f"{series.name}: no sigma stated; its noise is estimated as {series.sigma:.2g} {series.unit}"
+            found.append((f"{series.name} none", f"{text} in trial {trial}"))
             continue
         noise = estimate_noise(series.value)
         if noise > 3 * series.sigma or (0 < noise < series.sigma / 3):
-            found.append(f"{series.name}: the stated sigma and the scatter of the data differ more than threefold")
+            text = (
+                f"{series.name}: sigma is stated as {series.sigma:.2g} {series.unit}, readings scatter by {noise:.2g}"
+            )
+            found.append((f"{series.name} sigma", f"{text} in trial {trial}: they differ more than threefold"))
         missing = float((~series.valid).mean())
         if missing > 0.2:
-            found.append(f"{series.name}: missing in {missing:.0%} of trial {recording.trial.id}")
+            found.append(
+                (f"{series.name} missing {trial}", f"{series.name}: missing in {missing:.0%} of trial {trial}")
+            )
     return found

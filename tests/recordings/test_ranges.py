@@ -1,0 +1,79 @@
+"""`study check` shows each channel's range beside what the baseline expects: a wrong unit shows."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from spacerobot.cli.main import main
+from spacerobot.recordings.check import check_study
+from spacerobot.recordings.ranges import Limits
+from spacerobot.recordings.study import load_study
+
+RIG = """format = 1
+[baseline]
+robot = "pa10_wrist"
+wrist.mass = 0.8
+wrist.stiffness = 800
+contact.stiffness = 6e4
+target.mass = 12.5
+[streams.log]
+time = 0
+[streams.log.channels]
+1 = {{ is = "target.x", sigma = 1e-4, unit = "{unit}" }}
+2 = {{ is = "wrist.x", sigma = 1e-4, unit = "{unit}", scale = {scale} }}
+[[trials]]
+id = "01"
+log = "log.csv"
+"""
+
+ARM = """format = 1
+[baseline]
+robot = "pa10"
+[streams.log]
+time = 0
+[streams.log.channels]
+1 = { is = "joint.S1.position" }
+[[trials]]
+id = "01"
+log = "log.csv"
+"""
+
+
+def rig(folder: Path, unit: str, scale: float = 1.0) -> list[str]:
+    t = np.arange(0, 2, 0.01)
+    pushed = np.where(t > 1, 6.25 * np.sin(np.clip(8 * (t - 1), 0, np.pi)), 0)  # mm, of 50 mm/s
+    noise = np.random.default_rng(1).normal(0, 0.1, (2, len(t)))
+    np.savetxt(folder / "log.csv", np.column_stack([t, 50 * (t - 1) + noise[0], pushed + noise[1]]), "%.5f", ",")
+    (folder / "study.toml").write_text(RIG.format(unit=unit, scale=scale))
+    return check_study(load_study(folder))["warnings"]
+
+
+def test_a_wrist_that_moves_as_believed_is_not_remarked_upon(tmp_path: Path) -> None:
+    assert not [w for w in rig(tmp_path, "mm") if "unit right" in w]
+
+
+def test_millimetres_for_metres_show_with_both_numbers(tmp_path: Path) -> None:
+    (found,) = (w for w in rig(tmp_path, "mm", 1000.0) if "unit right" in w)
+    assert "reaches 6." in found
+    assert "0.0062" in found
+
+
+@pytest.mark.parametrize(("size", "odd"), [(1.0, False), (57.3, True)])
+def test_joints_are_held_against_their_limits(tmp_path: Path, size: float, odd: bool) -> None:
+    t = np.arange(0, 1, 0.01)
+    np.savetxt(tmp_path / "log.csv", np.column_stack([t, size * np.sin(t)]), "%.5f", ",")
+    (tmp_path / "study.toml").write_text(ARM)
+    warnings = check_study(load_study(tmp_path), {"S1": Limits(-3, 3)})["warnings"]
+    assert any("its URDF allows -3 to 3 rad" in w for w in warnings) == odd
+    assert any("no joint S1" in w for w in check_study(load_study(tmp_path), {"S2": Limits()})["warnings"])
+
+
+def test_the_table_is_shown(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    rig(tmp_path, "mm")
+    assert main(["study", "check", str(tmp_path)]) == 0
+    line = next(x for x in capsys.readouterr().out.splitlines() if x.startswith("wrist.x"))
+    assert "up to 0.0062" in line
+    assert " 100 " in line
