@@ -33,6 +33,9 @@ _WORDS = {
 }
 
 
+LISTED = 8
+"""Channels that no model predicts, as many as a line of a terminal takes; the file and the report have all."""
+
 _UNITS = {"sigma": "in sensor sigmas", "spread": "as a share of each channel's spread"}
 
 
@@ -149,6 +152,9 @@ def _show(args: argparse.Namespace, verdict: Mapping[str, Any], folder: RunFolde
     if overall["rms_before"] is not None and overall["rms_after"] is not None:
         unit = _UNITS[verdict["held_out"].get("unit", "sigma")]
         print(f"held out, {unit}: {overall['rms_before']:.3f} before, {overall['rms_after']:.3f} after")
+    if silent := [c["channel"] for c in verdict.get("not_predicted", ())]:
+        more = f" and {len(silent) - LISTED} more" if len(silent) > LISTED else ""
+        print(f"predicted by nothing: {', '.join(silent[:LISTED])}{more}")
     if verdict["next_experiment"]:
         print(f"next experiment: {verdict['next_experiment']['change']}; {verdict['next_experiment']['why']}")
     if folder is not None:

@@ -21,6 +21,7 @@ from spacerobot.diagnosis.judge import AMBIGUOUS, NAMED
 from spacerobot.diagnosis.locate.located import LEVEL, Located
 from spacerobot.diagnosis.memory import Store
 from spacerobot.diagnosis.next_experiment import next_experiment
+from spacerobot.diagnosis.not_predicted import not_predicted
 from spacerobot.diagnosis.pool import Pool
 from spacerobot.diagnosis.result import Diagnosis
 from spacerobot.diagnosis.scene_out import scene_of
@@ -135,6 +136,7 @@ def diagnose(
         next_experiment=further,
         profiled=profiled,
     )
+    verdict["not_predicted"] = not_predicted(study, {c for t in workshop.trials for c in t.channels})
     shown_before = before.residuals if before else {k: t.residual for k, t in base.trials.items()}
     shown_after = after.residuals if after else {k: t.residual for k, t in judgement.chosen.trials.items()}
     left = {f.hypothesis.label: left_of[id(f)] for f in [base, judgement.chosen] if id(f) in left_of}

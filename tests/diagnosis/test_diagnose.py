@@ -52,6 +52,7 @@ def test_friction_is_named_with_its_size(rubbing: Diagnosis) -> None:
     assert verdict["verdict"] == "named"
     (entry,) = verdict["effects"]
     assert (entry["effect"], entry["where"]) == ("coulomb_friction", "wrist")
+    assert verdict["not_predicted"] == []  # target, wrist and force are all that was recorded
     found = entry["parameters"]["force_N"]
     low, high = found["ci95"]
     assert low < 0.35 < high

@@ -45,6 +45,7 @@ class Impacts(Model):
     """Velocities after planar impacts, from those before and the contact's geometry."""
 
     metric = "velocities after the impact"
+    given = frozenset((*BEFORE, *NORMAL, *TANGENT))
     no_balance = "an impact is recorded as before and after, with nothing in between over which a balance could run"
 
     def __init__(self, study: Study, trials: Sequence[Trial]) -> None:

@@ -106,6 +106,8 @@ class InverseDynamics(Model):
         self.compared = tuple(joints if compared is None else compared)
         self.name = self.compared[0] if len(self.compared) == 1 else "joints"
         self.sensor = sensor
+        motion = {c for grid, _, _ in grids.values() for c in grid.value}
+        self.given = frozenset(motion - {f"joint.{j}.torque" for j in self.joints})
         self._turns = {j: bool(joint_axis(robot.model, robot.joint_id(j))[0]) for j in self.joints}
         weighed = {n.split(".")[1]: mass_of(robot, n.split(".")[1]) for n in sigma or {} if n.startswith("link.")}
         carried = carried_links(robot, self.compared)

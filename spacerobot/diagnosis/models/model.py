@@ -42,6 +42,7 @@ class Model(ABC):
         sizes: what is typical, by place; "" for all others.
         stated: channels whose noise the study states; the weights of others come from what the best model leaves.
         relative_to: values that are not known and take part as 1: forces are told per unit of them.
+        given: channels that it takes as they were recorded: drives, motion that is followed.
         no_balance: why nothing can be located in its balance, where it has none.
         metric: what the residual is, for tables, e.g. "torque balance" or "simulated motion".
     """
@@ -54,6 +55,7 @@ class Model(ABC):
     metric: str
     stated: frozenset[str] = frozenset()
     relative_to: tuple[str, ...] = ()
+    given: frozenset[str] = frozenset()
     no_balance: str = ""
 
     @abstractmethod

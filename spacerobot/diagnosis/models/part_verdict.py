@@ -17,6 +17,7 @@ from spacerobot.diagnosis.models.held_out import parent, scheme_of
 from spacerobot.diagnosis.models.model_out import FILE, RUNS
 from spacerobot.diagnosis.models.next_trial import next_trial
 from spacerobot.diagnosis.models.part import Part
+from spacerobot.diagnosis.not_predicted import not_predicted
 from spacerobot.diagnosis.screen import Screener
 from spacerobot.diagnosis.verdict import detectable, effect_entries, moved_values
 from spacerobot.recordings.study import Study
@@ -59,6 +60,7 @@ def verdict_of(study: Study, parts: Sequence[Part], *, version: str, seed: int, 
         ],
         "not_located": {p.name: why for p in parts if (why := _not_located(p))},
         "held_out": held_out(parts),
+        "not_predicted": not_predicted(study, _known(parts)),
         "detectable": _detectable(parts),
         "next_experiment": next((n for n in further if n is not None), None),
         "model": {"file": FILE, "run": RUNS},
@@ -66,6 +68,11 @@ def verdict_of(study: Study, parts: Sequence[Part], *, version: str, seed: int, 
         "clocks": clocks(study, seen),
         "parts": [_entry(p, v) for p, v in zip(parts, own, strict=True)],
     }
+
+
+def _known(parts: Sequence[Part]) -> set[str]:
+    """Channels that some part predicts, or takes as they were recorded."""
+    return {c for p in parts for c in (*p.model.given, *(c for t in p.model.trials for c in t.channels))}
 
 
 def _not_located(part: Part) -> str:

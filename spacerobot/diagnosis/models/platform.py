@@ -29,6 +29,8 @@ from spacerobot.effects.effect import Effect
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Coordinate, Readout
 from spacerobot.model.robot import Robot
+from spacerobot.recordings.recording import Recording
+from spacerobot.recordings.series import Series
 from spacerobot.recordings.study import Study
 from spacerobot.recordings.trial import Trial
 
@@ -67,6 +69,7 @@ class Platform(Model):
         """From trials without thrust; `drives` says which channel each joint follows."""
         self.name = "base"
         self.study, self.drives = study, dict(drives)
+        self.given = frozenset(self.drives.values()) | {s.name for t in trials for s in _thrust(study.recording(t))}
         self.robot: Robot = robot_of(study, floating=True)
         own = self.robot.model.inertias[1]
         believed = {n: v for n, v in study.values().items() if n.startswith("platform.")}
@@ -245,6 +248,11 @@ def _integral(rate: np.ndarray, grid: np.ndarray) -> np.ndarray:
     return np.concatenate([[0.0], np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(grid))])
 
 
+def _thrust(recording: Recording) -> list[Series]:
+    """Inputs that push the base."""
+    return [s for s in recording.inputs() if s.name.startswith(("base.force", "base.torque"))]
+
+
 def platform_models(study: Study) -> list[Model]:
     """The model of a free base whose joints follow a known motion; none for other studies."""
     if study.baseline.base != "free" or study.robot_source is None:
@@ -254,8 +262,7 @@ def platform_models(study: Study) -> list[Model]:
         recording = study.recording(trial)
         named = {c.split(".")[1]: c for c in recording if c.startswith("joint.") and c.endswith(".reference")}
         named |= {c.split(".")[1]: c for c in recording if c.startswith("joint.") and c.endswith(".position")}
-        thrust = [s for s in recording.inputs() if s.name.startswith(("base.force", "base.torque"))]
-        pushed = any(np.any(s.good()[1] != 0.0) for s in thrust)
+        pushed = any(np.any(s.good()[1] != 0.0) for s in _thrust(recording))
         if named and set(TRACK.values()) <= set(recording) and not pushed:
             found.setdefault(tuple(sorted(named.items())), []).append(trial)
     return [Platform(study, trials, dict(names)) for names, trials in found.items()]

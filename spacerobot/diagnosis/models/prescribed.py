@@ -31,7 +31,7 @@ class Prescribed(Model):
 
     def __init__(self, study: Study, trials: Sequence[Trial], channel: str, source: str) -> None:
         """`channel` is measured, `source` the known motion (both m or rad)."""
-        self.name = channel
+        self.name, self.given = channel, frozenset([source])
         self.base: dict[str, float] = {}
         self._grid: dict[str, tuple[np.ndarray, np.ndarray]] = {}
         parts, seen = [], []

@@ -68,6 +68,7 @@ class Simulated(Model):
         self.name, self.build, self.believed, self.sizes = name, build, believed, sizes
         self.base = dict(believed.values)
         self.drives = dict(drives)
+        self.given = frozenset(c for d in self.drives.values() for c in d.value)
         self.recorded = {t.id: t for t in recorded}
         self.at_rest, self.covered = at_rest, covered
         windows = [w for t in recorded for w in cut(t, window)]

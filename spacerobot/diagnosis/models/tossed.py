@@ -48,6 +48,7 @@ class Tossed(Model):
     """Windows of a tumbling box, each from its recorded state; angular velocities are recorded in its own axes."""
 
     metric = "simulated motion"
+    given = frozenset(STATE)  # where each window starts
     no_balance = "its contact's impulses are as short as a reading, so that no force is told between two of them"
 
     def __init__(self, study: Study, trials: Sequence[Trial]) -> None:
