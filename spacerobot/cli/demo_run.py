@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from spacerobot.support.jsonio import dumps
+from spacerobot.support.runs import RunFolder, combined_hash
 
 STUDY = "guide-friction"
 TRIAL = "03"
@@ -53,6 +54,12 @@ STEPS = (
 
 def run(args: argparse.Namespace) -> int:
     """Run the command."""
+    key = combined_hash("demo", [[step.command, step.arguments, step.folder] for step in STEPS])
+    with RunFolder(args.out, "demo", key, overwrite=args.overwrite) as folder:
+        return _steps(args, folder)
+
+
+def _steps(args: argparse.Namespace, folder: RunFolder) -> int:
     top = Path(args.out)
     answers: dict[str, Any] = {}
     page = ""
@@ -67,7 +74,10 @@ def run(args: argparse.Namespace) -> int:
             page = str((top / step.folder / step.page).resolve())
         if not args.json:
             print()
-    picture = _picture(top)
+    if not folder.finished:
+        folder.write("demo.png", _picture(top))
+        folder.finish()
+    picture = folder.folder / "demo.png"
     if args.json:
         print(dumps({"steps": answers, "picture": str(picture), "page": page}))
     else:
@@ -87,13 +97,12 @@ def _typed(command: str, arguments: Sequence[str], as_json: bool) -> Any:
     return json.loads(said.getvalue()) if as_json else None
 
 
-def _picture(top: Path) -> Path:
+def _picture(top: Path) -> bytes:
     """All of it in one picture, from what the steps have written."""
     from spacerobot.diagnosis.forward.choose import forward_model
     from spacerobot.recordings.study import load_study
     from spacerobot.simulation.scene_file import read_scene
     from spacerobot.simulation.trajectory import Trajectory
-    from spacerobot.support.files import atomic
     from spacerobot.view.demo.picture import picture
     from spacerobot.view.plotting import png
 
@@ -106,7 +115,4 @@ def _picture(top: Path) -> Path:
         forward_model(study).simulate(study.trial(TRIAL)),
         f"over a recording ({STUDY}, trial {TRIAL})",
     )
-    path = top.resolve() / "demo.png"
-    with atomic(path, "wb") as stream:
-        stream.write(png(figure))
-    return path
+    return png(figure)

@@ -8,7 +8,8 @@ import importlib
 import json
 import os
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -81,10 +82,15 @@ def run(args: argparse.Namespace) -> int:
             if result.model is not None:
                 folder.write("model.toml", result.model)
             write_report(verdict, evidence, folder.path("report.html"))
-            for name in write_plots(verdict, evidence, folder.folder / "plots", args.jobs or os.cpu_count() or 1):
-                folder.path(f"plots/{name}")
+            noted = partial(_noted, folder)
+            write_plots(verdict, evidence, folder.folder / "plots", args.jobs or os.cpu_count() or 1, noted=noted)
             folder.finish()
         return _show(args, verdict, folder)
+
+
+def _noted(folder: RunFolder, names: Sequence[str]) -> None:
+    """The report's pictures as the run's own, before they are written."""
+    folder.paths(f"plots/{name}" for name in names)
 
 
 _IDLE = "single effects"

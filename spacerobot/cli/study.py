@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import argparse
 import math
+import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from spacerobot.support.errors import InputError
-from spacerobot.support.files import write_text
+from spacerobot.support.files import may_write, write_text
 from spacerobot.support.jsonio import dumps
 
 if TYPE_CHECKING:
@@ -76,12 +77,11 @@ def _new(args: argparse.Namespace) -> int:
     path: Path = args.out or args.folder / "study.toml"
     if path.is_dir():
         path = path / "study.toml"
-    if path.exists() and not args.overwrite:
-        raise InputError("a study is there already", given=str(path), valid="another --out, or --overwrite")
+    may_write(path, "a study", args.overwrite)
     made = draft(args.folder)
     try:
         for name, content in made.files.items():
-            if not (path.parent / name).exists():
+            if not os.path.lexists(path.parent / name):
                 write_text(path.parent / name, content)
         write_text(path, made.text())
     except OSError as error:

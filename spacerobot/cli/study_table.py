@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import sys
 import time
 from collections.abc import Mapping
@@ -15,7 +16,7 @@ from spacerobot.diagnosis.models.figures import Figure, measured, quoted
 from spacerobot.diagnosis.result import Diagnosis
 from spacerobot.recordings.study import Study, bundled_studies, load_study, resolve_study
 from spacerobot.support.errors import InputError
-from spacerobot.support.files import write_text
+from spacerobot.support.files import may_write, write_text
 from spacerobot.support.jsonio import dumps, plain
 from spacerobot.support.progress import Progress
 from spacerobot.support.sources import package_hash
@@ -26,8 +27,8 @@ REAL = "real/"
 
 def run(args: argparse.Namespace) -> int:
     """Diagnose and write; studies whose recordings are absent are named, and an error only where all are."""
-    if args.out is not None and args.out.exists() and not args.overwrite:
-        raise InputError("a file is there already", given=str(args.out), valid="another --out, or --overwrite")
+    if args.out is not None:
+        may_write(args.out, "a file", args.overwrite)
     names = args.studies or sorted(n for n in bundled_studies() if n.startswith(REAL))
     verdicts: dict[str, Mapping[str, Any]] = {}
     absent = []
@@ -57,13 +58,12 @@ def run(args: argparse.Namespace) -> int:
 def _verdict(study: Study, name: str, runs: Path | None) -> Mapping[str, Any]:
     """The study's verdict, with the CPU time that it took; from an earlier run where nothing changed."""
     path = None if runs is None else runs / f"{name.replace('/', '_')}.json"
-    if path is not None and path.exists():
-        kept: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-        if kept.get("input_hash") == study.input_hash and kept.get("code") == package_hash():
-            notes = {f.what: f.note for f in _quoted(study)}
-            for figure in kept.get("figures", ()):
-                figure["note"] = notes.get(figure["what"], "")
-            return kept
+    kept = None if path is None else _kept(path)
+    if kept is not None and kept.get("input_hash") == study.input_hash and kept.get("code") == package_hash():
+        notes = {f.what: f.note for f in _quoted(study)}
+        for figure in kept.get("figures", ()):
+            figure["note"] = notes.get(figure["what"], "")
+        return kept
     began = time.process_time()
     found = diagnose(study, jobs=1)
     verdict = {**plain(found.verdict), "code": package_hash(), "cpu_seconds": round(time.process_time() - began, 1)}
@@ -72,6 +72,23 @@ def _verdict(study: Study, name: str, runs: Path | None) -> Mapping[str, Any]:
         path.parent.mkdir(parents=True, exist_ok=True)
         write_text(path, dumps(verdict))
     return verdict
+
+
+def _kept(path: Path) -> dict[str, Any] | None:
+    """The verdict of an earlier run, None where there is none.
+
+    Raises:
+        InputError: something else is there, which a verdict would replace.
+    """
+    if not os.path.lexists(path):
+        return None
+    try:
+        found = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        found = None
+    if path.is_symlink() or not isinstance(found, dict) or not {"verdict", "input_hash"} <= set(found):
+        raise InputError("a file is there that is no kept verdict", given=str(path), where="--runs")
+    return found
 
 
 def _figures(study: Study, found: Diagnosis) -> list[dict[str, Any]]:

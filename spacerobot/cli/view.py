@@ -49,7 +49,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Run the command."""
     from spacerobot.support.errors import InputError
-    from spacerobot.support.files import write_text
+    from spacerobot.support.files import may_write, write_text
     from spacerobot.support.jsonio import dumps
     from spacerobot.support.numbers import parse_numbers
     from spacerobot.view.scene3d.choose import film_of
@@ -80,8 +80,7 @@ def run(args: argparse.Namespace) -> int:
             raise InputError("--live writes no file", given=args.html, valid="either of them", where="--html")
         return _serve(make, args.json)
     target = Path(args.html) if args.html is not None else Path(f"{_stem(args.what)}.html")
-    if target.exists() and not args.overwrite:
-        raise InputError("the file exists already", given=str(target), valid="another name, or --overwrite")
+    may_write(target, "a file", args.overwrite)
     text = make()
     write_text(target, text)
     answer = {"page": str(target.resolve()), "bytes": len(text.encode())}

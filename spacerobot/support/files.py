@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import os
+import re
+import stat
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import IO, Any
+
+from spacerobot.support.errors import InputError
 
 
 @contextlib.contextmanager
@@ -15,7 +20,7 @@ def atomic(path: Path, mode: str = "w") -> Iterator[IO[Any]]:
     """Open a file that replaces `path` only if the block ends without an exception.
 
     Args:
-        path: the file to write; its folder is made if it is missing.
+        path: the file to write; its folder is made if it is missing. A link there is replaced, not followed.
         mode: "w" for text (UTF-8) or "wb" for bytes.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -37,3 +42,46 @@ def write_text(path: Path, text: str) -> None:
     """Write `text` to `path`, whole or not at all."""
     with atomic(path) as stream:
         stream.write(text)
+
+
+def may_write(path: Path, what: str, overwrite: bool) -> None:
+    """Refuse to write over what is there, were it a link that leads nowhere.
+
+    Raises:
+        InputError: something is there, and `overwrite` does not allow it.
+    """
+    if os.path.lexists(path) and not overwrite:
+        raise InputError(f"{what} is there already", given=str(path), valid="another name, or --overwrite")
+
+
+def left_over(paths: Iterable[Path]) -> list[Path]:
+    """What `atomic` has left beside these files because its process was killed; only plain files of its own naming."""
+    wanted: dict[Path, set[str]] = {}
+    for path in paths:
+        wanted.setdefault(path.parent, set()).add(path.name)
+    found = []
+    for folder, names in wanted.items():
+        with contextlib.suppress(OSError):  # not there, not a folder, not ours to read
+            for entry in os.scandir(folder):
+                name = re.fullmatch(r"\.(.+)\.[a-z0-9_]{8}\.part", entry.name, re.DOTALL)
+                if name is not None and name[1] in names and entry.is_file(follow_symlinks=False):
+                    found.append(folder / entry.name)
+    return found
+
+
+def plain_file(path: Path) -> bool:
+    """Whether a file lies there itself: no link, no folder, no device."""
+    try:
+        return stat.S_ISREG(path.lstat().st_mode)
+    except (OSError, ValueError):
+        return False
+
+
+def sha256_of(path: Path) -> str:
+    """SHA-256 of a file's content, in hexadecimal.
+
+    Raises:
+        OSError: it cannot be read.
+    """
+    with path.open("rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()

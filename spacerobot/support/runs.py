@@ -3,33 +3,36 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import fcntl
 import hashlib
 import io
 import json
 import os
 import re
-import shutil
 import zipfile
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from types import TracebackType
-from typing import IO, TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 from spacerobot import __version__
 from spacerobot.support.errors import InputError
-from spacerobot.support.files import atomic, write_text
+from spacerobot.support.files import atomic, left_over, plain_file, write_text
 from spacerobot.support.jsonio import dumps
+from spacerobot.support.run_record import MARKER, Record, finished, half_marker, read_record
 from spacerobot.support.sources import package_hash
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-MARKER = "run.json"
-"""File that says whose the folder is and whether the run is "running" or "finished"."""
+__all__ = ["MARKER", "RunFolder", "combined_hash"]
 
 _PARTIAL = "partial"
 _LOCK = ".lock"
+"""Of file systems that cannot lock a folder itself (network ones); there alone it is made."""
+
+_NO_FOLDER_LOCKS = {errno.EBADF, errno.EINVAL, errno.ENOLCK, errno.ENOTSUP, errno.EISDIR}
 
 
 def combined_hash(*parts: object) -> str:
@@ -41,25 +44,23 @@ def combined_hash(*parts: object) -> str:
     return digest.hexdigest()
 
 
-def _a_path(name: str) -> bool:
-    """Whether the system takes it for a path at all; a marker of somebody else's may hold anything."""
-    try:
-        return b"\0" not in os.fsencode(name)
-    except UnicodeEncodeError:
-        return False
+_SAVED = re.compile(r"\.?[\w.+-]{0,60}-[0-9a-f]{12}\.(json|npz)(\.[a-z0-9_]{8}\.part)?")
+"""Names of partial results, and of what a killed process was writing of one."""
 
 
 class RunFolder:
     """One run's output folder. A context manager; leaving it without `finish` leaves an interrupted run.
 
-    * a finished run of the same command, input hash, version and code is there: `finished` is true, its files
-      stand;
+    * a finished run of the same command, input hash, version and code is there, and its files are what it wrote, by
+      their hashes: `finished` is true, its files stand;
     * an interrupted one: `resumed` is true, and what it had saved comes back from `load` and `load_arrays`;
     * nothing, or an empty folder: a new run;
     * anything else: refused, unless `overwrite`, which removes the files of the run that was there (and no
       others).
 
-    Every file is written whole or not at all, the marker last: a kill at any point leaves one of them.
+    What no run has written is never touched: a folder is read before anything is made in it, no link is followed out
+    of it, and an output is not written over a file of the same name that is somebody else's. Every file is written
+    whole or not at all, the marker last: a kill at any point leaves one of the four.
 
     Args:
         folder: where the results go.
@@ -88,14 +89,16 @@ class RunFolder:
             "code": package_hash() if code is None else code,
         }
         self.finished = self.resumed = False
+        self._overwrite = overwrite
         self._made: list[Path] = []
         self._outputs: dict[str, int] = {}
-        self._lock: IO[bytes] | None = None
+        self._theirs: set[Path] = set()
+        self._lock: int | None = None
         try:
             self._make()
-            self._lock = self._locked()
-            self._open(overwrite)
+            self._begin(*self._locked())
         except OSError as error:
+            self._withdraw()
             self.close()
             raise InputError(f"the folder cannot be used: {error.strerror}", given=str(folder), where="--out") from None
         except BaseException:
@@ -116,7 +119,7 @@ class RunFolder:
     def close(self) -> None:
         """Let go of the folder; what was saved stays."""
         if self._lock is not None:
-            self._lock.close()
+            os.close(self._lock)
             self._lock = None
 
     def path(self, name: str) -> Path:
@@ -125,15 +128,28 @@ class RunFolder:
 
     def paths(self, names: Iterable[str]) -> list[Path]:
         """As `path` for many at once, noted together: a run of a thousand files writes its marker once."""
-        found = [(self.folder / name).resolve() for name in names]
-        for path in found:
-            if not path.is_relative_to(self.folder) or path == self.folder:
-                raise InputError("an output must stay inside the run's folder", given=str(path), where=str(self.folder))
-        new = [n for n in (str(path.relative_to(self.folder)) for path in found) if n not in self._outputs]
+        found = [self._inside(name) for name in names]
+        new = [(n, path) for n, path in ((str(p.relative_to(self.folder)), p) for p in found) if n not in self._outputs]
         if new:
-            self._outputs.update(dict.fromkeys(new, -1))
-            self._mark("running")
+            foreign = next((p for _, p in new if os.path.lexists(p)), None) if not self._overwrite else None
+            if foreign is not None:
+                raise InputError(
+                    "a file is there that this run has not written",
+                    given=str(foreign),
+                    valid="another --out, or --overwrite",
+                )
+            self._theirs.update(left_over(p for _, p in new))
+            self._outputs.update((n, -1) for n, _ in new)
+            self._mark()
         return found
+
+    def _inside(self, name: str) -> Path:
+        """Where an output goes; links of folders are followed, and may not lead out. The file itself is no link's."""
+        path = self.folder / name
+        path = path.parent.resolve() / path.name
+        if not path.is_relative_to(self.folder) or path == self.folder or not path.name.strip("."):
+            raise InputError("an output must stay inside the run's folder", given=str(path), where=str(self.folder))
+        return path
 
     def write(self, name: str, content: str | bytes) -> Path:
         """Write an output, whole or not at all, and note it as this run's."""
@@ -178,19 +194,23 @@ class RunFolder:
 
     def finish(self) -> None:
         """Mark the run finished, once all outputs are there; partial results go."""
-        self._mark("finished")
+        Record("running", self._key, self._outputs).tidy(self.folder, but=self._theirs)
+        record = finished(self.folder, self._key, self._outputs)
+        record.write(self.folder)
+        self._outputs = dict(record.outputs)
         self.finished = True
-        shutil.rmtree(self.folder / _PARTIAL, ignore_errors=True)
+        self._clear_partial()
 
     def _make(self) -> None:
         """Make the folder, and remember which folders were not there before."""
-        missing = [p for p in (self.folder, *self.folder.parents) if not p.exists()]
+        self._made = [p for p in (self.folder, *self.folder.parents) if not p.exists()]
         self.folder.mkdir(parents=True, exist_ok=True)
-        self._made = missing
 
     def _withdraw(self) -> None:
         """Leave no trace in a new folder if there is nothing yet that a later run could take up."""
-        if not self._made or any(p.name not in (MARKER, _LOCK) for p in self.folder.iterdir()):
+        if not self._made or (
+            self.folder.is_dir() and any(p.name not in (MARKER, _LOCK) for p in self.folder.iterdir())
+        ):
             return
         for name in (MARKER, _LOCK):
             (self.folder / name).unlink(missing_ok=True)
@@ -198,79 +218,112 @@ class RunFolder:
             with contextlib.suppress(OSError):  # something else came to lie in it
                 folder.rmdir()
 
-    def _open(self, overwrite: bool) -> None:
-        for left in self.folder.rglob(".*.part"):  # what a killed process was writing
-            left.unlink(missing_ok=True)
-        marker = self._read_marker()
-        others = [p.name for p in self.folder.iterdir() if p.name != _LOCK]
-        if marker is not None and self._is_mine(marker) and not overwrite:
-            self._outputs = dict(marker["outputs"])
-            whole = all(self._size(name) == size for name, size in self._outputs.items())
-            if marker["state"] == "finished" and whole:
-                self.finished = True
-                return
-            self.resumed = True
-        elif others and not overwrite:
+    def _look(self) -> tuple[Record | None, list[str]]:
+        """The record of the run that is there, and the names of whatever is; nothing is changed.
+
+        Raises:
+            InputError: what is there is not this run's.
+        """
+        record = read_record(self.folder)
+        others = [p.name for p in self.folder.iterdir() if p.name != _LOCK and not half_marker(p)]
+        if self._overwrite:
+            return record, others
+        if record is not None and self._is_mine(record):
+            altered = record.altered(self.folder) if record.state == "finished" else []
+            if altered:
+                raise InputError(
+                    f"a file of the run has been changed since: {altered[0]}",
+                    given=str(self.folder),
+                    valid="another --out, or --overwrite",
+                )
+        elif others:
             raise InputError(
-                self._stranger(marker, others), given=str(self.folder), valid="another --out, or --overwrite"
+                self._stranger(record, others), given=str(self.folder), valid="another --out, or --overwrite"
             )
-        elif marker is not None:
-            for name in marker["outputs"]:
-                path = (self.folder / name).resolve()
-                if path.is_relative_to(self.folder) and path.is_file():
-                    path.unlink()
-        if overwrite:
-            shutil.rmtree(self.folder / _PARTIAL, ignore_errors=True)
+        return record, others
+
+    def _begin(self, record: Record | None, others: list[str]) -> None:
+        """Take up what `_look` found, or clear it away."""
+        if record is not None and not self._overwrite:
+            self._outputs = dict(record.outputs)
+            if record.state == "finished" and not record.missing(self.folder):
+                self.finished = True
+                self._clear_partial()
+                return
+            record.tidy(self.folder)
+            self._clear_partial(".part")
+            self.resumed = True
+        elif record is not None:
+            record.remove(self.folder)
+        elif not others:
+            for half in left_over([self.folder / MARKER]):
+                half.unlink()
+        if self._overwrite:
+            self._clear_partial()
+        self._theirs.update(left_over([self.folder / MARKER]))
         self._outputs = dict.fromkeys(self._outputs, -1)
-        self._mark("running")
+        self._mark()
 
-    def _read_marker(self) -> dict[str, Any] | None:
-        try:
-            found = json.loads((self.folder / MARKER).read_text(encoding="utf-8"))
-        except (OSError, ValueError):
-            return None
-        if not isinstance(found, dict) or not isinstance(found.get("outputs"), dict) or "state" not in found:
-            return None
-        return found if all(map(_a_path, found["outputs"])) else None
+    def _is_mine(self, record: Record) -> bool:
+        return all(record.key.get(key) == value for key, value in self._key.items())
 
-    def _is_mine(self, marker: Mapping[str, Any]) -> bool:
-        return all(marker.get(key) == value for key, value in self._key.items())
-
-    def _stranger(self, marker: Mapping[str, Any] | None, others: list[str]) -> str:
-        if marker is None:
+    def _stranger(self, record: Record | None, others: list[str]) -> str:
+        if record is None:
             return f"the folder holds other files ({', '.join(sorted(others)[:3])})"
-        if marker.get("command") != self._key["command"]:
-            return f"the folder holds a run of {str(marker.get('command'))[:40]!r}"
-        if marker.get("version") != __version__:
-            return f"the folder holds a run of version {str(marker.get('version'))[:20]}"
-        if marker.get("input_hash") != self._key["input_hash"]:
+        if record.key.get("command") != self._key["command"]:
+            return f"the folder holds a run of {str(record.key.get('command'))[:40]!r}"
+        if record.key.get("version") != __version__:
+            return f"the folder holds a run of version {str(record.key.get('version'))[:20]}"
+        if record.key.get("input_hash") != self._key["input_hash"]:
             return "the folder holds a run on other inputs"
         return "the folder holds a run of other code: the sources have changed since"
 
-    def _mark(self, state: str) -> None:
-        if state == "finished":
-            self._outputs = {name: size for name in self._outputs if (size := self._size(name)) >= 0}
-        content = {"state": state, **self._key, "outputs": self._outputs}
-        write_text(self.folder / MARKER, dumps(content))
-
-    def _size(self, name: str) -> int:
-        try:
-            return (self.folder / name).stat().st_size
-        except OSError:
-            return -1
+    def _mark(self) -> None:
+        Record("running", self._key, self._outputs).write(self.folder)
 
     def _partial(self, name: str, suffix: str) -> Path:
         """A file name that is safe, readable and different for every `name`."""
+        folder = self.folder / _PARTIAL
+        if folder.is_symlink():
+            raise InputError("partial results would go through a link", given=str(folder), valid="another --out")
         readable = re.sub(r"[^\w.+-]+", "_", name)[:60]
-        return self.folder / _PARTIAL / f"{readable}-{hashlib.sha256(name.encode()).hexdigest()[:12]}.{suffix}"
+        return folder / f"{readable}-{hashlib.sha256(name.encode()).hexdigest()[:12]}.{suffix}"
 
-    def _locked(self) -> IO[bytes]:
-        stream = (self.folder / _LOCK).open("ab")
+    def _clear_partial(self, ending: str = "") -> None:
+        """Remove partial results of this ending, and their folder if nothing else lies in it."""
+        folder = self.folder / _PARTIAL
+        if folder.is_symlink() or not folder.is_dir():
+            return
+        with contextlib.suppress(OSError):
+            for path in [p for p in folder.iterdir() if self._saved(p, ending)]:
+                path.unlink()
+            folder.rmdir()
+
+    def _saved(self, path: Path, ending: str) -> bool:
+        return bool(_SAVED.fullmatch(path.name)) and path.name.endswith(ending) and plain_file(path)
+
+    def _locked(self) -> tuple[Record | None, list[str]]:
+        """Lock the folder and look what is there; a folder is locked as it is, so that nothing is made in it."""
+        self._lock = os.open(self.folder, os.O_RDONLY | os.O_DIRECTORY)
+        if self._flock():
+            return self._look()
+        self._look()  # before a file is made
+        os.close(self._lock)
+        self._lock = os.open(self.folder / _LOCK, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o644)
+        self._flock()
+        return self._look()
+
+    def _flock(self) -> bool:
+        """Lock what is open; False where the file system cannot lock it."""
+        assert self._lock is not None
         try:
-            fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            stream.close()
+            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
             raise InputError(
                 "another process is writing to this folder", given=str(self.folder), where="--out"
             ) from None
-        return stream
+        except OSError as error:
+            if error.errno in _NO_FOLDER_LOCKS:
+                return False
+            raise
+        return True

@@ -20,7 +20,7 @@ from spacerobot.support.jsonio import dumps
 from spacerobot.support.progress import Progress
 from spacerobot.support.runs import RunFolder
 from spacerobot.sweep.engine import RESULTS, Engine
-from spacerobot.sweep.parts import FOLDER, footer_of, part_name, write_part, write_table
+from spacerobot.sweep.parts import footer_of, part_name, write_part, write_table
 from spacerobot.sweep.plan import Plan
 from spacerobot.sweep.sweep_file import plan_from_text
 
@@ -75,8 +75,6 @@ def run_sweep(run: RunFolder, job: Job, plan: Plan, executor: Executor, *, verbo
         progress.advance(sum(_rows(plan, i) for i in done))
         for part, footer in executor.run(make_part, (Part(job, i) for i in todo)):
             progress.advance(footer["rows"], note=f"part {part.number + 1} of {plan.parts}")
-    for left in (run.folder / FOLDER).glob(".*.part"):  # what a worker was writing when it died
-        left.unlink(missing_ok=True)
     return _finished(run, job, plan)
 
 

@@ -34,11 +34,22 @@ def write_report(verdict: Mapping[str, Any], evidence: Mapping[str, Any], path: 
     write_text(Path(path), page(plain(dict(verdict)), read_evidence(plain(dict(evidence)))))
 
 
+def _unnoted(names: Sequence[str]) -> None:
+    """Nobody wants to know."""
+
+
 _drawings: dict[str, Callable[[], Figure | None]] = {}
 """Of the report that is being written: processes that begin meanwhile have them too."""
 
 
-def write_plots(verdict: Mapping[str, Any], evidence: Mapping[str, Any], folder: Path, jobs: int = 1) -> list[str]:
+def write_plots(
+    verdict: Mapping[str, Any],
+    evidence: Mapping[str, Any],
+    folder: Path,
+    jobs: int = 1,
+    *,
+    noted: Callable[[Sequence[str]], None] = _unnoted,
+) -> list[str]:
     """Write the report's pictures as PNG and SVG.
 
     Args:
@@ -46,6 +57,7 @@ def write_plots(verdict: Mapping[str, Any], evidence: Mapping[str, Any], folder:
         evidence: as for `write_report`.
         folder: where they go; made if it is missing.
         jobs: processes.
+        noted: told beforehand of all the names that may be written.
 
     Returns:
         Names of the files written.
@@ -53,6 +65,7 @@ def write_plots(verdict: Mapping[str, Any], evidence: Mapping[str, Any], folder:
     _drawings.update(drawings(plain(dict(verdict)), read_evidence(plain(dict(evidence)))))
     write = partial(_write, folder)
     try:
+        noted([f"{name}.{kind}" for name in _drawings for kind in ("png", "svg")])
         return _spread(write, [*_drawings], jobs)
     finally:
         _drawings.clear()
