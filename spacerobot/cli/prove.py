@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from typing import Any
 
 _EPILOG = """\
 examples:
@@ -12,6 +13,7 @@ examples:
   spacerobot prove --out proof --resume docs/proof_records.jsonl --docs docs
   spacerobot prove --out proof --kinds nothing_missing outsider --seed 7 --json
   spacerobot prove --out again --again docs/proof_records.jsonl --jobs 2
+  spacerobot prove --list
 
 Needs the extra `proof` (pip install "spacerobot[proof]"). Seeds are drawn when a batch begins, unless --seed is given,
 and printed. Every scored campaign is kept at once: a batch that was interrupted goes on where it stopped, as long as
@@ -19,10 +21,24 @@ the code is the same; --resume takes it up on another machine. Writes proof.md w
 records.jsonl, the record of every campaign."""
 
 
+class _List(argparse.Action):
+    """Answers and ends, as --help does."""
+
+    def __init__(self, option_strings: list[str], dest: str, help: str | None = None) -> None:
+        super().__init__(option_strings, dest, nargs=0, default=argparse.SUPPRESS, help=help)
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: Any, **__: Any) -> None:
+        from spacerobot.proof.proved import as_text
+
+        print(as_text())
+        parser.exit()
+
+
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the command's arguments."""
     parser.epilog = _EPILOG
     parser.add_argument("--out", metavar="DIR", required=True, help="folder for page, figures and records")
+    parser.add_argument("--list", action=_List, help="which effects the proof hides, and which are not yet proved")
     parser.add_argument("--quick", action="store_true", help="a handful of campaigns, a few minutes")
     parser.add_argument("--kinds", nargs="+", metavar="KIND", help="only these kinds of concealment")
     parser.add_argument("--share", metavar="X", default="1", help="this share of each kind's campaigns; default: 1")

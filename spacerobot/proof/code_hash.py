@@ -10,7 +10,7 @@ from spacerobot.support.sources import ROOT, hash_of
 
 LAYERS = ("support", "theory", "model", "dynamics", "effects", "simulation", "recordings", "diagnosis", "proof")
 
-AFTERWARDS = ("batch.py", "code_hash.py", "published.py", "rates.py", "summary.py")
+AFTERWARDS = ("batch.py", "code_hash.py", "proved.py", "published.py", "rates.py", "summary.py")
 """Files of `proof` that only choose what is played next, and count what was scored."""
 
 ELSEWHERE = ("diagnosis/models", "diagnosis/forward", "diagnosis/locate/of_model.py", "diagnosis/locate/series.py")

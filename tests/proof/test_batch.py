@@ -18,6 +18,7 @@ from spacerobot.effects.registry import all_effects
 from spacerobot.proof import batch
 from spacerobot.proof.engine.outsiders import OUTSIDERS
 from spacerobot.proof.orders import CURVES, FULL, KINDS, MOVING, QUICK, Order, schedule
+from spacerobot.proof.sizes import DRAWS
 from spacerobot.support.executors.base import Here
 from spacerobot.support.runs import RunFolder
 from spacerobot.view.proof.page import page
@@ -83,7 +84,8 @@ def test_the_full_batch_is_what_was_asked_for() -> None:
     assert set(filled) == {"nothing", "value", "outside", "named"}
     assert min(filled.values()) >= 200
     assert len(OUTSIDERS) >= 4
-    rig_effects = set(all_effects()) - {"transmission_coupling", "table_curvature"}  # what no rig with a wrist shows
+    rig_effects = {name for name, _ in DRAWS} - set(OUTSIDERS)
+    assert rig_effects <= set(all_effects())
     assert {o.effect[0] for o in orders if o.kind == "withheld" and o.effect} == rig_effects
     power = [o for o in orders if o.kind == "power"]
     strengths: dict[tuple[str, str], set[float]] = {}

@@ -8,6 +8,7 @@ from functools import cache
 from spacerobot.effects.effect import Effect, Parameter
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.registry import all_effects
+from spacerobot.proof.proved import proved
 from spacerobot.simulation.parts import Target
 from spacerobot.simulation.scene import Scene
 from spacerobot.view.report.words import effect_title
@@ -22,7 +23,7 @@ _KINDS = {
 
 
 def effects() -> str:
-    """Every effect: formula, ports, parameters with units and bounds, source."""
+    """Every effect: formula, ports, parameters with units and bounds, source, and where the proof hides it."""
     lines = []
     found = all_effects().values()
     known = [*_KINDS, *sorted({e.kind for e in found} - set(_KINDS))]
@@ -52,7 +53,9 @@ def _entry(one: Effect) -> list[str]:
     if one.replaces:
         taken = ", ".join(f"`{name}`" for name in one.replaced("PORT"))
         lines += [f"Takes over from {taken}, which is refitted freely.", ""]
-    return [*lines, f"Source: {one.source}.", ""]
+    hidden = proved().get(one.name, ())
+    shown = f"Proved at {', '.join(f'`{place}`' for place in hidden)}." if hidden else "Not yet proved."
+    return [*lines, f"Source: {one.source}. {shown}", ""]
 
 
 def _row(p: Parameter) -> str:
