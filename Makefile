@@ -13,7 +13,7 @@ else
   INSTALL   = $(BIN)/python -m pip install -q --disable-pip-version-check
 endif
 
-.PHONY: help setup demo test suite test-long test-all prove-quick fuzz lint types check notebooks docs wheel picture real-table constraints clean
+.PHONY: help setup demo test test-extras suite test-long test-all prove-quick fuzz lint types check notebooks docs wheel picture real-table constraints clean
 
 help:  ## this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "make %-12s %s\n", $$1, $$2}'
@@ -37,6 +37,10 @@ demo: $(VENV)/.core  ## simulate a capture, then diagnose the bundled study
 test: lint types suite  ## lint, types and the test suite
 
 suite: $(VENV)/.test  ## the test suite alone
+	$(BIN)/python -m pytest -n 2 -m "not slow"
+
+test-extras: $(VENV)/.core  ## the test suite with every optional library: tables, proof, notebooks, browser
+	$(INSTALL) -c constraints.txt -e '.[test,scale,proof,notebooks,browser]'
 	$(BIN)/python -m pytest -n 2 -m "not slow"
 
 test-long: $(VENV)/.test  ## the tests that take minutes

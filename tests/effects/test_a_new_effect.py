@@ -27,7 +27,7 @@ REGISTRY_WIDE = (
 )
 """Test files that ask something of the whole catalogue; a test below holds that none is forgotten."""
 
-CHOSEN = f"{NAME} or catalogue or promised or every_effect_has or every_edit or full_batch or every_parameter or all_starts"
+CHOSEN = f"{NAME} or catalogue or promised or effect_has or every_edit or full_batch or every_parameter or all_starts"
 """The newcomer's own cases, and tests that go through the catalogue in one."""
 
 

@@ -1,0 +1,43 @@
+"""For every test: one line at the end says how many were skipped for want of a library, and what runs them."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from typing import Any
+
+COMMAND = "make test-extras"
+
+WANTS = {
+    "scale": ("pyarrow", "distributed"),
+    "proof": ("mujoco", "pysindy"),
+    "browser": ("playwright",),
+    "notebooks": ("nbclient", "nbformat", "ipykernel", "ipywidgets"),
+}
+"""Extra of pyproject.toml -> its libraries that tests can do without."""
+
+
+def pytest_terminal_summary(terminalreporter: Any) -> None:
+    """The one line."""
+    line = left_out([str(report.longrepr) for report in terminalreporter.stats.get("skipped", [])])
+    if line:
+        terminalreporter.write_line(line)
+
+
+def left_out(reasons: list[str]) -> str:
+    """How many tests (or whole files of them) were skipped for want of which extra, and the command that runs them."""
+    count = Counter(extra for reason in reasons if (extra := wanted(reason)))
+    if not count:
+        return ""
+    extras = ", ".join(f"{number} for `{extra}`" for extra, number in sorted(count.items()))
+    return f"skipped for want of libraries, tests or whole files: {extras}; `{COMMAND}` installs them and runs all"
+
+
+def wanted(reason: str) -> str | None:
+    """The extra that a skipped test needed, None where it was skipped for something else."""
+    for extra, libraries in WANTS.items():
+        if re.search(rf"extra [`']{extra}[`'] is not installed", reason):
+            return extra
+        if any(re.search(rf"import '{name}[.']|{name} is not installed", reason) for name in libraries):
+            return extra
+    return None
