@@ -53,7 +53,7 @@ def content(machine: Mechanism) -> dict[str, Any]:
 
 def applied(*steps: tuple[str, str]) -> Mechanism:
     machine = RIG
-    for k, (name, where) in enumerate(steps):
+    for name, where in steps:
         machine = all_effects()[name].apply(machine, where, values(name))
     return machine
 
