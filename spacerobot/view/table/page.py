@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from html import escape
 from typing import Any
 
 from spacerobot.view.report.when import happened
@@ -33,6 +34,7 @@ def page(verdicts: Mapping[str, Mapping[str, Any]], absent: Sequence[str] = ()) 
         verdicts: verdict.json by name of the study.
         absent: studies whose recordings are not here.
     """
+    verdicts, absent = _as_text(verdicts), _as_text(absent)
     rows = [
         "| study | verdict | what the baseline lacks | held out, before | after | CPU |",
         "|---|---|---|---|---|---|",
@@ -45,6 +47,15 @@ def page(verdicts: Mapping[str, Mapping[str, Any]], absent: Sequence[str] = ()) 
     if absent:
         parts += [f"Not here when this was written: {', '.join(absent)}.", ""]
     return "\n".join(parts)
+
+
+def _as_text(value: Any) -> Any:
+    """The same with every text in it safe in Markdown, where HTML and columns would count: studies are of strangers."""
+    if isinstance(value, str):
+        return escape(value, quote=False).replace("|", "&#124;")
+    if isinstance(value, Mapping):
+        return {_as_text(k): _as_text(v) for k, v in value.items()}
+    return [_as_text(v) for v in value] if isinstance(value, list | tuple) else value
 
 
 def _row(name: str, verdict: Mapping[str, Any]) -> str:
