@@ -28,6 +28,7 @@ def task_name(task: Any) -> str:
     return "fit-" + combined_hash(
         task.label,
         sorted(task.start.items()),
+        task.hopeless,
         task.max_iterations,
         task.without,
         task.loose,

@@ -7,10 +7,16 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.special import gammaln, log_ndtr
+from scipy.special import betaln, gammaln, hyp2f1, log_ndtr
 
 MOST_EXACT = 12
 """Up to this many units all sign flips are tried."""
+
+SMALLEST = 1e-290
+"""Tail probabilities below it have lost digits, or all of them, to the smallest float of 1e-308."""
+
+TERMS = 300
+"""Of an asymptotic series where x is some 1300 at least, the least of which the smallest float asks for."""
 
 RANDOM_FLIPS = 4096
 MOST_UNITS = 512
@@ -22,24 +28,31 @@ def log_p_normal(z: float) -> float:
 
 
 def log_p_student(t: float, freedom: int) -> float:
-    """Natural log of the two-sided p-value of Student's t."""
+    """Natural log of the two-sided p-value of Student's t, also far beyond the smallest float.
+
+    There the incomplete beta function is taken by its own series (Abramowitz and Stegun 26.7.1, 26.5.4).
+    """
     from scipy.stats import t as student
 
-    found = float(student.logsf(abs(t), freedom))
-    if not math.isfinite(found):  # the tail's power law
-        found = -freedom * math.log(abs(t)) + 0.5 * freedom * math.log(freedom)
-    return min(math.log(2.0) + found, 0.0)
+    found = float(student.sf(abs(t), freedom))
+    if found > SMALLEST:
+        return min(math.log(2.0) + math.log(found), 0.0)
+    half, log_ratio = 0.5 * freedom, 2.0 * math.log(math.hypot(1.0, abs(t) / math.sqrt(freedom)))
+    ratio = math.exp(-log_ratio)  # freedom / (freedom + t^2)
+    series = math.log(hyp2f1(half + 0.5, 1.0, half + 1.0, ratio)) + 0.5 * math.log1p(-ratio)
+    return float(-half * log_ratio + series - math.log(half) - betaln(half, 0.5))
 
 
 def log_p_chi2(x: float, freedom: int) -> float:
     """Natural log of the upper tail of chi-squared, also far beyond the smallest float."""
     from scipy.stats import chi2
 
-    found = float(chi2.logsf(x, freedom))
-    if math.isfinite(found):
-        return min(found, 0.0)
-    half = 0.5 * freedom
-    return float(-0.5 * x + (half - 1.0) * math.log(0.5 * x) - gammaln(half))
+    found = float(chi2.sf(x, freedom))
+    if found > SMALLEST:
+        return min(math.log(found), 0.0)
+    half, z = 0.5 * freedom, 0.5 * x
+    series = 1.0 + np.cumprod((half - np.arange(1.0, TERMS)) / z).sum()  # Abramowitz and Stegun 6.5.32
+    return float(-z + (half - 1.0) * math.log(z) - gammaln(half) + math.log(series))
 
 
 def combined(log_p: float, tries: int) -> float:
