@@ -15,19 +15,15 @@ from spacerobot.effects import catalogue
 ROOT = Path(__file__).resolve().parents[2]
 NAME = "newcomer"
 
-REGISTRY_WIDE = (
-    "tests/effects/test_registry.py",
-    "tests/simulation/test_effects_at_null.py",
-    "tests/diagnosis/models/test_sizes.py",
-    "tests/diagnosis/test_full_size.py",
-    "tests/proof/test_batch.py",
-    "tests/proof/test_rig_engine.py",
-    "tests/view/test_docs_parts.py",
-    "tests/view/test_report_words.py",
+REGISTRY_WIDE = sorted(
+    str(path.relative_to(ROOT))
+    for path in (ROOT / "tests").rglob("test_*.py")
+    if re.search(r"all_effects\(\)(?!\[)", path.read_text(encoding="utf-8")) and path != Path(__file__)
 )
-"""Test files that ask something of the whole catalogue; a test below holds that none is forgotten."""
+"""Test files that ask something of the whole catalogue."""
 
-CHOSEN = f"{NAME} or catalogue or promised or effect_has or every_edit or full_batch or every_parameter or all_starts"
+WHOLE = "catalogue promised effect_has every_edit full_batch every_parameter all_starts any_two"
+CHOSEN = " or ".join([NAME, *WHOLE.split()])
 """The newcomer's own cases, and tests that go through the catalogue in one."""
 
 
@@ -66,6 +62,7 @@ def test_a_copied_effect_passes_every_test_of_the_catalogue(installed: Path) -> 
         text=True,
         timeout=600,
     )
+    assert len(REGISTRY_WIDE) > 6
     assert done.returncode == 0, done.stdout[-3000:] + done.stderr[-1000:]
     listed = subprocess.run(
         [sys.executable, "-m", "spacerobot", "prove", "--list"],
@@ -75,16 +72,6 @@ def test_a_copied_effect_passes_every_test_of_the_catalogue(installed: Path) -> 
         check=True,
     ).stdout
     assert NAME in listed.partition("not yet proved:")[2].split()
-
-
-def test_every_test_of_the_whole_catalogue_is_among_them() -> None:
-    """Whatever is asked of all effects at once is asked of the newcomer."""
-    asks = {
-        str(path.relative_to(ROOT))
-        for path in (ROOT / "tests").rglob("test_*.py")
-        if re.search(r"all_effects\(\)(?!\[)", path.read_text(encoding="utf-8")) and path != Path(__file__)
-    }
-    assert asks == set(REGISTRY_WIDE)
 
 
 def test_the_lists_are_the_catalogue() -> None:
