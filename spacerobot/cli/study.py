@@ -116,8 +116,9 @@ def _check(args: argparse.Namespace) -> int:
     from spacerobot.recordings.study import load_study
 
     study = load_study(args.study, args.data)
-    limits, fault = _limits(study)
+    limits, mended, fault = _robot(study)
     report = check_study(study, limits)
+    report["warnings"] += mended
     if fault:
         report["errors"].append(f"robot: {fault}")
     print(dumps(report) if args.json else _text(report))
@@ -126,22 +127,22 @@ def _check(args: argparse.Namespace) -> int:
     return 2 if report["errors"] else 0
 
 
-def _limits(study: Study) -> tuple[dict[str, Limits], str]:
-    """What the study's robot says of its joints, and why it cannot be read."""
+def _robot(study: Study) -> tuple[dict[str, Limits], list[str], str]:
+    """What the study's robot says of its joints, what was mended in it, and why it cannot be read."""
     from spacerobot.model.describe import joint_rows
-    from spacerobot.model.library import load
     from spacerobot.recordings.ranges import Limits
+    from spacerobot.recordings.rig_robot import study_robot
 
-    source = study.robot_source
-    if source is None:
-        return {}, ""
+    if study.baseline.robot is None:
+        return {}, [], ""
     try:
-        robot = load(source)
+        robot = study_robot(study)
     except InputError as error:
-        return {}, str(error)
+        return {}, [], str(error)
     rows = {r["name"]: r for r in joint_rows(robot)}
     found = {n: Limits(r["lower"], r["upper"], r["velocity_limit"], r["effort_limit"]) for n, r in rows.items()}
-    return {**{name: Limits() for name in list(robot.model.names)[1:]}, **found}, ""
+    mended = [f"robot: {text} (or state link.NAME.inertia)" for text in robot.mended]
+    return {**{name: Limits() for name in list(robot.model.names)[1:]}, **found}, mended, ""
 
 
 def _text(report: dict[str, Any]) -> str:

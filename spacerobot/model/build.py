@@ -10,6 +10,7 @@ from lxml import etree
 
 from spacerobot.model.armature import armature_vector, read_armature
 from spacerobot.model.inertia import require_possible
+from spacerobot.model.mending import mend
 from spacerobot.model.meshes import check_meshes
 from spacerobot.model.reading import parse
 from spacerobot.model.robot import Robot
@@ -29,6 +30,7 @@ def build(
     mesh_dirs: tuple[Path, ...] = (),
     armature: bool = True,
     where: str = "URDF text",
+    mends: bool = False,
 ) -> Robot:
     """Check a URDF and build its model.
 
@@ -40,6 +42,7 @@ def build(
         mesh_dirs: folders that mesh files must stay in.
         armature: whether rotor inertia counts.
         where: what to call the URDF in errors.
+        mends: whether an impossible inertia is moved to the nearest possible.
 
     Raises:
         InputError: the URDF is malformed or describes a body that cannot exist.
@@ -50,12 +53,11 @@ def build(
     check_meshes(root, mesh_dirs, where)
     reflected = read_armature(root, where)
     tree = Tree(root)
+    model = _model(root, where)
+    mended = mend(root, model) if mends else ()
+    if mended:
+        model = _model(root, where)
     text = etree.tostring(root, encoding="unicode")
-    try:
-        model = pin.buildModelFromXML(_mechanism(root))
-    except (ValueError, RuntimeError, IndexError) as error:
-        reason = " ".join(str(error).split()) or "no reason given"
-        raise InputError(f"Pinocchio cannot read the URDF ({reason})", where=where) from None
     require_possible(model, where)
     if armature:
         model.armature = armature_vector(model, reflected)
@@ -75,7 +77,16 @@ def build(
         floating=model.njoints > 1 and model.joints[1].shortname() == "JointModelFreeFlyer",
         mesh_dirs=mesh_dirs,
         armature=armature,
+        mended=mended,
     )
+
+
+def _model(root: etree._Element, where: str) -> pin.Model:
+    try:
+        return pin.buildModelFromXML(_mechanism(root))
+    except (ValueError, RuntimeError, IndexError) as error:
+        reason = " ".join(str(error).split()) or "no reason given"
+        raise InputError(f"Pinocchio cannot read the URDF ({reason})", where=where) from None
 
 
 def rebuild(robot: Robot, root: etree._Element, *, name: str | None = None, tip: str | None = None) -> Robot:

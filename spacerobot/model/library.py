@@ -31,6 +31,7 @@ def load(
     package_dirs: Sequence[str | Path] = (),
     floating: bool | None = None,
     armature: bool = True,
+    mend: bool = False,
 ) -> Robot:
     """Load a robot.
 
@@ -45,6 +46,8 @@ def load(
         floating: True puts the root on a free-flyer, False insists on a fixed base; None keeps what the URDF
             or the example's loader says.
         armature: whether rotor inertia counts.
+        mend: whether an inertia that no body can have is moved to the nearest possible (`Robot.mended` says so)
+            instead of being refused.
 
     Raises:
         NotFoundError: no robot of that name (names the nearest), no such file, or no frame `tip`.
@@ -70,6 +73,7 @@ def load(
         mesh_dirs=(*source.mesh_dirs, *(_folder(d) for d in package_dirs)),
         armature=armature,
         where=source.where,
+        mends=mend,
     )
 
 

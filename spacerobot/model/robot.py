@@ -26,6 +26,7 @@ class Robot:
         floating: whether the base is a free-flyer (the first joint of `model`).
         mesh_dirs: folders in which the URDF's meshes are found.
         armature: whether rotor inertia counts (False leaves `model.armature` at zero).
+        mended: links whose inertia no body can have, and how far it was moved.
     """
 
     name: str
@@ -38,6 +39,7 @@ class Robot:
     floating: bool = False
     mesh_dirs: tuple[Path, ...] = field(default=())
     armature: bool = True
+    mended: tuple[str, ...] = ()
 
     def frame_id(self, name: str) -> int:
         """Index of a frame; a link goes before a joint of the same name.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
@@ -9,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from spacerobot.recordings.lacking import WRIST, lacks
-from spacerobot.recordings.ranges import Limits, ranges, strangers
+from spacerobot.recordings.ranges import Limits, Range, ranges, strangers
 from spacerobot.recordings.recording import Recording
 from spacerobot.recordings.series import Series, estimate_noise
 from spacerobot.recordings.study import Study
@@ -118,6 +119,18 @@ def _believed(study: Study) -> list[str]:
     return found
 
 
+def _noiseless(study: Study, spans: Sequence[Range]) -> list[str]:
+    """One warning that lists the measured channels whose sigma the study leaves open."""
+    measured = {c.name for s in study.streams.values() if s.kind == "samples" for c in s.channels if c.use == "output"}
+    open_ = [r for r in spans if r.name in measured and not r.sigma_stated and math.isfinite(r.sigma)]
+    open_ = [r for r in open_ if not r.name.startswith("aux.") and not r.name.endswith(".reference")]
+    if not open_:
+        return []
+    listed = ", ".join(f"{r.name} ({r.sigma:.2g} {r.unit})" for r in open_[:6])
+    more = f" and {len(open_) - 6} more" if len(open_) > 6 else ""
+    return [f"no sigma stated, so the noise is estimated: {listed}{more}"]
+
+
 def _once(warnings: Sequence[tuple[str, str]]) -> list[str]:
     """Each warning about a channel once, with the numbers of its first trial and how many trials have it."""
     found: dict[str, list[str]] = {}
@@ -136,8 +149,6 @@ def _remarks(study: Study, recording: Recording) -> list[tuple[str, str]]:
         if study.streams[series.stream].kind == "events":
             continue
         if not series.sigma_stated:
-            text = f"{series.name}: no sigma stated; its noise is estimated as {series.sigma:.2g} {series.unit}"
-            found.append((f"{series.name} none", f"{text} in trial {trial}"))
             continue
         noise = estimate_noise(series.value)
         if noise > 3 * series.sigma or (0 < noise < series.sigma / 3):

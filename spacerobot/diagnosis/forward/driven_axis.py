@@ -20,7 +20,7 @@ from spacerobot.diagnosis.forward.momentum_balance import balance
 from spacerobot.effects.laws import DAMPER, SPRING
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Coordinate, Force, Input, Readout
-from spacerobot.model.library import load
+from spacerobot.recordings.rig_robot import study_robot
 from spacerobot.recordings.study import Study
 from spacerobot.recordings.trial import Trial
 from spacerobot.simulation.reduced.run import simulate
@@ -207,7 +207,7 @@ def _urdf_mass(study: Study, joint: str) -> float:
         )
     import pinocchio as pin
 
-    robot = load(study.robot_source)
+    robot = study_robot(study)
     inertia = pin.crba(robot.model, robot.model.createData(), pin.neutral(robot.model))
     index = robot.model.joints[robot.joint_id(joint)].idx_v
     return float(inertia[index, index])

@@ -12,9 +12,9 @@ import pinocchio as pin
 
 from spacerobot.diagnosis.forward.base import ForwardModel, TrialOverlay, Value, channels_of, overlaid, unit_of
 from spacerobot.dynamics.floating_base import BaseMotion, base_motion
-from spacerobot.model.library import load
 from spacerobot.model.robot import Robot
 from spacerobot.recordings.recording import Recording
+from spacerobot.recordings.rig_robot import study_robot
 from spacerobot.recordings.study import Study
 from spacerobot.recordings.trial import Trial
 from spacerobot.support.errors import InputError
@@ -58,7 +58,7 @@ class FloatingPlatform(ForwardModel):
             InputError: a joint that is not the robot's.
         """
         assert study.robot_source is not None  # applies() has seen it
-        robot = load(study.robot_source, floating=True)
+        robot = study_robot(study, floating=True)
         every = channels_of(study)
         named = {c.split(".")[1]: c for c in sorted(every) if c.startswith("joint.") and c.endswith(".reference")}
         named |= {c.split(".")[1]: c for c in every if c.startswith("joint.") and c.endswith(".position")}

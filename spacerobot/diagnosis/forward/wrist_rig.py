@@ -12,7 +12,7 @@ from spacerobot.diagnosis.data import TrialData, trial_data
 from spacerobot.diagnosis.forward.base import ForwardModel, TrialOverlay, Value, channels_of, overlaid, unit_of
 from spacerobot.diagnosis.rig_model import UNKNOWN_CENTRES, RigModel
 from spacerobot.dynamics.effective_mass import effective_mass
-from spacerobot.model.library import load
+from spacerobot.recordings.rig_robot import study_robot
 from spacerobot.recordings.study import Study
 from spacerobot.recordings.trial import Trial
 from spacerobot.simulation.rig import DEFAULTS
@@ -113,9 +113,9 @@ def _hand_mass(study: Study) -> float:
             valid="joints locked or free",
             where=str(study.path),
         )
-    robot = load(study.robot_source or "pa10_wrist")
+    robot = study_robot(study, default="pa10_wrist")
     if baseline.base == "free" and not robot.floating:
-        robot = load(study.robot_source or "pa10_wrist", floating=True)
+        robot = study_robot(study, floating=True, default="pa10_wrist")
     found = effective_mass(
         robot, np.array(study.pose()), np.array(baseline.approach), base=baseline.base, joints=baseline.joints
     )

@@ -10,22 +10,20 @@ from lxml import etree
 
 from spacerobot.model.library import load
 from spacerobot.model.robot import Robot
+from spacerobot.recordings.rig_robot import study_robot
 from spacerobot.recordings.study import Study
 from spacerobot.support.errors import InputError, NotFoundError
 
 
 def robot_of(study: Study, *, floating: bool | None = None) -> Robot:
-    """The robot of the baseline; `link.NAME.mass` scales that link's inertia with its mass.
+    """The robot of the baseline; `link.NAME.mass` scales that link's inertia with its mass, `.inertia` states it.
 
     Raises:
         InputError: the study has no robot.
         NotFoundError: a link that the robot does not have.
     """
-    source = study.robot_source
-    if source is None:
-        raise InputError("the study names no robot", where=str(study.path))
     masses = {n.split(".")[1]: v for n, v in study.values().items() if n.startswith("link.") and n.endswith(".mass")}
-    robot = load(source, floating=floating)
+    robot = study_robot(study, floating=floating)
     return with_masses(robot, masses, where=str(study.path), floating=floating) if masses else robot
 
 

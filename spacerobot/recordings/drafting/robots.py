@@ -23,7 +23,7 @@ def joints_of(urdfs: Sequence[Path], folder: Path, names: Sequence[str]) -> tupl
 
     for urdf in urdfs:
         try:
-            robot = load(folder / urdf)
+            robot = load(folder / urdf, mend=True)
         except InputError:
             continue
         return str(urdf), tuple(robot.chain)

@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 
 from spacerobot.diagnosis.forward.base import ChannelOverlay, TrialOverlay
-from spacerobot.model.library import load
 from spacerobot.model.wrist import aim, attach_wrist
+from spacerobot.recordings.rig_robot import study_robot
 from spacerobot.recordings.study import Study
 from spacerobot.recordings.trial import Trial
 from spacerobot.view.scene3d.extent import gains_for, view_of
@@ -28,7 +28,7 @@ def capture_film(study: Study, trial: Trial, overlay: TrialOverlay, channels: di
     tracks = Tracks(channels, "target.x")
     approach = np.array(study.baseline.approach)
     pose = np.array(study.pose(trial))
-    robot = load(study.robot_source or "pa10_wrist")
+    robot = study_robot(study, default="pa10_wrist")
     robot = robot if robot.slider is not None else attach_wrist(robot)
     if len(pose) != len(robot.chain):
         pose = np.zeros(len(robot.chain))

@@ -11,8 +11,8 @@ from spacerobot.diagnosis.forward.base import ChannelOverlay
 from spacerobot.diagnosis.forward.choose import forward_model
 from spacerobot.diagnosis.forward.driven_axis import DrivenAxis
 from spacerobot.diagnosis.forward.floating_platform import FloatingPlatform
-from spacerobot.model.library import load
 from spacerobot.model.robot import Robot
+from spacerobot.recordings.rig_robot import study_robot
 from spacerobot.recordings.study import Study
 from spacerobot.recordings.trial import Trial
 from spacerobot.support.errors import InputError
@@ -77,7 +77,7 @@ def _platform(study: Study, trial: Trial, model: FloatingPlatform, channels: dic
 
 def _axis(study: Study, trial: Trial, joint: str, channels: dict[str, ChannelOverlay]) -> Film:
     assert study.robot_source is not None
-    robot = load(study.robot_source)
+    robot = study_robot(study)
     name = f"joint.{joint}.position"
     if name not in channels:
         raise InputError(
