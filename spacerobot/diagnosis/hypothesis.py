@@ -11,6 +11,7 @@ from spacerobot.diagnosis import parameters
 from spacerobot.diagnosis.parameters import Free
 from spacerobot.effects.effect import Effect
 from spacerobot.effects.mechanism import Mechanism
+from spacerobot.support.errors import InputError, SimulationError
 
 Label = tuple[tuple[str, str], ...]
 """((effect, where), ...), sorted: what a hypothesis is called."""
@@ -139,10 +140,17 @@ class Hypothesis:
         return values
 
     def edit(self, mechanism: Mechanism, free: Mapping[str, float], trial: str) -> Mechanism:
-        """The mechanism with every site's effect in it that acts in a trial."""
-        for site in self.acting(trial):
-            inside = {p.name: free[site.key(p.name)] for p in site.effect.parameters}
-            mechanism = site.effect.edit(mechanism, site.where, inside)
+        """The mechanism with every site's effect in it that acts in a trial.
+
+        Raises:
+            SimulationError: no body could be like that (more mass taken away than there is); a fit steps back from it.
+        """
+        try:
+            for site in self.acting(trial):
+                inside = {p.name: free[site.key(p.name)] for p in site.effect.parameters}
+                mechanism = site.effect.edit(mechanism, site.where, inside)
+        except InputError as error:
+            raise SimulationError(str(error)) from None
         return mechanism
 
     def start(self, warm: Mapping[str, float] | None = None) -> np.ndarray:

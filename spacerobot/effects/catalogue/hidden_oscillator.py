@@ -10,6 +10,7 @@ from spacerobot.effects.effect import Effect, Parameter
 from spacerobot.effects.laws import DAMPER, SPRING
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Coordinate, Force
+from spacerobot.support.errors import InputError
 
 
 class HiddenOscillator(Effect):
@@ -31,12 +32,22 @@ class HiddenOscillator(Effect):
         return ("target",) if "target" in mechanism.coordinates else ()
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
-        """The target's mass divided in two; what pulls on the target pulls on both."""
+        """The target's mass divided in two; what pulls on the target pulls on both.
+
+        Raises:
+            InputError: more mass than the target has.
+        """
         share = values["mass_kg"]
         if share == 0.0:
             return mechanism
         total = mechanism.coordinates[where].mass
-        share = min(share, 0.98 * total)
+        if share >= total:
+            raise InputError(
+                "mass_kg is all of the target's mass or more, and it is a part of it",
+                given=share,
+                valid=f"below {total:g} kg",
+                where=f"{self.name} at {where}",
+            )
         omega = 2.0 * math.pi * values["frequency_Hz"]
         inner = Coordinate(f"{where}.slosh", share, carrier=where)
         divided = mechanism.with_mass(where, total - share).with_appendage(

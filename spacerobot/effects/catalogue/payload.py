@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from spacerobot.effects.effect import Effect, Parameter
 from spacerobot.effects.mechanism import Mechanism
+from spacerobot.support.errors import InputError
 
 
 class Payload(Effect):
@@ -25,9 +26,21 @@ class Payload(Effect):
         return tuple(n for n in names if n in mechanism.coordinates) + joints
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
-        """The body's mass, with this added, along and sideways."""
+        """The body's mass, with this added, along and sideways.
+
+        Raises:
+            InputError: it takes away all that the body has, or more.
+        """
         for name in (where, f"{where}.y"):
             if name in mechanism.coordinates:
-                total = mechanism.coordinates[name].mass + values["mass_kg"]
-                mechanism = mechanism.with_mass(name, max(total, 1e-6))
+                own = mechanism.coordinates[name].mass
+                if own + values["mass_kg"] <= 0.0:
+                    unit = "kg m^2" if mechanism.coordinates[name].angular else "kg"
+                    raise InputError(
+                        "mass_kg takes away all that is there or more",
+                        given=values["mass_kg"],
+                        valid=f"above {-own:g} {unit}",
+                        where=f"{self.name} at {where}",
+                    )
+                mechanism = mechanism.with_mass(name, own + values["mass_kg"])
         return mechanism

@@ -118,6 +118,7 @@ def assemble_bodies(scene: Scene, mechanism: Mechanism) -> Assembly:
             turned[coordinate.name] = turned[links[-1].parent]
     model, q = put_together(sorted(links, key=lambda link: link.name == TARGET))
     model.gravity.linear = np.array(scene.gravity)
+    _require_inertia(scene, mechanism, model, q)
     joints = {name: model.getJointId(joint) for name, joint in moved_by.items()}
 
     v = np.zeros(model.nv)
@@ -211,6 +212,28 @@ def _edit_masses(
             model.inertias[joint] = old + pin.Inertia(added, point, np.zeros((3, 3)))
         else:
             model.inertias[joint] = pin.Inertia(old.mass + added, old.lever, ratio * old.inertia)
+
+
+def _require_inertia(scene: Scene, mechanism: Mechanism, model: pin.Model, q: np.ndarray) -> None:
+    """What effects took away must leave an inertia in every direction: a joint's own can be all but its coupling.
+
+    Raises:
+        InputError: it does not.
+    """
+    before = scene.baseline("multibody").coordinates
+    less = {n: c.mass - before[n].mass for n, c in mechanism.coordinates.items() if n in before}
+    if min(less.values()) >= 0.0:
+        return
+    try:
+        np.linalg.cholesky(pin.crba(model, model.createData(), q))
+    except np.linalg.LinAlgError:
+        taken = ", ".join(f"{m:g} at {n}" for n, m in less.items() if m < 0.0)
+        raise InputError(
+            "effects take away more inertia than can be spared: some motion would have none left",
+            given=f"{taken} (kg, kg m^2)",
+            valid="less",
+            where="effects",
+        ) from None
 
 
 def _rider(
