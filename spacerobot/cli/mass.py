@@ -8,6 +8,7 @@ _EPILOG = """\
 examples:
   spacerobot mass pa10_wrist --q 0 45 0 90 0 -45 0 --deg --direction 1 0 0 --base fixed --joints free
   spacerobot mass chaser_pa10_wrist --q 0,45,0,90,0,-45,0 --deg --direction 0 0 -1 --joints locked --json
+  spacerobot mass pa10_wrist --q 0 45 0 90 0 -45 0 --deg --direction 1 0 0 --aim      (the hand that `simulate` has)
   spacerobot mass panda --q 0 -0.5 0 -2 0 1.5 0.8 --frame panda_hand_tcp --set panda_finger_joint1=0.02
   spacerobot mass pa10_wrist --deg --q 0 45 0 90 0 -45 0 --joints servo --servo-stiffness 1e5 --servo-damping 50 \\
       --wrist-stiffness 530 --target-mass 9 --out mass-out
@@ -27,6 +28,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     pose.add_argument("--set", nargs="+", action="extend", metavar="JOINT=VALUE", default=[], help="other joints")
     what = parser.add_argument_group("what is asked")
     what.add_argument("--direction", nargs="+", metavar="X", default=["1", "0", "0"], help="default: 1 0 0")
+    what.add_argument("--aim", action="store_true", help="turn the wrist against the direction first, as a scene does")
     what.add_argument("--frame", help="where it is felt; default: the wrist mount, or the arm's tip")
     what.add_argument("--base", help="fixed or free; default: free if the robot floats")
     what.add_argument("--joints", default="free", help="free (default), locked or servo")

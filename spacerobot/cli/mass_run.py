@@ -13,12 +13,14 @@ import numpy as np
 
 from spacerobot.cli.mass_report import as_json, as_text, response_table
 from spacerobot.dynamics.apparent_mass import apparent_mass
+from spacerobot.dynamics.direction import unit_directions
 from spacerobot.dynamics.effective_mass import EffectiveMass, effective_mass
 from spacerobot.dynamics.impact import Impact, impact
 from spacerobot.dynamics.joint_kinds import angular
 from spacerobot.dynamics.pose_limits import PoseLimitWarning
 from spacerobot.model.library import load
 from spacerobot.model.robot import Robot
+from spacerobot.model.wrist import aim
 from spacerobot.support.errors import InputError
 from spacerobot.support.jsonio import dumps
 from spacerobot.support.numbers import parse_assignments, parse_numbers, to_radians
@@ -44,22 +46,36 @@ def run(args: argparse.Namespace) -> int:
     }
     frequency = _number(args.frequency, "--frequency")
     target = _number(args.target_mass, "--target-mass")
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", PoseLimitWarning)  # said below, in the command's own words
-        result = effective_mass(
-            robot,
+    stiffness = _number(args.wrist_stiffness, "--wrist-stiffness")
+
+    def felt(by: Robot) -> EffectiveMass:
+        return effective_mass(
+            by,
             pose,
             direction,
             joints=args.joints,
             others=others,
             omega=None if frequency is None else 2.0 * math.pi * frequency,
-            wrist_stiffness=_number(args.wrist_stiffness, "--wrist-stiffness"),
+            wrist_stiffness=stiffness,
             target_mass=target,
             **options,
             **servo,
         )
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", PoseLimitWarning)  # said below, in the command's own words
+        if args.aim and robot.slider is None:
+            raise InputError("there is no wrist to aim", given=robot.name, valid="a robot with a wrist", where="--aim")
+        against = unit_directions(direction, where="--direction")
+        aimed = robot if robot.slider is None else aim(robot, pose, against)
+        robot = aimed if args.aim else robot
+        result = felt(robot)
+        known = aimed.slider is not None and args.frame is None and args.joints != "servo"  # its servos have no frequency
+        as_scene = felt(aimed).effective_mass_kg if known else None
     q = robot.configuration(pose, others=others)
     answer = as_json(result, robot.chain, [*notes, *said], _impact(robot, q, args, target, options))
+    answer["notes"] += _otherwise(result, as_scene)
+    answer.update(aimed=bool(args.aim), aimed_effective_mass_kg=as_scene)
     for text in result.warnings:
         print(f"spacerobot mass: warning: {text}", file=sys.stderr)
     files = _pictures(args, robot, pose, direction)
@@ -67,6 +83,16 @@ def run(args: argparse.Namespace) -> int:
         _write(args, robot, q, direction, result, answer, options, servo, files)
     print(dumps(answer) if args.json else as_text(answer, angular(robot, robot.chain)))
     return 0
+
+
+def _otherwise(result: EffectiveMass, as_scene: float | None) -> list[str]:
+    """What to say where a scene, which turns the wrist against the target's way, has another hand."""
+    if as_scene is None or math.isclose(result.effective_mass_kg, as_scene, rel_tol=1e-9):
+        return []
+    return [
+        "the wrist points as the robot has it; a scene of this direction turns it to point against that, and "
+        f"`simulate` has {as_scene:.6g} kg there (--aim)"
+    ]
 
 
 def _robot(args: argparse.Namespace) -> tuple[Robot, list[str]]:

@@ -35,6 +35,7 @@ def as_text(answer: dict[str, Any]) -> str:
     ]
     if simulated["target"] is None and simulated["touches"]:
         lines.append("wrist and target still touch at the end: a longer --duration shows the separation")
+    lines += [f"note: {text}" for text in answer["notes"]]
     return "\n".join(lines)
 
 

@@ -205,6 +205,7 @@ def _answer(scene: Scene, settings: dict[str, Any], said: list[str]) -> tuple[di
         "peak_contact_force_s": trajectory.peak_force.time,
         "events": [asdict(e) for e in trajectory.events],
         "effects": [{"effect": e.effect, "where": e.where, "parameters": dict(e.parameters)} for e in scene.effects],
+        "notes": list(scene.notes),
         "warnings": said,
     }, trajectory
 

@@ -50,4 +50,5 @@ def _told(answer: dict[str, Any], folder: Path) -> str:
             f" {'-' if found[k] is None else format(found[k], '.6g'):>12s}" for k in ("mean", "min", "max")
         )
         lines.append(f"{name:24s} {found['count']:12d}{numbers}")
-    return "\n".join([*lines, "", f"table: {folder}/collisions"])
+    notes = [f"note: {text}" for text in answer["notes"]]
+    return "\n".join([*lines, "", f"table: {folder}/collisions", *notes])

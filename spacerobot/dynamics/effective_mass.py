@@ -24,6 +24,7 @@ from spacerobot.dynamics.regime import Regime, regime_of
 from spacerobot.dynamics.servo import servo_of
 from spacerobot.dynamics.split import MobilitySplit, split_mobility
 from spacerobot.dynamics.terms import Terms, checked_configuration, terms_of
+from spacerobot.model.describe import held_words
 from spacerobot.model.robot import Robot
 from spacerobot.support.errors import InputError
 
@@ -190,6 +191,8 @@ def effective_mass(
         mass, phase = reciprocal(along(mobility[:3, :3], n)), 0.0
         turning = reciprocal(along(mobility[3:, 3:], n))
     notes += _infinity_notes(regime, mobility, mass, turning)
+    if joints != "locked" and (words := held_words(robot)):
+        notes.append(words)
     return EffectiveMass(
         robot=robot.name,
         frame=frame or robot.tip,

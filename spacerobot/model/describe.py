@@ -81,3 +81,12 @@ def other_joints(robot: Robot) -> list[str]:
     """Joints that belong neither to the chain nor to the wrist: fingers, wheels, other arms."""
     own = {*robot.chain, robot.slider}
     return [name for name in list(robot.model.names)[2 if robot.floating else 1 :] if name not in own]
+
+
+def held_words(robot: Robot) -> str:
+    """A sentence on the joints that stay where they are although the arm moves; empty if there are none."""
+    held = other_joints(robot)
+    if not held:
+        return ""
+    many = f"{', '.join(held[:4])} and {len(held) - 4} more" if len(held) > 5 else ", ".join(held)
+    return f"held still, being no joints of the arm from base to tip: {many}"

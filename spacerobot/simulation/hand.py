@@ -13,6 +13,7 @@ from spacerobot.dynamics.effective_mass import effective_mass
 from spacerobot.dynamics.pose_limits import PoseLimitWarning
 from spacerobot.dynamics.regime import regime_of
 from spacerobot.dynamics.terms import terms_of
+from spacerobot.model.describe import held_words
 from spacerobot.model.robot import Robot
 from spacerobot.simulation.parts import Servo
 
@@ -83,7 +84,9 @@ def hand_of(
                 **options,  # type: ignore[arg-type]
             )
             return Hand(
-                held.effective_mass_kg, springlike=abs(held.phase_rad) > 0.5 * math.pi, note="; ".join(held.notes)
+                held.effective_mass_kg,
+                springlike=abs(held.phase_rad) > 0.5 * math.pi,
+                note="; ".join(n for n in held.notes if n != held_words(robot)),  # a scene says that by itself
             )
         free = effective_mass(robot, pose, joints="free", **options)  # type: ignore[arg-type]
     terms = terms_of(robot, robot.configuration(pose, others=dict(others or {})), regime_of(robot, "fixed", "free"))

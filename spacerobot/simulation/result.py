@@ -42,6 +42,11 @@ def unit_of(channel: str, angular: bool = False) -> str:
     return f"{length}/s" if channel.endswith(".velocity") or ".velocity." in channel else length
 
 
+def _notes(scene: Scene) -> tuple[str, ...]:
+    hand = (f"hand: {scene.hand.note}",) if scene.hand.note else ()
+    return (*hand, *scene.notes)
+
+
 def _start_touch(events: tuple[Event, ...], pressed: bool, start: float) -> tuple[Event, ...]:
     return (Event(start, "contact", "touch"), *events) if pressed else events
 
@@ -77,7 +82,7 @@ def of_multibody(scene: Scene, run: MultibodyRun, times: np.ndarray) -> Trajecto
         restitution=_restitution(events, run.end, speeds),
         backend="multibody",
         scene=scene.to_toml(),
-        notes=(f"hand: {scene.hand.note}",) if scene.hand.note else (),
+        notes=_notes(scene),
         peak_force=peak_force(run),
         peak_deflection=peak_deflection(run),
     )
@@ -216,7 +221,7 @@ def of_reduced(scene: Scene, run: ReducedRun, times: np.ndarray) -> Trajectory:
         restitution=_restitution(events, run.end, speeds),
         backend="reduced",
         scene=replace(scene, backend="reduced").to_toml(),
-        notes=(f"hand: {scene.hand.note}",) if scene.hand.note else (),
+        notes=_notes(scene),
         peak_force=peak_force(run),
         peak_deflection=peak_deflection(run),
     )

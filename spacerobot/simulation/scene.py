@@ -16,6 +16,7 @@ from spacerobot.dynamics.direction import unit_directions
 from spacerobot.dynamics.pose_limits import PoseLimitWarning, pose_limit_warnings
 from spacerobot.dynamics.regime import BASES, JOINTS
 from spacerobot.effects.mechanism import Mechanism
+from spacerobot.model.describe import held_words
 from spacerobot.model.library import load
 from spacerobot.model.robot import Robot
 from spacerobot.model.spacecraft import SpacecraftSpec, float_base
@@ -175,6 +176,7 @@ class Scene:
         model = aimed.model.copy()
         slider = aimed.joint_id(str(aimed.slider))
         body = model.inertias[slider]
+        object.__setattr__(self, "_taken_for", float(body.mass))
         ratio = self.wrist.mass / body.mass
         model.inertias[slider] = type(body)(self.wrist.mass, body.lever, ratio * body.inertia)
         return replace(aimed, model=model)
@@ -209,6 +211,18 @@ class Scene:
             wrist_stiffness=self.wrist.stiffness,
             target_mass=self.target.mass,
         )
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a reader should know of how the robot is used, a sentence each."""
+        said = []
+        if self.base == "free" or self.joints != "locked":
+            said.append("the wrist is turned to point against the approach (`mass --aim` turns it alike)")
+        if self._taken_for != self.wrist.mass:
+            said.append(f"the wrist's slider weighs {self.wrist.mass:g} kg, not {self._taken_for:g} as in the robot")
+        if self.joints != "locked" and (words := held_words(self.prepared)):
+            said.append(words)
+        return tuple(said)
 
     @cached_property
     def _mechanisms(self) -> dict[str, Mechanism]:

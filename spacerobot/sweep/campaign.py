@@ -107,6 +107,7 @@ def _finished(run: RunFolder, job: Job, plan: Plan) -> dict[str, Any]:
         "scatter": list(plan.scatter),
         "repeats": plan.repeats,
         "method": _engine(job).method,
+        "notes": list(plan.scene.notes),
         "results": {name: total.as_json() for name, total in totals.items()},
     }
     run.write("sweep.toml", job.text)
