@@ -70,7 +70,8 @@ def run(args: argparse.Namespace) -> int:
         aimed = robot if robot.slider is None else aim(robot, pose, against)
         robot = aimed if args.aim else robot
         result = felt(robot)
-        known = aimed.slider is not None and args.frame is None and args.joints != "servo"  # its servos have no frequency
+        # servos of a scene have no frequency of their own to be compared at
+        known = aimed.slider is not None and args.frame is None and args.joints != "servo"
         as_scene = felt(aimed).effective_mass_kg if known else None
     q = robot.configuration(pose, others=others)
     answer = as_json(result, robot.chain, [*notes, *said], _impact(robot, q, args, target, options))

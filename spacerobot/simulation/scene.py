@@ -176,7 +176,7 @@ class Scene:
         model = aimed.model.copy()
         slider = aimed.joint_id(str(aimed.slider))
         body = model.inertias[slider]
-        object.__setattr__(self, "_taken_for", float(body.mass))
+        object.__setattr__(self, "_slider_mass", float(body.mass))
         ratio = self.wrist.mass / body.mass
         model.inertias[slider] = type(body)(self.wrist.mass, body.lever, ratio * body.inertia)
         return replace(aimed, model=model)
@@ -218,8 +218,9 @@ class Scene:
         said = []
         if self.base == "free" or self.joints != "locked":
             said.append("the wrist is turned to point against the approach (`mass --aim` turns it alike)")
-        if self._taken_for != self.wrist.mass:
-            said.append(f"the wrist's slider weighs {self.wrist.mass:g} kg, not {self._taken_for:g} as in the robot")
+        own: float = self._slider_mass  # type: ignore[attr-defined]
+        if own != self.wrist.mass:
+            said.append(f"the wrist's slider weighs {self.wrist.mass:g} kg, not {own:g} as in the robot")
         if self.joints != "locked" and (words := held_words(self.prepared)):
             said.append(words)
         return tuple(said)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from spacerobot.diagnosis.hypothesis import Believed, Site, hypothesis
+from spacerobot.effects.primitives import Coordinate
 from spacerobot.effects.registry import effect
 from spacerobot.simulation.parts import EffectAt, Target, Wrist
 from spacerobot.simulation.scene import Scene
@@ -28,20 +30,26 @@ def slosh(mass: float) -> EffectAt:
     return EffectAt("hidden_oscillator", "target", {"mass_kg": mass, "frequency_Hz": 1.0, "damping_ratio": 0.05})
 
 
+def applied(item: EffectAt) -> tuple[Mapping[str, Coordinate], InputError | None]:
+    """The coordinates that it leaves, or why it was refused."""
+    try:
+        return item.apply(PLAIN.mechanism("multibody")).coordinates, None
+    except InputError as error:
+        return {}, error
+
+
 @settings(max_examples=60, derandomize=True, deadline=None)
 @given(st.sampled_from(PLACES), st.one_of(st.floats(-40.0, 40.0), EDGES))
 def test_a_payload_adds_up_or_is_refused(where: str, added: float) -> None:
     if abs(added) < 1e-6:
         added -= BEFORE[where]
-    try:
-        found = EffectAt("payload", where, {"mass_kg": added}).apply(PLAIN.mechanism("multibody")).coordinates
-    except InputError as error:
-        assert BEFORE[where] + added <= 0.0
-        assert float(str(error.given)) == pytest.approx(added, rel=1e-5)
-        assert f"above {-BEFORE[where]:g}" in str(error.valid)
-        assert str(error.where) == f"payload at {where}"
+    found, refused = applied(EffectAt("payload", where, {"mass_kg": added}))
+    assert (refused is not None) == (BEFORE[where] + added <= 0.0)
+    if refused is not None:
+        assert float(str(refused.given)) == pytest.approx(added, rel=1e-5)
+        assert f"above {-BEFORE[where]:g}" in str(refused.valid)
+        assert refused.where == f"payload at {where}"
         return
-    assert BEFORE[where] + added > 0.0
     for name in (where, *([f"{where}.y"] if where == "target" else ())):
         assert found[name].mass == pytest.approx(BEFORE[where] + added, rel=1e-12, abs=1e-300)
 
@@ -49,15 +57,12 @@ def test_a_payload_adds_up_or_is_refused(where: str, added: float) -> None:
 @settings(max_examples=60, derandomize=True, deadline=None)
 @given(st.one_of(st.floats(0.0, 30.0), st.sampled_from([9.0 - 1e-9, 9.0, 9.0 + 1e-9])))
 def test_a_hidden_mass_is_part_of_the_target_or_refused(mass: float) -> None:
-    try:
-        found = slosh(mass).apply(PLAIN.mechanism("multibody")).coordinates
-    except InputError as error:
-        assert mass >= 9.0
-        assert float(str(error.given)) == pytest.approx(mass, rel=1e-5)
-        assert error.where == "hidden_oscillator at target"
-        assert error.valid == "below 9 kg"
+    found, refused = applied(slosh(mass))
+    assert (refused is not None) == (mass >= 9.0)
+    if refused is not None:
+        assert float(str(refused.given)) == pytest.approx(mass, rel=1e-5)
+        assert (refused.where, refused.valid) == ("hidden_oscillator at target", "below 9 kg")
         return
-    assert mass < 9.0
     along = [c.mass for c in found.values() if c.name == "target" or c.carrier == "target"]
     assert math.fsum(along) == pytest.approx(9.0, rel=1e-15)
 
