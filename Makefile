@@ -13,7 +13,7 @@ else
   INSTALL   = $(BIN)/python -m pip install -q --disable-pip-version-check
 endif
 
-.PHONY: help setup demo test test-extras suite test-long test-all prove-quick fuzz lint types check notebooks docs wheel picture real-table constraints clean
+.PHONY: help setup demo test test-extras suite test-long test-all prove-quick proof-pages fuzz lint types check notebooks docs wheel picture real-table constraints clean
 
 help:  ## this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "make %-12s %s\n", $$1, $$2}'
@@ -82,6 +82,9 @@ wheel: $(VENV)/.test  ## build the wheel, install it in a fresh environment, run
 bench: $(VENV)/.core  ## measure everything beside other engines; writes docs/benchmarks.md (half an hour)
 	$(INSTALL) -c constraints.txt -e '.[bench,scale,proof]'
 	$(BIN)/python -m benchmarks.run
+
+proof-pages: $(VENV)/.test  ## write the pages of the proof again from their records; nothing is played
+	$(BIN)/python docs/proof_pages.py
 
 picture: demo  ## draw the README's pictures again (needs chromium)
 	cp demo-out/demo.png docs/images/demo.png

@@ -7,7 +7,7 @@ import importlib.util
 import json
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -19,6 +19,7 @@ from spacerobot.proof.code_hash import WRIST, code_hashes
 from spacerobot.proof.driven import orders as driven
 from spacerobot.proof.orders import FULL, KINDS, QUICK, Order, schedule
 from spacerobot.proof.published import as_lines, changed, check_orders, read_batch, seed_of, still_valid
+from spacerobot.proof.rates import Record
 from spacerobot.proof.summary import as_json
 from spacerobot.support.errors import InputError, NotFoundError
 from spacerobot.support.executors.choose import executor, not_both
@@ -28,6 +29,7 @@ from spacerobot.support.numbers import parse_numbers, parse_whole
 from spacerobot.support.progress import say
 from spacerobot.support.runs import RunFolder, combined_hash
 from spacerobot.view.plotting import png
+from spacerobot.view.proof.batches import batches
 from spacerobot.view.proof.figures import FIGURES
 from spacerobot.view.proof.page import page
 
@@ -61,7 +63,9 @@ def run(args: argparse.Namespace) -> int:
             _play(folder, args, orders, begun, jobs, codes, minutes)
         text = (folder.folder / "proof.json").read_text(encoding="utf-8")
         if args.docs:
-            _into(Path(args.docs), folder.folder, name)
+            run = folder.folder
+            batch, records = read_batch(run / "records.jsonl")
+            publish(Path(args.docs), name, batch, records, json.loads(text))
         print(text.rstrip("\n") if args.json else _told(json.loads(text), folder.folder))
     return 0
 
@@ -126,13 +130,10 @@ def _play(
     about: dict[str, Any] = {**begun, "version": __version__, "code": in_words(codes), "command": _command(args)}
     about["seeds"] = seeds_in_words(begun)
     about["planned"] = len(orders)
-    names = {}
-    for name, draw in FIGURES.items():
-        figure = draw(records)
-        if figure is not None:
-            names[name] = f"figures/proof_{name}.png"
-            folder.write(names[name], png(figure))
-    folder.write("proof.md", page(records, about, names))
+    drawn = figures_of(records)
+    for name, picture in drawn.items():
+        folder.write(name, picture)
+    folder.write("proof.md", page(records, about, {Path(n).stem.removeprefix("proof_"): n for n in drawn}))
     folder.write("records.jsonl", as_lines({**begun, "codes": codes}, records))
     folder.write("proof.json", dumps(as_json(records, about)) + "\n")
     if len(records) == len(orders):
@@ -203,18 +204,37 @@ def page_name(given: str) -> str:
     return given
 
 
-def _into(docs: Path, run: Path, name: str) -> None:
-    """Page, figures and records under the page's name, by which they know each other."""
-    text = (run / "proof.md").read_text(encoding="utf-8")
+def figures_of(records: Sequence[Record]) -> dict[str, bytes]:
+    """The page's figures: path beside it -> PNG."""
+    drawn = {name: draw(records) for name, draw in FIGURES.items()}
+    return {f"figures/proof_{name}.png": png(figure) for name, figure in drawn.items() if figure is not None}
+
+
+def publish(
+    docs: Path, name: str, batch: Mapping[str, Any], records: Sequence[Record], about: Mapping[str, Any]
+) -> None:
+    """Page, figures and records of a batch under the page's name, by which they know each other.
+
+    Args:
+        docs: folder of the pages; one that lists earlier batches has them all listed in the page "proof".
+        name: of the page.
+        batch: seeds, date and codes.
+        records: of the batch.
+        about: what the page says of it, see `view.proof.page`.
+    """
+    drawn = figures_of(records)
+    text = page(records, about, {Path(n).stem.removeprefix("proof_"): n for n in drawn})
     for ours, called in (("proof_records.jsonl", f"{name}_records.jsonl"), ("figures/proof_", f"figures/{name}_")):
         text = text.replace(ours, called)
     if name != "proof":
         text = text.replace("--docs docs`", f"--docs docs --page {name}`")
+    write_text(docs / f"{name}_records.jsonl", as_lines(batch, records))
+    if name == "proof" and (every := batches(docs)):
+        text = f"{text}\n{every}"
     write_text(docs / f"{name}.md", text)
-    write_text(docs / f"{name}_records.jsonl", (run / "records.jsonl").read_text(encoding="utf-8"))
-    for figure in sorted((run / "figures").glob("proof_*.png")):
-        with atomic(docs / "figures" / f"{name}{figure.name.removeprefix('proof')}", "wb") as stream:
-            stream.write(figure.read_bytes())
+    for path, picture in drawn.items():
+        with atomic(docs / "figures" / f"{name}{Path(path).name.removeprefix('proof')}", "wb") as stream:
+            stream.write(picture)
 
 
 def _told(answer: dict[str, Any], folder: Path) -> str:
@@ -227,6 +247,7 @@ def _told(answer: dict[str, Any], folder: Path) -> str:
             value = f"{found['hits']} of {found['campaigns']}, {100 * low:.0f} to {100 * high:.0f} %"
         else:
             value = "-" if found["median"] is None else f"{found['median']:.3f}"
-        reached = {None: "", True: "reached", False: "not reached"}[found["met"]]
+        reached = {None: "open", True: "reached", False: "not reached"}[found["met"]]
+        reached = reached if found.get("campaigns", 1) else ""
         lines.append(f"  {key:20s} {value:28s} {reached}".rstrip())
     return "\n".join([*lines, f"page: {folder}/proof.md"])

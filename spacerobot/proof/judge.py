@@ -29,7 +29,7 @@ class Judgement:
         said: the verdict's class.
         favourite: effects that it holds likeliest.
         confidence: as stated, NaN as None.
-        parameters: of a right set: key, true value, value, interval.
+        parameters: whatever is stated of a value whose truth is known: key, true value, value, interval.
     """
 
     top: bool
@@ -76,7 +76,7 @@ def judge(truth: Mapping[str, Any], verdict: Mapping[str, Any] | None) -> Judgem
         said,
         favourite,
         verdict.get("confidence"),
-        _parameters(truth, verdict) if said == "named" and named == hidden else (),
+        _parameters(truth, verdict, favourite),
     )
 
 
@@ -101,26 +101,40 @@ def _right(
     return recognised or spelled, recognised or spelled or (bool(hidden) and hidden in given)
 
 
-def _parameters(truth: Mapping[str, Any], verdict: Mapping[str, Any]) -> tuple[dict[str, Any], ...]:
+def _parameters(
+    truth: Mapping[str, Any], verdict: Mapping[str, Any], favourite: Sequence[Label]
+) -> tuple[dict[str, Any], ...]:
+    """Of hidden effects that are named, or favoured by an ambiguous answer, and of believed values said to have moved.
+
+    An ambiguous answer's effects have values but no intervals.
+    """
     found = []
+    best = (verdict.get("alternatives") or [{}])[0].get("parameters") or {}
     for item in truth["effects"]:
-        (claimed,) = [e for e in verdict["effects"] if (e["effect"], e["where"]) == (item["effect"], item["where"])]
+        label = (item["effect"], item["where"])
+        if label not in favourite:
+            continue
+        claimed = [e for e in verdict["effects"] if (e["effect"], e["where"]) == label]
         for name, true in item.items():
-            if name in ("effect", "where", "trials") or name not in claimed["parameters"]:
+            key = f"{item['effect']}@{item['where']}.{name}"
+            if name in ("effect", "where", "trials"):
                 continue
-            value = claimed["parameters"][name]
-            interval = value.get("ci95") or (None, None)
-            numeric = [x if isinstance(x, int | float) else None for x in (value["value"], *interval)]
-            found.append(
-                {
-                    "parameter": f"{item['effect']}@{item['where']}.{name}",
-                    "true": true,
-                    "value": numeric[0],
-                    "low": numeric[1],
-                    "high": numeric[2],
-                }
-            )
+            if len(claimed) == 1 and name in claimed[0]["parameters"]:
+                found.append(_stated(key, true, claimed[0]["parameters"][name]))
+            elif not claimed and key in best:
+                found.append(_stated(key, true, {"value": best[key]}))
+    built = truth.get("rig_as_built") or {}
+    for name, value in (verdict.get("parameters") or {}).items():
+        true = built.get(f"{name} over believed", built.get(name))
+        if isinstance(true, int | float):
+            found.append(_stated(name, true, value))
     return tuple(found)
+
+
+def _stated(key: str, true: float, value: Mapping[str, Any]) -> dict[str, Any]:
+    interval = value.get("ci95") or (None, None)
+    number, low, high = (x if isinstance(x, int | float) else None for x in (value["value"], *interval))
+    return {"parameter": key, "true": true, "value": number, "low": low, "high": high}
 
 
 def outside(effects: Sequence[Mapping[str, Any]]) -> bool:

@@ -36,10 +36,9 @@ def read_batch(path: str | Path) -> tuple[dict[str, Any], list[dict[str, Any]]]:
     for key, kind in (("seed", int), ("date", str), ("codes", dict)):
         if not isinstance(first.get(key), kind):
             raise InputError(f"the batch states no {key}", given=first.get(key), where=where)
-    batch = {key: first[key] for key in ("seed", "date", "codes")}
-    if redrawn := _redrawn(first.get("redrawn", {}), where):
-        batch["redrawn"] = redrawn
-    return batch, [_scored(record, where) for where, record in lines]
+    redrawn = _redrawn(first.get("redrawn", {}), where)
+    batch = {"seed": first["seed"], "date": first["date"], **({"redrawn": redrawn} if redrawn else {})}
+    return {**batch, "codes": first["codes"]}, [_scored(record, where) for where, record in lines]
 
 
 def changed(batch: Mapping[str, Any], codes: Mapping[str, str]) -> list[str]:

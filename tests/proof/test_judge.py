@@ -79,6 +79,40 @@ def test_a_payload_may_be_called_so_or_a_wrong_mass() -> None:
     assert judge(seal, verdict("named", OTHER)).confidently_wrong
 
 
+MOVED = {"wrist.mass": {"value": 0.7, "ci95": [0.68, 0.72]}, "target.mass": {"value": 1.02, "ci95": [1.0, 1.04]}}
+
+
+@pytest.mark.parametrize(
+    ("said", "stated"),
+    [
+        (verdict("named", CLAIM, OTHER), {"coulomb_friction@wrist.force_N": (0.3, 0.29)}),  # one too many
+        (verdict("named", OTHER), {}),
+        (
+            verdict("wrong_parameter", parameters=MOVED),
+            {"wrist.mass": (0.71, 0.68), "target.mass": (1.01, 1.0)},
+        ),
+        (
+            verdict("named", CLAIM, parameters={"wrist.unheard_of": {"value": 1.0, "ci95": [0.0, 2.0]}}),
+            {"coulomb_friction@wrist.force_N": (0.3, 0.29)},
+        ),
+        (
+            verdict(
+                "ambiguous",
+                alternatives=[{"effects": [CLAIM], "parameters": {"coulomb_friction@wrist.force_N": 0.31}, "score": 0}],
+            ),
+            {"coulomb_friction@wrist.force_N": (0.3, None)},
+        ),
+    ],
+)
+def test_whatever_is_stated_of_a_known_truth_counts(
+    said: dict[str, Any], stated: dict[str, tuple[float, float | None]]
+) -> None:
+    seal = truth(
+        FRICTION, DRAG, rig_as_built={"wrist.mass": 0.71, "target.mass": 9.0, "target.mass over believed": 1.01}
+    )
+    assert {p["parameter"]: (p["true"], p["low"]) for p in judge(seal, said).parameters} == stated
+
+
 def test_parameters_are_read_where_the_set_is_right() -> None:
     (found,) = judge(truth(FRICTION), verdict("named", CLAIM)).parameters
     assert found == {

@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import re
+import tomllib
 from pathlib import Path
 
 import pytest
 
 from spacerobot.proof.published import read_batch
 from spacerobot.proof.rates import Record
-from spacerobot.proof.summary import MOVES, missed, rates, sealed
+from spacerobot.proof.summary import MOVES, missed, rates, sealed, usable
+from spacerobot.view.proof.batches import EARLIER, batches
 
 ROOT = Path(__file__).parents[2]
 RECORDS = ROOT / "docs" / "proof_records.jsonl"
 
 pytestmark = pytest.mark.skipif(not RECORDS.exists(), reason="not in the source tree: the records are not installed")
 
+
+QUOTED = ("in_set", "confidently_wrong", "coverage")
+"""Rates that the README tells: those that say what an answer may not be believed for."""
 
 MENDED = ROOT / "docs" / "proof_mended_records.jsonl"
 AGAIN = ROOT / "docs" / "proof_again.md"
@@ -33,9 +38,22 @@ def test_every_rate_of_the_page_follows_from_the_records(path: Path) -> None:
     assert f"{len(sealed(records))} sealed campaigns" in text
     for key, found in rates(records).items():
         assert str(found) in text, key
-    wrong = [r for r in sealed(records) if r["confidently_wrong"] and not r["same"]]
+    wrong = [r for r in usable(records) if r["confidently_wrong"] and not r["same"]]
     for record in wrong:
         assert record["name"] in text
+
+
+def test_every_batch_is_listed_those_of_earlier_notes_too() -> None:
+    text = (ROOT / "docs" / "proof.md").read_text(encoding="utf-8")
+    assert text.endswith(batches(ROOT / "docs"))
+    earlier = tomllib.loads((ROOT / "docs" / EARLIER).read_text(encoding="utf-8"))["batch"]
+    assert all(f"| {entry['date']} | {entry['seed']} |" in text for entry in earlier)
+    for path in (RECORDS, MENDED):
+        batch, records = read_batch(path)
+        found = rates(list(records))["confidently_wrong"]
+        (row,) = [line for line in text.splitlines() if f"`{path.name}` |" in line]
+        assert str(batch["seed"]) in row
+        assert f"| {len(usable(records))} | {found.hits} of {found.total} |" in row
 
 
 def test_a_third_of_them_have_moving_joints_or_a_free_base(records: list[Record]) -> None:
@@ -65,7 +83,7 @@ def test_the_readme_quotes_the_mended_code_too() -> None:
     text = re.sub(r"\s+", " ", (ROOT / "README.md").read_text(encoding="utf-8"))
     assert f"seed {batch['seed']}" in text
     own = rates(list(found))
-    for key in ("nothing_missing", "wrong_parameter", "abstained", "top", "in_set", "confidently_wrong"):
+    for key in QUOTED:
         assert f"{own[key].hits} of {own[key].total}" in text, key
 
 
@@ -76,5 +94,5 @@ def test_the_readme_quotes_them(records: list[Record]) -> None:
     assert f"seed {batch['seed']}" in text
     assert batch["date"] in text
     found = rates(records)
-    for key in ("nothing_missing", "wrong_parameter", "abstained", "top", "in_set", "confidently_wrong"):
+    for key in QUOTED:
         assert f"{found[key].hits} of {found[key].total}" in text, key

@@ -6,11 +6,23 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from scipy.stats import chi2, ncx2
 
-from spacerobot.proof.rates import Rate, confusion, coverage, power_curve, relative_errors, reliability, smallest_found
+from spacerobot.proof.orders import KINDS
+from spacerobot.proof.rates import (
+    Rate,
+    confusion,
+    coverage,
+    median_interval,
+    power_curve,
+    relative_errors,
+    reliability,
+    smallest_found,
+)
 from spacerobot.proof.strength import LEVEL, POWER, critical
-from spacerobot.proof.summary import as_json, held_out_ratio, outside, rates
+from spacerobot.proof.summary import TARGETS, as_json, held_out_ratio, met, outside, rates
 
 
 def test_clopper_pearson_in_closed_form() -> None:
@@ -103,24 +115,59 @@ def test_coverage_and_targets() -> None:
     found = rates(records)
     assert (found["top"].hits, found["top"].total) == (1, 1)  # the weaker one is below three limits
     assert (found["confidently_wrong"].hits, found["confidently_wrong"].total) == (1, 2)
-    assert held_out_ratio(records) == 1.02
-    answer = as_json(records, {"seed": 1})
-    assert answer["targets"]["top"]["met"] is True
-    assert answer["targets"]["confidently_wrong"]["met"] is False
-    assert answer["targets"]["coverage"]["met"] is False
-    assert answer["targets"]["abstained"]["met"] is None
+    assert held_out_ratio(records)[0] == 1.02
+    many = [record(5.0, True, parameters=[good])] * 60 + [record(5.0, False, parameters=[bad])] * 20
+    targets = as_json(many, {"seed": 1})["targets"]
+    assert targets["top"]["met"] is False  # 75 %, 64 to 84
+    assert targets["confidently_wrong"]["met"] is False
+    assert targets["coverage"]["met"] is False
+    assert targets["abstained"]["met"] is None  # of nothing
 
 
-def test_what_has_no_true_value_is_not_scored() -> None:
-    """Seven joints on servos have a stiffness at the hand, and no one mass or damping."""
+@given(st.sampled_from(list(TARGETS)), st.integers(0, 60), st.integers(1, 60))
+def test_reached_is_said_of_an_intervals_end_and_never_of_a_bare_point(key: str, hits: int, total: int) -> None:
+    found = Rate(min(hits, total), total)
+    _, sense, bound = TARGETS[key]
+    right = {">=": found.low >= bound, "<=": found.high <= bound, "between": bound <= found.low and found.high <= 0.98}
+    wrong = found.high < bound if sense != "<=" else found.low > bound
+    wrong = wrong or (sense == "between" and found.low > 0.98)
+    assert met(key, found.low, found.high) is (True if right[sense] else False if wrong else None)
+
+
+@pytest.mark.parametrize("key", ["nothing_missing", "top", "in_set", "wrong_parameter", "abstained"])
+def test_two_of_two_reach_nothing(key: str) -> None:
+    assert met(key, Rate(2, 2).low, Rate(2, 2).high) is None
+    assert met(key, Rate(500, 500).low, Rate(500, 500).high) is True
+
+
+@pytest.mark.parametrize("count", [6, 25, 80])
+def test_the_medians_interval_holds_it_as_often_as_it_says(count: int) -> None:
+    draws = np.random.default_rng(3).standard_exponential((3000, count))
+    ends = [median_interval(d) for d in draws]
+    inside = np.mean([low <= np.log(2.0) <= high for low, high in ends])
+    assert 0.945 <= inside < 1.0
+    assert median_interval(draws[0][:5]) == (-np.inf, np.inf)  # five are too few for 95 %
+
+
+def test_false_claims_and_intervals_count_in_power_curves_too() -> None:
+    """One more false claim, or one more interval that misses, anywhere makes the rate worse."""
+    wide = {"parameter": "p", "true": 1.0, "value": 1.5, "low": 1.3, "high": 1.7}
+    right = record(5.0, True, parameters=[{**wide, "low": 0.9}])
+    for kind in KINDS:
+        bad = record(0.5, False, kind=kind, parameters=[wide])
+        found = rates([right, bad])
+        assert (found["confidently_wrong"].hits, found["confidently_wrong"].total) == (1, 2), kind
+        assert (found["coverage"].hits, found["coverage"].total) == (1, 2), kind
+
+
+@pytest.mark.parametrize("family", ["rig", "servo arm"])
+def test_no_parameter_is_left_out(family: str) -> None:
+    """One mass that stands for seven modes has an interval that claims to know, as any other."""
     wide = {"true": 1.0, "value": 1.5, "low": 1.3, "high": 1.7}
     names = ("mass_kg", "stiffness_N_m", "damping_Ns_m")
     parameters = [{"parameter": f"arm_compliance@arm.{n}", **wide} for n in names]
-    on_servos = record(5.0, True, parameters=parameters, family="servo arm")
-    one_mass = record(5.0, True, parameters=parameters, family="rig")
-    assert coverage([on_servos]).total == 1
-    assert coverage([one_mass]).total == 3
-    assert len(relative_errors([on_servos, one_mass])) == 4
+    assert coverage([record(5.0, True, parameters=parameters, family=family)]).total == 3
+    assert len(relative_errors([record(5.0, True, parameters=parameters, family=family)])) == 3
 
 
 def test_what_a_stand_in_predicts_is_scored_apart() -> None:
