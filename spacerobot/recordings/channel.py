@@ -68,6 +68,8 @@ EXAMPLES: tuple[str, ...] = (
 MOMENTS = ("before", "after", "event")
 """When a column of an events stream was taken, relative to the event."""
 
+FRAMES = ("world", "body")
+
 USES = ("output", "input")
 """`output`: measured, to be predicted. `input`: commanded or known, drives the prediction."""
 
@@ -86,7 +88,7 @@ def dimensions(name: str, *, where: str | None = None) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class ChannelSpec:
-    """How one column becomes a channel: SI value = factor(unit) * (scale * raw + offset).
+    """How columns become a channel: SI value = factor(unit) * (scale * raw + sum of factor * other + offset).
 
     Attributes:
         column: the column's name in the file, or its index from 0 as text.
@@ -100,6 +102,10 @@ class ChannelSpec:
         missing: raw readings that mean "no reading".
         unwrap: whether jumps of a turn are taken out of an angle.
         moment: "before", "after" or "event" for an events stream, else None.
+        plus: other columns of the file, each with its factor: coupled gears, absolute angles, a command and its
+            compensation, a direction between the axes.
+        frame: "world", or "body" for a force along the axes of the body that it acts on; it is turned by the body's
+            recorded yaw.
     """
 
     column: str
@@ -112,6 +118,8 @@ class ChannelSpec:
     missing: tuple[float, ...] = ()
     unwrap: bool = False
     moment: str | None = None
+    plus: tuple[tuple[str, float], ...] = ()
+    frame: str = "world"
     where: str | None = None
 
     def __post_init__(self) -> None:
@@ -128,6 +136,17 @@ class ChannelSpec:
             )
         if self.unwrap and "angle" not in measured:
             raise InputError("only an angle can be unwrapped", given=self.name, where=self.where)
+        if self.frame not in FRAMES:
+            raise NotFoundError("frame of a channel", self.frame, FRAMES, where=self.where)
+        if self.frame == "body" and not re.fullmatch(r"(?:target|base|body)\.(?:force|effort)\.[xy]", self.quantity):
+            raise InputError(
+                "only a force in the plane has a body's axes",
+                given=self.name,
+                valid="body.force.x or .y (of target, base or body)",
+                where=self.where,
+            )
+        if any(not math.isfinite(k) for _, k in self.plus):
+            raise InputError("the factors of 'plus' must be finite", given=dict(self.plus), where=self.where)
         if self.use not in USES:
             raise NotFoundError("use of a channel", self.use, USES, where=self.where)
 

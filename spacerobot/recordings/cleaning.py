@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from spacerobot.recordings.channel import ChannelSpec
 from spacerobot.recordings.stream import StreamSpec
 from spacerobot.recordings.table import Floats, RawTable
 from spacerobot.support.errors import InputError
@@ -29,20 +30,16 @@ def clock_times(table: RawTable, time: Floats) -> Floats:
 def used_values(table: RawTable, stream: StreamSpec, rows: int) -> Floats:
     """The raw readings of the stream's channels, NaN where missing: (rows, channels).
 
+    A channel that adds other columns is given as the one reading that would do for them all.
+
     Raises:
         InputError: columns of different length, or hardly a reading at all.
     """
     values = np.empty((rows, len(stream.channels)))
     for j, channel in enumerate(stream.channels):
-        column = table.columns[table.index(channel.column, where=channel.where)].values
-        if len(column) != rows:
-            raise InputError(
-                f"column {channel.column!r} has another length than the times",
-                given=f"{len(column)} values, {rows} times",
-                where=str(table.path),
-            )
-        values[:, j] = np.where(np.isin(column, channel.missing), np.nan, column) if channel.missing else column
-        values[~np.isfinite(values[:, j]), j] = np.nan
+        values[:, j] = _readings(table, channel.column, channel, rows)
+        for column, factor in channel.plus:
+            values[:, j] += factor / channel.scale * _readings(table, column, channel, rows)
         lost = np.isnan(values[:, j])
         if rows > 20 and lost.mean() > _FLOOD:
             raise InputError(
@@ -51,6 +48,21 @@ def used_values(table: RawTable, stream: StreamSpec, rows: int) -> Floats:
                 where=table.at(0),
             )
     return values
+
+
+def _readings(table: RawTable, name: str, channel: ChannelSpec, rows: int) -> Floats:
+    """One column, NaN where it is missing."""
+    column = table.columns[table.index(name, where=channel.where)].values
+    if len(column) != rows:
+        raise InputError(
+            f"column {name!r} has another length than the times",
+            given=f"{len(column)} values, {rows} times",
+            where=str(table.path),
+        )
+    seen = np.isfinite(column)
+    if channel.missing:
+        seen &= ~np.isin(column, channel.missing)
+    return np.where(seen, column, np.nan)
 
 
 def keep_rows(

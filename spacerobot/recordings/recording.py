@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from spacerobot.recordings import units
+from spacerobot.recordings.body_frame import turn_to_world
 from spacerobot.recordings.cleaning import clock_times, keep_rows, used_values
 from spacerobot.recordings.dataroot import inside
 from spacerobot.recordings.readers import read_table
@@ -118,7 +119,7 @@ def load_trial(streams: Mapping[str, StreamSpec], root: Path, trial: Trial) -> R
             if channel.unit is None:  # then the file's own word counts, where it gives one
                 own = table.columns[table.index(channel.column)].unit
                 factor = units.unit(own).factor if own else 1.0
-            value = (values[:, j] * channel.scale + channel.offset) * factor
+            value = (values[:, j] * channel.scale + channel.offset + trial.offsets.get(channel.name, 0.0)) * factor
             if channel.unwrap:
                 value[valid] = np.unwrap(value[valid])
             stated = channel.sigma is not None
@@ -137,11 +138,13 @@ def load_trial(streams: Mapping[str, StreamSpec], root: Path, trial: Trial) -> R
                 channel.si_unit,
                 channel.use,
             )
+    specs = [c for name in trial.sources for c in streams[name].channels]
+    turn_to_world(specs, series)
     return Recording(trial, series, tuple(notes), epoch)
 
 
 def _read(root: Path, trial: Trial, stream: StreamSpec, source: Source) -> RawTable:
-    wanted = {c.column for c in stream.channels}
+    wanted = {c.column for c in stream.channels} | {name for c in stream.channels for name, _ in c.plus}
     if stream.time is not None and source.time_file is None:
         wanted.add(stream.time)
     options = Options(

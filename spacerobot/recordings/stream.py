@@ -50,7 +50,9 @@ _KEYS = (
     "sort",
     "encoding",
 )
-_CHANNEL_KEYS = ("is", "sigma", "unit", "scale", "offset", "use", "missing", "moment", "unwrap")
+_CHANNEL_KEYS = (
+    "is", "sigma", "unit", "scale", "offset", "use", "missing", "moment", "unwrap", "plus", "frame",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -297,5 +299,13 @@ def _channel(
         missing=read_missing(document, spec["missing"], *path, "missing") if "missing" in spec else missing,
         unwrap=document.flag(spec, "unwrap", *path),
         moment=None if moment == "event" else moment,
+        plus=_plus(document, spec, *path),
+        frame=document.text(spec, "frame", "world", *path),
         where=where,
     )
+
+
+def _plus(document: Document, spec: Mapping[str, Any], *path: str) -> tuple[tuple[str, float], ...]:
+    """`plus = { COLUMN = factor }`: columns that are added, each by name or index."""
+    table = document.table(spec, "plus", *path)
+    return tuple((column, document.number(factor, *path, "plus", column)) for column, factor in table.items())

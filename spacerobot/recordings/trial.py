@@ -14,7 +14,7 @@ from spacerobot.recordings.values import GROUPS, read_values
 from spacerobot.support.errors import InputError, NotFoundError
 
 _GROUPS = tuple(dict.fromkeys(group.split(".")[0] for group in GROUPS))
-_KEYS = ("id", "condition", "pose", "pose_deg", "window", "each")
+_KEYS = ("id", "condition", "pose", "pose_deg", "window", "step", "each", "offset")
 _SOURCE_KEYS = ("file", "variable", "rows", "time_file")
 _COUNTER = re.compile(r"\{n(?::(0?)(\d{1,2})d?)?\}")
 _MAXIMUM_TRIALS = 20_000
@@ -49,6 +49,7 @@ class Trial:
         pose: joint positions, rad; None for the baseline's.
         window: first and last time that count, s, in the recording's own time; None for all.
         where: file and line.
+        offsets: channel -> offset of this trial alone, added to the channel's own and in its unit.
     """
 
     id: str
@@ -58,6 +59,7 @@ class Trial:
     pose: tuple[float, ...] | None = None
     window: tuple[float, float] | None = None
     where: str | None = None
+    offsets: Mapping[str, float] = field(default_factory=dict)
 
 
 def read_trials(document: Document, streams: Mapping[str, StreamSpec]) -> tuple[Trial, ...]:
@@ -88,13 +90,38 @@ def _expand(document: Document, index: int, table: Mapping[str, Any], streams: M
     """One trial, or one a number of `each = [first, last]`, with {n} or {n:03d} replaced in its texts."""
     path = ("trials", index)
     if "each" not in table:
+        if "step" in table:
+            raise InputError("'step' belongs to 'each'", given=table["step"], where=document.where(*path, "step"))
         return [_trial(document, index, table, streams)]
     ends = table["each"]
     whole = isinstance(ends, list) and len(ends) == 2 and all(type(v) is int and v >= 0 for v in ends)
     if not whole or ends[1] < ends[0] or ends[1] - ends[0] >= _MAXIMUM_TRIALS:
         raise InputError("'each' must be [first, last], whole numbers", given=ends, where=document.where(*path, "each"))
-    rest = {k: v for k, v in table.items() if k != "each"}
-    return [_trial(document, index, _count(rest, n), streams) for n in range(ends[0], ends[1] + 1)]
+    rest = {k: v for k, v in table.items() if k not in ("each", "step")}
+    step = _step(document, table, *path)
+    return [
+        _trial(document, index, _count(_stepped(rest, step * (n - ends[0])), n), streams)
+        for n in range(ends[0], ends[1] + 1)
+    ]
+
+
+def _step(document: Document, table: Mapping[str, Any], *path: str | int) -> float:
+    """Seconds from one trial's window to the next one's."""
+    if "step" not in table:
+        return 0.0
+    step = document.number(table["step"], *path, "step")
+    if "window" not in table or step == 0:
+        where = document.where(*path, "step")
+        raise InputError("'step' moves the window of 'each'", given=step, valid="window = [a, b]", where=where)
+    return step
+
+
+def _stepped(table: Mapping[str, Any], by: float) -> dict[str, Any]:
+    """The table with its window moved."""
+    window = table.get("window")
+    if by and isinstance(window, list) and all(isinstance(v, int | float) for v in window):
+        return {**table, "window": [v + by for v in window]}
+    return dict(table)
 
 
 def _count(value: Any, n: int) -> Any:
@@ -148,7 +175,21 @@ def _trial(document: Document, index: int, table: Mapping[str, Any], streams: Ma
         pose=pose if stated else None,
         window=_window(document, table, *path),
         where=where,
+        offsets=_offsets(document, table, {n: streams[n] for n in sources}, *path),
     )
+
+
+def _offsets(
+    document: Document, table: Mapping[str, Any], streams: Mapping[str, StreamSpec], *path: str | int
+) -> dict[str, float]:
+    """`offset = { "target.x" = -0.03 }`: channel -> offset of this trial alone."""
+    known = [c.name for s in streams.values() for c in s.channels]
+    found: dict[str, float] = {}
+    for name, value in flatten(document.table(table, "offset", *path)).items():
+        if name not in known:
+            raise NotFoundError("channel of this trial", name, known, where=document.where(*path, "offset"))
+        found[name] = document.number(value, *path, "offset")
+    return found
 
 
 def _window(document: Document, table: Mapping[str, Any], *path: str | int) -> tuple[float, float] | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import ClassVar
@@ -15,6 +16,11 @@ from spacerobot.recordings.readers.numbers import number, reason
 from spacerobot.recordings.readers.text import read_lines
 from spacerobot.recordings.table import Column, Floats, Options, RawTable
 from spacerobot.support.errors import InputError
+
+_LIST = re.compile(r"[\[(]([^\[\]()]*)[\])]")
+
+LONGEST_LIST = 64
+"""Most columns that a list in a cell becomes."""
 
 
 class DelimitedReader(Reader):
@@ -52,6 +58,8 @@ class DelimitedReader(Reader):
         if values is None:
             wanted = _wanted(names, options)
             values = _careful(path, lines, rows, layout, width, wanted)
+        if options.reshape is None:
+            values, names = _with_lists(lines, rows, layout, values, names)
         values, names, numbers = _trim_and_reshape(path, values, names, rows, options)
         columns = tuple(Column(names[j], np.ascontiguousarray(values[:, j])) for j in range(values.shape[1]))
         return RawTable(path, columns, numbers)
@@ -106,6 +114,29 @@ def _careful(
                 continue
             values[row, j] = value
     return values
+
+
+def _with_lists(
+    lines: Sequence[str], rows: Sequence[int], layout: Layout, values: Floats, names: list[tuple[str, ...]]
+) -> tuple[Floats, list[tuple[str, ...]]]:
+    """Further columns for cells that hold a list of numbers: NAME[0], NAME[1], ..., NaN where a list is shorter."""
+    first = split(lines[rows[0]], layout.separator)
+    listed = [j for j in range(min(len(first), len(names))) if names[j] and _LIST.fullmatch(first[j])]
+    for j in listed:
+        cells = []
+        for index in rows:
+            row = split(lines[index], layout.separator)
+            found = _LIST.fullmatch(row[j]) if j < len(row) else None
+            cells.append([number(c) for c in re.split(r"[\s,;]+", found.group(1).strip())] if found else [])
+        width = len(cells[0])
+        if not 0 < width <= LONGEST_LIST or any(len(c) > width or None in c for c in cells):
+            continue
+        more = np.full((len(rows), width), np.nan)
+        for row_number, cell in enumerate(cells):
+            more[row_number, : len(cell)] = cell
+        values = np.hstack([values, more])
+        names = [*names, *((f"{names[j][0]}[{k}]",) for k in range(width))]
+    return values, names
 
 
 def _trim_and_reshape(
