@@ -1,10 +1,15 @@
-"""For every test: one line at the end says how many were skipped for want of a library, and what runs them."""
+"""For every test: the same examples in every run, and one line at the end of what was skipped for want of a library."""
 
 from __future__ import annotations
 
 import re
 from collections import Counter
 from typing import Any
+
+from hypothesis import settings
+
+settings.register_profile("repeatable", deadline=None, derandomize=True)
+settings.load_profile("repeatable")  # a run beside a busy core is a run like any other
 
 COMMAND = "make test-extras"
 
