@@ -191,3 +191,46 @@ def test_what_a_trial_says_of_its_file_goes_before_what_the_stream_says(tmp_path
         found = load_study(tmp_path).recording("01")["target.x"]
         np.testing.assert_allclose(found.time, TIME[rows])
         np.testing.assert_allclose(found.value, sign * X[rows])
+
+
+def test_a_clock_always_moves_on_where_repeats_are_dropped(tmp_path: Path) -> None:
+    """Of rows at one time the first counts, whether the others repeat its readings or not."""
+    time = np.repeat(TIME, 2)
+    x = np.repeat(X, 2)
+    x[1::4] += 0.5
+    found = written(tmp_path / "a", time, {"x": x, "yaw": np.repeat(YAW, 2)}, stream='repeated = "drop"')["target.x"]
+    assert (np.diff(found.time) > 0.0).all()
+    np.testing.assert_array_equal(found.time, TIME)
+    np.testing.assert_array_equal(found.value, X)
+
+
+@pytest.mark.parametrize(("lost", "told"), [(2, False), (3, True), (20, True)])
+def test_a_gap_is_told_from_three_lost_rows_on(tmp_path: Path, lost: int, told: bool) -> None:
+    kept = np.r_[:10, 10 + lost : TIME.size]
+    found = written(tmp_path / "a", TIME[kept], {"x": X[kept], "yaw": YAW[kept]})
+    assert any("1 gaps" in note for note in found.notes) == told
+
+
+def study_of(folder: Path, files: dict[str, str]) -> str:
+    """The input hash of a study of two trials and a file of times."""
+    folder.mkdir()
+    for name, text in files.items():
+        (folder / name).write_text(text)
+    (folder / "study.toml").write_text(
+        f'{HEAD}\n[streams.s]\ntime = "t"\n[streams.s.channels]\nx = {{ is = "target.x", sigma = 1e-4 }}\n'
+        '[[trials]]\nid = "01"\ntarget.mass = 9.0\ns = { file = "a.csv", time_file = "t.csv" }\n'
+        '[[trials]]\nid = "02"\ntarget.mass = 9.0\ns = { file = "b.csv", time_file = "t.csv" }\n'
+    )
+    return load_study(folder).input_hash
+
+
+def test_every_byte_of_the_input_counts_in_its_own_file(tmp_path: Path) -> None:
+    usual = {"a.csv": "x\n1\n2\n3\n", "b.csv": "x\n4\n5\n6\n", "t.csv": "t\n0\n1\n2\n"}
+    others = [
+        {**usual, "t.csv": "t\n0\n1\n3\n"},
+        {**usual, "a.csv": usual["b.csv"], "b.csv": usual["a.csv"]},
+        {**usual, "a.csv": "x\n1\n2\n", "b.csv": "3\n" + usual["b.csv"]},
+    ]
+    hashes = {study_of(tmp_path / str(k), files) for k, files in enumerate([usual, *others])}
+    assert len(hashes) == 4
+    assert study_of(tmp_path / "again", usual) in hashes
