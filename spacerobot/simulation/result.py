@@ -9,8 +9,10 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 
+from spacerobot.effects.mechanism import Mechanism
 from spacerobot.simulation.energy import Ledger, stored_by_elements
 from spacerobot.simulation.events import Event, contact_intervals
+from spacerobot.simulation.multibody.ports import RISE, SLIDE
 from spacerobot.simulation.multibody.run import MultibodyRun, MultibodySample
 from spacerobot.simulation.peaks import peak_deflection, peak_force
 from spacerobot.simulation.reduced.forces import PRESSED
@@ -22,6 +24,8 @@ from spacerobot.simulation.trajectory import Trajectory
 
 _UNITS = (
     ("contact.force", "N"),
+    ("contact.friction", "N"),
+    ("contact.slip", "m/s"),
     ("angular_momentum.", "kg m^2/s"),
     ("momentum.", "kg m/s"),
     ("angular_velocity", "rad/s"),
@@ -106,7 +110,8 @@ def _multibody_channels(scene: Scene, run: MultibodyRun, taken: MultibodySample)
     out["wrist.deflection"], out["wrist.deflection.velocity"] = taken.slider.T
     out["contact.force"] = run.contact_force(taken)
     out["contact.penetration"], out["contact.penetration.velocity"] = taken.contact[:, :2].T
-    out["contact.slide"], out["contact.slide.velocity"] = taken.contact[:, 2:].T
+    out["contact.slide"], out["contact.slide.velocity"] = taken.contact[:, 2:4].T
+    _tangential(out, mechanism, taken.modes[:, 0], taken.contact[:, [3, 5]].T, taken.friction)
     for body, k in (("hand", 0), ("tip", 1)):
         out.update({f"{body}.position.{a}": taken.place[:, k, i] for i, a in enumerate("xyz")})
     bodies = {"target": assembly.target, **({"base": 1} if scene.base == "free" else {})}
@@ -134,6 +139,25 @@ def _multibody_channels(scene: Scene, run: MultibodyRun, taken: MultibodySample)
         out[f"momentum.{axis}"] = taken.momentum[:, i]
         out[f"angular_momentum.{axis}"] = taken.momentum[:, 3 + i]
     return out
+
+
+def _tangential(
+    out: dict[str, np.ndarray], mechanism: Mechanism, contact_mode: np.ndarray, rates: np.ndarray, friction: np.ndarray
+) -> None:
+    """Slip [m/s] and friction force on the target [N], along the face's lateral (y) and upward (z) axis, in contact.
+
+    Args:
+        out: channels, to which these are added.
+        mechanism: its frictions name their ports.
+        contact_mode: shape (T,).
+        rates: of the target's contact point over the face, shape (2, T).
+        friction: shape (T, R).
+    """
+    pressed = contact_mode == PRESSED
+    for axis, port, rate in zip("yz", (SLIDE, RISE), rates, strict=True):
+        out[f"contact.slip.{axis}"] = np.where(pressed, rate, 0.0)
+        acting = [i for i, f in enumerate(mechanism.frictions) if f.port == port]
+        out[f"contact.friction.{axis}"] = friction[:, acting].sum(axis=1)
 
 
 def _rotated(quaternion: np.ndarray, twist: np.ndarray) -> np.ndarray:
@@ -192,8 +216,8 @@ def of_reduced(scene: Scene, run: ReducedRun, times: np.ndarray) -> Trajectory:
         run.port("wrist", s) for s in (taken.position, taken.velocity)
     )
     out["contact.force"] = run.contact_force(taken)
-    contact = reduced_contact(run, taken)
-    out["contact.penetration"], out["contact.penetration.velocity"] = contact[:2]
+    out["contact.penetration"], out["contact.penetration.velocity"] = reduced_contact(run, taken)
+    _tangential(out, mechanism, run.contact_modes(times), reduced_slip(run, taken), taken.friction)
     mass = {n: mechanism.coordinates[n].mass for n in names}
     along = sum(
         (taken.velocity[:, i] * mass[n] for i, n in enumerate(names) if n not in ("target.y", "target.yaw")),
@@ -239,6 +263,19 @@ def reduced_contact(run: ReducedRun, taken: Sample) -> tuple[np.ndarray, np.ndar
         depth = depth + contact.turned(yaw)[0]
         rate = rate - (contact.ahead * np.sin(yaw) + contact.lateral * np.cos(yaw)) * spin
     return depth, rate
+
+
+def reduced_slip(run: ReducedRun, taken: Sample) -> np.ndarray:
+    """Rates at which the contact point slides sideways and upwards, shape (2, T); see `Contact` for the formula."""
+    contact, names = run.mechanism.contact, list(run.layout.coordinates)
+    assert contact is not None
+    rate = np.zeros(taken.time.size)
+    if "target.y" in names:
+        rate = rate + taken.velocity[:, names.index("target.y")]
+    if "target.yaw" in names:
+        yaw, spin = (s[:, names.index("target.yaw")] for s in (taken.position, taken.velocity))
+        rate = rate + (contact.ahead * np.cos(yaw) - contact.lateral * np.sin(yaw)) * spin
+    return np.array([rate, np.zeros_like(rate)])
 
 
 def reduced_ledger(run: ReducedRun) -> Ledger:

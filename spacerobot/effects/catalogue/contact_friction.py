@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 from spacerobot.effects.effect import Effect, Parameter
@@ -20,7 +21,7 @@ class ContactFriction(Effect):
 
     name = "contact_friction"
     title = "contact friction"
-    formula = r"|f_t| \le \mu F_n"
+    formula = r"|\mathbf f_t| \le \mu F_n"
     source = "Coulomb (1785)"
     kind = "contact"
     parameters = (Parameter("mu", "1", 0.0, 0.05, 0.0, 5.0, (0.05, 0.2, 0.6)),)
@@ -31,6 +32,9 @@ class ContactFriction(Effect):
         return ("contact",) if mechanism.contact is not None and moving else ()
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
-        """Friction in the tangential port, pressed by the contact."""
-        friction = Friction(self.name, "contact.slide", level, (values["mu"],), normal="contact")
-        return mechanism.with_sideways().with_friction(friction)
+        """Friction in the tangential port, pressed by the contact; added to what the surfaces have already."""
+        there = [f for f in mechanism.frictions if f.port == "contact.slide" and f.level is level]
+        mu = values["mu"] + sum(f.p[0] for f in there)
+        friction = Friction(self.name, "contact.slide", level, (mu,), normal="contact")
+        others = tuple(f for f in mechanism.frictions if f not in there)
+        return replace(mechanism.with_sideways(), frictions=(*others, friction))

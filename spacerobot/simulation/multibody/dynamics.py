@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -12,11 +13,11 @@ from spacerobot.effects.mechanism import Mechanism
 from spacerobot.simulation.multibody.assembly import Assembly
 from spacerobot.simulation.multibody.kernel import CIRCLE, STRAIGHT, exert, locate, rate_of
 from spacerobot.simulation.multibody.layout import bodies_from, packed, scratch_from
-from spacerobot.simulation.multibody.ports import for_bodies, layout_of
-from spacerobot.simulation.reduced.arrays import BIAS, FORCE, FRICTION, RAW, W_ROWS, D, System, V, pack
+from spacerobot.simulation.multibody.ports import RISE, SLIDE, for_bodies, layout_of, mates
+from spacerobot.simulation.reduced.arrays import BIAS, FORCE, FRICTION, HEADING, RAW, W_ROWS, D, System, V, pack
 from spacerobot.simulation.reduced.assemble import assemble
 from spacerobot.simulation.reduced.events import fix_edges
-from spacerobot.simulation.reduced.forces import PRESSED, STICK, TINY, level
+from spacerobot.simulation.reduced.forces import AT_REST, PRESSED, STICK, TINY, level
 from spacerobot.simulation.reduced.guards import guards
 from spacerobot.simulation.reduced.law_table import LAWS
 
@@ -34,6 +35,9 @@ class Dynamics:
         layout, scratch: constant and work arrays of the kernel, as views.
         nq, nv, size: of configuration, velocity and ambient state.
         slack: force [N] below which what holds a friction is rounding.
+        still: speed [m/s] below which sliding in two directions has stopped.
+        mates: of the frictions, shape (R,), see `ports.mates`.
+        heading: direction in which each disc of friction slides, shape (R,); a view into the work array.
         inertia: shape (nv, nv), at the state last evaluated by `rate`; a view.
     """
 
@@ -46,8 +50,11 @@ class Dynamics:
         self.nq, self.nv = self.model.nq, self.model.nv
         self.forces, self.frictions = len(self.names.forces), len(self.names.frictions)
         self.size = self.nq + self.nv + self.forces + self.frictions
+        self.mates = mates(self.mechanism)
         self.packed = pack(self._widened(system))
         self.w = self.packed.work()
+        heading = int(self.packed.ints[HEADING])
+        self.heading = self.w[heading : heading + self.frictions]
         self.modes = np.zeros(1 + self.forces + self.frictions, dtype=np.int64)
         self.q, self.v = np.zeros(self.nq), np.zeros(self.nv)
         self._drives = np.zeros((1, 1))
@@ -55,7 +62,7 @@ class Dynamics:
         self.scratch = scratch_from(self._arrays[0], self._arrays[2])
         self.biased = self._needs_bias()
         self.pressed_by_contact = [f.normal is not None for f in self.mechanism.frictions]
-        self.slack = 0.0
+        self.slack, self.still = 0.0, AT_REST
         self._press_rate = self._at(V, "contact")
         self.inertia = bodies_from(self._arrays[0], self._arrays[2]).inertia
 
@@ -68,6 +75,7 @@ class Dynamics:
             inverse_mass=np.ones(nv),
             rows=np.zeros((ports, nv)),
             special=special,
+            friction_mate=self.mates,
             constant=np.zeros(nv),
             impulse_time=np.zeros(0),
             impulse=np.zeros((0, nv)),
@@ -145,9 +153,25 @@ class Dynamics:
         """How far the force that holds friction `r` exceeds its limit [N], at the state last evaluated."""
         floats, ints = self.packed
         force = self.w[ints[FRICTION] + r]
+        if self.mates[r] >= 0:
+            force = math.hypot(force, self.w[ints[FRICTION] + self.mates[r]])
         normal = max(0.0, -self.w[ints[FORCE]]) if self.pressed_by_contact[r] else 0.0
         limit = level(floats, ints, LAWS.laws, r, -TINY if force > 0.0 else TINY, normal)
         return float(abs(force) - limit * (1.0 + 1e-12) - self.slack)
+
+    def sliding(self, r: int) -> np.ndarray:
+        """Rates along friction `r` and its mate at the state last evaluated, shape (2,)."""
+        ports = (self.mechanism.frictions[int(i)].port for i in (r, self.mates[r]))
+        return np.array([self.port_rate(port) for port in ports])
+
+    def turn(self) -> None:
+        """Turns the headings of what slides in two directions to where it slides at the state last evaluated."""
+        for r in np.flatnonzero(self.mates >= 0):
+            if self.modes[1 + self.forces + r] != STICK:
+                rates = self.sliding(int(r))
+                speed = math.hypot(*rates)
+                if speed > AT_REST:
+                    self.heading[[r, self.mates[r]]] = rates / speed
 
     def friction_force(self, r: int) -> float:
         """Force of friction `r` along its port at the state last evaluated [N]."""
@@ -170,8 +194,8 @@ class Dynamics:
         return int(self.packed.ints[block]) + self.names.ports.index(port)
 
     def contact_places(self) -> np.ndarray:
-        """Where penetration, its rate, sideways displacement and its rate stand in the work array, shape (4,)."""
-        return np.array([self._at(block, port) for port in ("contact", "contact.slide") for block in (D, V)])
+        """Where penetration, sliding sideways and upwards, each with its rate, stand in the work array, shape (6,)."""
+        return np.array([self._at(block, port) for port in ("contact", SLIDE, RISE) for block in (D, V)])
 
     def port_position(self, port: str) -> float:
         """Displacement of a port at the state last evaluated."""

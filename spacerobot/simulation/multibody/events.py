@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from spacerobot.simulation.multibody.dynamics import Dynamics
 from spacerobot.simulation.multibody.kernel import solve
+from spacerobot.simulation.multibody.sliding import start_heading
 from spacerobot.simulation.multibody.stepper import interpolate
-from spacerobot.simulation.reduced.forces import APART, PRESSED, RELEASED, STICK
+from spacerobot.simulation.reduced.arrays import FOLLOWS
+from spacerobot.simulation.reduced.forces import APART, AT_REST, PRESSED, RELEASED, STICK
 
 SAMPLES = 8
 """Parts of a step at whose ends the guards are looked at; between them, at every extremum of the gap."""
-
-AT_REST = 1e-12
-"""Penetration [m] and rate [m/s, rad/s] taken for zero when modes are chosen."""
 
 
 class Probe:
@@ -146,28 +147,53 @@ class Modes:
         for r in range(dyn.frictions):
             self._start_friction(r)
         self.settle(t, y)
+        dyn.turn()
         bilateral = dyn.mechanism.contact is not None and dyn.mechanism.contact.bilateral
         if dyn.modes[0] == PRESSED and dyn.contact_push() < -1e-9 * dyn.slack and not bilateral:
             dyn.modes[0] = RELEASED
         dyn.settle_edges()
 
     def _start_friction(self, r: int) -> None:
-        rate = self.dynamics.port_rate(self.dynamics.mechanism.frictions[r].port)
-        at = 1 + self.dynamics.forces + r
-        self.dynamics.modes[at] = STICK if abs(rate) < AT_REST else (1 if rate > 0.0 else -1)
+        dyn = self.dynamics
+        mate = int(dyn.mates[r])
+        if mate == FOLLOWS:
+            return
+        if mate >= 0:
+            rates = dyn.sliding(r)
+            speed = math.hypot(*rates)
+            self._set(r, STICK if speed < AT_REST else 1)
+            dyn.heading[[r, mate]] = rates / speed if speed > 0.0 else 0.0
+            return
+        rate = dyn.port_rate(dyn.mechanism.frictions[r].port)
+        self._set(r, STICK if abs(rate) < AT_REST else (1 if rate > 0.0 else -1))
+
+    def _set(self, r: int, mode: int) -> None:
+        """The mode of a friction, and of its mate."""
+        dyn = self.dynamics
+        dyn.modes[1 + dyn.forces + r] = mode
+        if dyn.mates[r] >= 0:
+            dyn.modes[1 + dyn.forces + dyn.mates[r]] = mode
+
+    def _break_away(self, r: int) -> None:
+        """Lets a friction that sticks slide, the way that the state last evaluated drives it."""
+        dyn = self.dynamics
+        self._set(r, -1 if dyn.mates[r] < 0 and dyn.friction_force(r) > 0.0 else 1)
 
     def settle(self, t: float, y: np.ndarray) -> None:
         """Lets every stuck port whose friction exceeds its limit slide; repeated until consistent."""
         dyn = self.dynamics
         base = 1 + dyn.forces
         for _ in range(dyn.frictions + 1):
+            for r in np.flatnonzero(dyn.mates >= 0):
+                if dyn.modes[base + r] != STICK and math.hypot(*dyn.sliding(int(r))) <= AT_REST:
+                    start_heading(dyn, int(r), t, y, self._slope)
             dyn.rate(t, y, self._slope)
-            stuck = [r for r in range(dyn.frictions) if dyn.modes[base + r] == STICK]
+            stuck = [r for r in range(dyn.frictions) if dyn.modes[base + r] == STICK and dyn.mates[r] != FOLLOWS]
             over = [(dyn.friction_excess(r), r) for r in stuck]
             excess, worst = max(over, default=(0.0, -1))
             if excess <= 0.0:
                 return
-            dyn.modes[base + worst] = -1 if dyn.friction_force(worst) > 0.0 else 1
+            self._break_away(worst)
 
     def switch(self, i: int, t: float, y: np.ndarray) -> None:
         """Changes mode i after its guard fell to zero at state y, and what follows from it."""
@@ -195,20 +221,25 @@ class Modes:
             if dyn.pressed_by_contact[r]:
                 self._start_friction(r)
                 if dyn.modes[0] != PRESSED:
-                    dyn.modes[1 + dyn.forces + r] = 1
+                    self._set(r, 1)
 
     def _switch_friction(self, r: int, y: np.ndarray) -> None:
         dyn = self.dynamics
-        at = 1 + dyn.forces + r
-        if dyn.modes[at] == STICK:
-            dyn.modes[at] = -1 if dyn.friction_force(r) > 0.0 else 1
+        if dyn.modes[1 + dyn.forces + r] == STICK:
+            self._break_away(r)
             return
-        # the sliding ended: remove the last rounding of its rate, then see whether it can stick
-        port = dyn.mechanism.frictions[r].port
-        row = dyn.port_row(port)
-        kick = row.copy()
-        solve(dyn.scratch.factor, dyn.assembly.split, kick)
-        share = float(row @ kick)
-        if share > 0.0:
-            y[dyn.nq : dyn.nq + dyn.nv] -= kick * (dyn.port_rate(port) / share)
-        dyn.modes[at] = STICK
+        if dyn.mates[r] >= 0 and math.hypot(*dyn.sliding(r)) > dyn.still:
+            dyn.turn()  # it did not stop, but turned by more than a right angle within a step
+            return
+        self._halt([r, int(dyn.mates[r])] if dyn.mates[r] >= 0 else [r], y)
+        self._set(r, STICK)
+
+    def _halt(self, frictions: list[int], y: np.ndarray) -> None:
+        """Takes the last rounding of what slid out of the velocities in y; whether it can stick is seen after."""
+        dyn = self.dynamics
+        rows = np.array([dyn.port_row(dyn.mechanism.frictions[r].port) for r in frictions])
+        kicks = rows.copy()
+        for kick in kicks:
+            solve(dyn.scratch.factor, dyn.assembly.split, kick)
+        speeds = y[dyn.nq : dyn.nq + dyn.nv]
+        speeds -= np.linalg.lstsq(rows @ kicks.T, rows @ speeds, rcond=1e-12)[0] @ kicks

@@ -33,6 +33,7 @@ class Steps:
         state: shape (m, N), at the start of the step.
         dense: shape (m, POWERS, N), of the interpolant.
         modes: shape (m, G).
+        heading: shape (m, R), direction in which discs of friction slid at the start of the step.
         last: shape (N,), at the end.
     """
 
@@ -41,6 +42,7 @@ class Steps:
     state: np.ndarray
     dense: np.ndarray
     modes: np.ndarray
+    heading: np.ndarray
     last: np.ndarray
 
 
@@ -83,7 +85,7 @@ class Integrator:
             SimulationError: no end in sight: too many steps or events, or a state that is not finite.
         """
         dyn, t, y = self.dynamics, start, y.copy()
-        record: list[tuple[float, float, np.ndarray, np.ndarray, np.ndarray]] = []
+        record: list[tuple[float, float, np.ndarray, np.ndarray, np.ndarray, np.ndarray]] = []
         pending = sorted((i for i in dyn.mechanism.impulses if i.time >= start), key=lambda i: i.time)
         self._modes.start(t, y)
         dyn.rate(t, y, self._k[0])
@@ -111,7 +113,7 @@ class Integrator:
             if hit >= 0:
                 part = self._polish(hit, t, y, full, theta * full)
                 dense = self._dense(t, y, part)
-            record.append((t, part, y.copy(), dense, dyn.modes.copy()))
+            record.append((t, part, y.copy(), dense, dyn.modes.copy(), dyn.heading.copy()))
             y[:] = self._new
             load(y, dyn.layout.joints, dyn.q, dyn.v)
             y[: dyn.nq] = dyn.q  # back onto the manifold
@@ -122,10 +124,11 @@ class Integrator:
             else:
                 h = max(h, full * grow) if final else full * grow
             dyn.rate(t, y, self._k[0])
+            dyn.turn()
             if len(record) > MAX_STEPS or len(self.events) > MAX_EVENTS:
                 raise too_many("multibody", "steps" if len(record) > MAX_STEPS else "events", t, end)
-        times, lengths, states, denses, modes = zip(*record, strict=True)
-        return Steps(np.array(times), np.array(lengths), np.array(states), np.array(denses), np.array(modes), y)
+        time, length, state, dense_, modes, heading = (np.array(column) for column in zip(*record, strict=True))
+        return Steps(time, length, state, dense_, modes, heading, y)
 
     def _advance(self, t: float, y: np.ndarray, h: float) -> None:
         """Stages 1 to 12 from stage 0; the new state is left in `_new`."""

@@ -27,6 +27,7 @@ from spacerobot.simulation.multibody.kernel import (
     YAW,
 )
 from spacerobot.simulation.multibody.layout import Layout
+from spacerobot.simulation.reduced.arrays import FOLLOWS, NONE
 
 _POINTS = {"hand": (HAND, 0), "tip": (TIP, 0), "target": (TARGET, 0), "target.y": (TARGET, 1), "base": (BASE, 0)}
 GRAVITY = "gravity"
@@ -49,12 +50,14 @@ PULL = Kernel(pull, energy=pull_energy)
 RISE = "contact.rise"
 """Port of the sliding out of the plane of approach and lateral, which a planar model does not have."""
 
+SLIDE = "contact.slide"
+
 
 def for_bodies(mechanism: Mechanism) -> Mechanism:
     """The mechanism with what a planar one can do without.
 
     Every field of an effect becomes a constant force on its body. Every friction across the contact acts upwards as
-    it does sideways: the friction cone becomes a square pyramid, exact for sliding along either axis.
+    it does sideways, the two of them within one limit: a disc in the tangent plane, see `mates`.
     """
     ports, forces, frictions = dict(mechanism.ports), list(mechanism.forces), list(mechanism.frictions)
     for item in mechanism.fields:
@@ -64,11 +67,19 @@ def for_bodies(mechanism: Mechanism) -> Mechanism:
         ports[port] = {item.body: 1.0}
         weight = mechanism.coordinates[item.body].mass * item.acceleration
         forces.append(Force(f"{item.name} on {item.body}", port, PULL, (weight,)))
-    across = [f for f in frictions if f.port == "contact.slide"]
-    if across:
+    if mechanism.contact is not None:
         ports[RISE] = {}
-        frictions += [replace(f, port=RISE) for f in across]
+        frictions += [replace(f, port=RISE) for f in frictions if f.port == SLIDE]
     return replace(mechanism, ports=ports, forces=tuple(forces), frictions=tuple(frictions), fields=())
+
+
+def mates(mechanism: Mechanism) -> np.ndarray:
+    """For each friction of a mechanism `for_bodies`: the one that shares its limit, NONE or FOLLOWS, shape (R,)."""
+    ports = [f.port for f in mechanism.frictions]
+    found = np.full(len(ports), NONE, dtype=np.int64)
+    lead, follow = ([i for i, p in enumerate(ports) if p == port] for port in (SLIDE, RISE))
+    found[lead], found[follow] = follow, FOLLOWS
+    return found
 
 
 def layout_of(assembly: Assembly, mechanism: Mechanism) -> tuple[Layout, list[str], np.ndarray]:

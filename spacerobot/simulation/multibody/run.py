@@ -17,7 +17,7 @@ from spacerobot.simulation.multibody.integrate import Integrator, Kick, Steps
 from spacerobot.simulation.multibody.kernel import load
 from spacerobot.simulation.multibody.stepper import interpolate
 from spacerobot.simulation.reduced.arrays import FORCE, FRICTION, TAU
-from spacerobot.simulation.reduced.forces import PRESSED, STICK
+from spacerobot.simulation.reduced.forces import AT_REST, PRESSED, STICK
 from spacerobot.simulation.scene import Scene
 from spacerobot.support.errors import InputError
 
@@ -39,7 +39,7 @@ class MultibodySample:
         configuration, rates: Pinocchio's q and v of the assembly, shapes (T, nq) and (T, nv).
         features: displacements and rates from which ports are combined, shape (T, nf, 2).
         slider: displacement and rate of the wrist slider, shape (T, 2).
-        contact: penetration and its rate, sideways displacement and its rate, shape (T, 4).
+        contact: penetration, sliding sideways and upwards, each with its rate, shape (T, 6).
         generalized: generalised force of all elements, shape (T, nv).
         place: world position of hand, tip, base and target, shape (T, 4, 3).
         kinetic, potential: energy of motion, and of weight, shape (T,) [J].
@@ -118,7 +118,7 @@ class MultibodyRun:
             "rates": (dyn.nv,),
             "features": (len(dyn.features), 2),
             "slider": (2,),
-            "contact": (4,),
+            "contact": (6,),
             "generalized": (dyn.nv,),
             "place": (4, 3),
             "kinetic": (),
@@ -134,6 +134,7 @@ class MultibodyRun:
         with dyn.with_bias():
             for i, (t, step, y) in enumerate(self._placed(times)):
                 dyn.modes[:] = out.modes[i] = steps.modes[step]
+                dyn.heading[:] = steps.heading[step]
                 dyn.rate(t, y, rate)
                 value, row = dyn.scratch.value, dyn.scratch.row
                 free = rate[dyn.nq : dyn.nq + dyn.nv]
@@ -258,6 +259,7 @@ def integrate_scene(
     assembly = assemble_bodies(scene, mechanism)
     dynamics = Dynamics(assembly, mechanism)
     scale, dynamics.slack = _scale(scene, dynamics, tolerance)
+    dynamics.still = max(AT_REST, float(scale[dynamics.nq]))
     integrator = Integrator(dynamics, scale, first_step, min(max_step, end), fixed=fixed)
     y = np.zeros(dynamics.size)
     y[: dynamics.nq] = assembly.configuration

@@ -7,6 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 NONE = -1
+FOLLOWS = -2
+"""In place of a mate: the friction across this one's direction speaks for both."""
 NATIVE_SPRING, NATIVE_DAMPER, NATIVE_CONTACT = -2, -3, -4
 """Laws compiled into the integrator, because nearly every mechanism holds them; a listed law costs 0.1 us a call."""
 
@@ -33,6 +35,7 @@ class System(NamedTuple):
     friction_law: np.ndarray  # (R,) int
     friction_normal: np.ndarray  # (R,) int: 1 if pressed by the contact
     friction_steady: np.ndarray  # (R,) int: 1 if its level does not change while it slides one way
+    friction_mate: np.ndarray  # (R,) int: the friction across it that shares its limit (a disc), NONE or FOLLOWS
     friction_parameters: np.ndarray  # (R, PARAMETERS)
     constant: np.ndarray  # (n,) generalised force of the fields
     input_port: np.ndarray  # (U,) int
@@ -47,10 +50,10 @@ N, PORTS, FORCES, FRICTIONS, INPUTS, KICKS, PRESS, SLIDE, YAW, CONTACT_FORCE = r
 MASS, ROWS, GEOMETRY, PARAMETER, FRICTION_PARAMETER, CONSTANT, GAIN, KICK_TIME, KICK = range(10, 19)
 LINEAR = 19
 PORT, SENSE, AUX, LAW, EDGE, SLOPE, FRICTION_PORT, FRICTION_LAW, FRICTION_NORMAL, FRICTION_STEADY = range(20, 30)
-INPUT_PORT, FORCE_ORDER, PORT_ORDER = 30, 31, 32
-D, V, BIAS, W_ROWS, TAU, RAW, FORCE, FRICTION, MATRIX, VECTOR, STUCK, WORK_SIZE = range(33, 45)
-LIVE_FORCES, LIVE_PORTS = 45, 46
-HEADER = 47
+FRICTION_MATE, INPUT_PORT, FORCE_ORDER, PORT_ORDER = range(30, 34)
+D, V, BIAS, W_ROWS, TAU, RAW, FORCE, FRICTION, HEADING, MATRIX, VECTOR, STUCK, WORK_SIZE = range(34, 47)
+LIVE_FORCES, LIVE_PORTS = 47, 48
+HEADER = 49
 
 
 class Packed(NamedTuple):
@@ -59,7 +62,8 @@ class Packed(NamedTuple):
     GEOMETRY holds (ahead, lateral, hold, bilateral). LINEAR, shape (n, 2n), holds what linear springs and dampers at
     ports of constant rows do to the generalised forces; the forces and ports beyond them are the live ones, first in
     FORCE_ORDER and PORT_ORDER. The work array holds what the last evaluation found: D and V displacements and rates
-    of the ports, TAU generalised forces, RAW what the laws say, FORCE what acts.
+    of the ports, TAU generalised forces, RAW what the laws say, FORCE what acts; HEADING, which the caller keeps, the
+    direction in which each disc of friction slid at the start of the step.
     """
 
     floats: np.ndarray
@@ -107,9 +111,9 @@ def packed_ints(s: System, order: Folding) -> np.ndarray:
     header = np.zeros(HEADER, dtype=np.int64)
     header[:PRESS] = n, ports, f, r, s.input_port.size, kicks
     header[PRESS:MASS] = s.special
-    sizes = (n, ports * n, 4, s.parameters.size, s.friction_parameters.size, n, s.input_gain.size, kicks, kicks * n)
+    blocks = (n, ports * n, 4, s.parameters.size, s.friction_parameters.size, n, s.input_gain.size, kicks, kicks * n)
     offset = 0
-    for slot, size in zip(range(MASS, PORT), (*sizes, 2 * n * n), strict=True):
+    for slot, size in zip(range(MASS, PORT), (*blocks, 2 * n * n), strict=True):
         header[slot] = offset
         offset += size
     ints = [
@@ -123,6 +127,7 @@ def packed_ints(s: System, order: Folding) -> np.ndarray:
         s.friction_law,
         s.friction_normal,
         s.friction_steady,
+        s.friction_mate,
         s.input_port,
         order.forces,
         order.ports,
@@ -132,7 +137,9 @@ def packed_ints(s: System, order: Folding) -> np.ndarray:
         header[slot] = offset
         offset += block.size
     offset = 0
-    for slot, size in zip(range(D, WORK_SIZE), (ports, ports, ports, ports * n, n, f, f, r, r * r, r, r), strict=True):
+    for slot, size in zip(
+        range(D, WORK_SIZE), (ports, ports, ports, ports * n, n, f, f, r, r, r * r, r, r), strict=True
+    ):
         header[slot] = offset
         offset += size
     header[WORK_SIZE] = offset

@@ -134,6 +134,7 @@ def template(of: Shape) -> Template:
         friction_law=np.array([LAWS.index(level) for _, _, level, _, _ in of.frictions], dtype=np.int64),
         friction_normal=np.array([normal for *_, normal, _ in of.frictions], dtype=np.int64),
         friction_steady=np.array([steady for *_, steady in of.frictions], dtype=np.int64),
+        friction_mate=np.full(len(of.frictions), NONE, dtype=np.int64),
         friction_parameters=np.zeros((len(of.frictions), PARAMETERS)),
         constant=np.zeros(len(names)),
         input_port=np.array([place[port] for _, port in of.inputs], dtype=np.int64),

@@ -4,21 +4,26 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from spacerobot.effects.kernel import PARAMETERS
 from spacerobot.effects.laws import contact_force
 from spacerobot.simulation.reduced.arrays import (
     AUX,
     BIAS,
     CONTACT_FORCE,
+    FOLLOWS,
     FORCE,
     FORCE_ORDER,
     FORCES,
     FRICTION,
     FRICTION_LAW,
+    FRICTION_MATE,
     FRICTION_NORMAL,
     FRICTION_PARAMETER,
     FRICTION_PORT,
     FRICTIONS,
+    HEADING,
     INPUTS,
     LAW,
     MASS,
@@ -26,6 +31,7 @@ from spacerobot.simulation.reduced.arrays import (
     NATIVE_CONTACT,
     NATIVE_DAMPER,
     NATIVE_SPRING,
+    NONE,
     PARAMETER,
     PORT,
     RAW,
@@ -50,6 +56,9 @@ APART, PRESSED, RELEASED = 0, 1, 2
 
 SLIP_MINUS, STICK, SLIP_PLUS = -1, 0, 1
 TINY = 1e-300
+
+AT_REST = 1e-12
+"""Penetration [m] and rate [m/s, rad/s] taken for zero when modes are chosen."""
 
 
 @lean
@@ -84,6 +93,26 @@ def say(x: Any, c: Any, laws: Any, modes: Any, w: Any, j: int) -> float:
     return f
 
 
+@lean
+def rub(x: Any, c: Any, laws: Any, w: Any, r: int, mate: int, normal: float) -> None:
+    """Sliding across two directions: a force of the level, against the sliding (Coulomb's disc), added to TAU.
+
+    At rest the heading decides. Where the sliding has been carried through a stop within a step, the force stays what
+    it was before: the guard, along the heading, then falls smoothly through zero.
+    """
+    n, p, q = c[N], c[c[FRICTION_PORT] + r], c[c[FRICTION_PORT] + mate]
+    along, across = w[c[V] + p], w[c[V] + q]
+    ahead, aside = w[c[HEADING] + r], w[c[HEADING] + mate]
+    speed = np.sqrt(along * along + across * across)
+    if speed > AT_REST:
+        way = -1.0 if along * ahead + across * aside < 0.0 else 1.0
+        ahead, aside = way * along / speed, way * across / speed
+    f = -level(x, c, laws, r, max(speed, TINY), normal)
+    w[c[FRICTION] + r], w[c[FRICTION] + mate] = f * ahead, f * aside
+    for i in range(n):
+        w[c[TAU] + i] += f * (ahead * w[c[W_ROWS] + p * n + i] + aside * w[c[W_ROWS] + q * n + i])
+
+
 @inlined
 def act(x: Any, c: Any, laws: Any, t: float, modes: Any, u: Any, w: Any, count: int) -> int:
     """Adds what the first `count` forces of FORCE_ORDER, drives and frictions do to TAU; returns how many stick.
@@ -111,6 +140,11 @@ def act(x: Any, c: Any, laws: Any, t: float, modes: Any, u: Any, w: Any, count: 
         if m == STICK:
             w[c[STUCK] + stuck] = r
             stuck += 1
+            continue
+        mate = c[c[FRICTION_MATE] + r]
+        if mate != NONE:
+            if mate != FOLLOWS:
+                rub(x, c, laws, w, r, mate, normal)
             continue
         p = c[c[FRICTION_PORT] + r]
         speed = m * max(m * w[c[V] + p], TINY)

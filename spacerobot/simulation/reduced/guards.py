@@ -4,17 +4,23 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from spacerobot.effects.kernel import PARAMETERS
 from spacerobot.simulation.reduced.arrays import (
     AUX,
     CONTACT_FORCE,
     EDGE,
+    FOLLOWS,
     FORCE,
     FORCES,
     FRICTION,
+    FRICTION_MATE,
     FRICTION_PORT,
     FRICTIONS,
     GEOMETRY,
+    HEADING,
+    NONE,
     PARAMETER,
     PRESS,
     RAW,
@@ -24,6 +30,16 @@ from spacerobot.simulation.reduced.arrays import (
 )
 from spacerobot.simulation.reduced.forces import APART, PRESSED, STICK, TINY, call_law, level
 from spacerobot.support.jit import lean
+
+
+@lean
+def disc(x: Any, c: Any, laws: Any, w: Any, r: int, mate: int, m: int, normal: float) -> float:
+    """Guard of a friction in two directions: what is left of its limit, or the sliding along its heading."""
+    if m == STICK:
+        a, b = w[c[FRICTION] + r], w[c[FRICTION] + mate]
+        return float(level(x, c, laws, r, TINY, normal) * (1.0 + 1e-12) + 1e-300 - np.sqrt(a * a + b * b))
+    along, across = w[c[V] + c[c[FRICTION_PORT] + r]], w[c[V] + c[c[FRICTION_PORT] + mate]]
+    return float(along * w[c[HEADING] + r] + across * w[c[HEADING] + mate])
 
 
 @lean
@@ -55,7 +71,12 @@ def guards(x: Any, c: Any, laws: Any, modes: Any, w: Any, out: Any) -> None:
     base = 1 + forces
     for r in range(c[FRICTIONS]):
         m = modes[base + r]
-        if m == STICK:
+        mate = c[c[FRICTION_MATE] + r]
+        if mate == FOLLOWS:
+            out[base + r] = 1.0
+        elif mate != NONE:
+            out[base + r] = disc(x, c, laws, w, r, mate, m, normal)
+        elif m == STICK:
             f = w[c[FRICTION] + r]
             limit = level(x, c, laws, r, -TINY if f > 0.0 else TINY, normal)
             out[base + r] = limit * (1.0 + 1e-12) + 1e-300 - abs(f)

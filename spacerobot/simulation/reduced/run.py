@@ -97,6 +97,11 @@ class ReducedRun:
         """A step of the series, the longest there is, spans 3.5 rad of the fastest motion (REACH): 0.2 rad a piece."""
         return 16
 
+    def contact_modes(self, times: np.ndarray) -> np.ndarray:
+        """Mode of the contact at `times`, shape (T,); at an event's own time that after it."""
+        index = np.searchsorted(self.steps.time, times, side="right") - 1
+        return np.asarray(self.steps.modes[np.clip(index, 0, self.steps.time.size - 1), 0])
+
     def pressed(self) -> np.ndarray:
         """Whether the contact carries force in each step, shape (m,)."""
         return np.asarray(self.steps.modes[:, 0] == PRESSED)
