@@ -10,6 +10,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 from helpers_balls import balls
+from helpers_models import ARM, arm_log
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -17,10 +18,14 @@ from spacerobot.diagnosis.data import TrialData
 from spacerobot.diagnosis.diagnose import diagnose
 from spacerobot.diagnosis.hypothesis import Site
 from spacerobot.diagnosis.models.candidate import Candidate
+from spacerobot.diagnosis.models.grow import grow
 from spacerobot.diagnosis.models.held_out import HeldOut
+from spacerobot.diagnosis.models.inverse_dynamics import InverseDynamics
+from spacerobot.diagnosis.models.part import Part
 from spacerobot.diagnosis.models.part_checks import COPIES, agreed
 from spacerobot.diagnosis.models.worth import WORTH_OF_REST, as_good, choice, pays, ratio
-from spacerobot.effects.registry import all_effects
+from spacerobot.effects.registry import all_effects, effect
+from spacerobot.model.library import load
 from spacerobot.recordings.study import Study
 
 LIGHT, HEAVY = (0.05, 0.003), (8.0, 0.003)
@@ -121,3 +126,18 @@ def test_no_single_draw_of_noise_takes_an_answer_back(bad: tuple[int, ...], pass
     found = {c["name"]: c["passed"] for c in agreed(copy)}
     assert found == {"a": True, "b": passed}
     assert asked == list(range(COPIES if 0 in bad else 1))
+
+
+def test_what_is_missing_at_one_joint_says_nothing_of_another() -> None:
+    """The elbow's own friction moves no digit of what is found at the shoulder."""
+    robot = load(ARM)
+    found = []
+    for elbow in ((0.0, 0.0, 0.0), (2.0, 0.5, 0.3)):
+        planted = {"shoulder": (1.2, 0.0, 0.0), "elbow": elbow}
+        grids = {f"run{n}": (arm_log(robot, n, planted, seconds=8.0), f"motion {n}", {}) for n in range(2)}
+        model = InverseDynamics(robot, (0.0, 0.0, -9.81), grids, ("shoulder", "elbow"), compared=["shoulder"])
+        found.append(Part(grow(model, effects=[effect("coulomb_friction")])))
+    one, other = found
+    assert one.verdict == other.verdict == "named"
+    assert one.fit.values() == other.fit.values()
+    assert one.confidence == other.confidence
