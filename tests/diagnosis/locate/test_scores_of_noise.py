@@ -71,3 +71,23 @@ def test_whitened_noise_is_white_with_beliefs_and_without() -> None:
         raw = raw + direction[:, None] * rng.normal(size=20_000)
     np.testing.assert_allclose(np.cov(Whitener(whole)(raw)), np.eye(12), atol=0.05)
     assert np.abs(np.cov(Whitener(sensor)(raw)) - np.eye(12)).max() > 1.0
+
+
+@pytest.mark.parametrize("units", [6, 8, 25])
+def test_a_constant_pattern_is_a_mean_with_the_standard_error_of_the_textbook(units: int) -> None:
+    """Of the stretches' own means, with one degree of freedom lost; p by Student's t."""
+    from scipy.stats import ttest_1samp
+
+    rng = np.random.default_rng(units)
+    white = 0.3 + rng.normal(size=units * STRETCH)
+    ones = np.ones((white.size, 1))
+    score = Score(np.zeros(1))
+    score.add(white, ones, ones)
+    found = score.verdict(0.0, 0, False)
+    assert found is not None
+    means = white.reshape(units, STRETCH).mean(axis=1)
+    textbook = ttest_1samp(means, 0.0)
+    assert found.coefficient == pytest.approx(means.mean())
+    assert found.error == pytest.approx(means.std(ddof=1) / math.sqrt(units))
+    assert found.score == pytest.approx(float(textbook.statistic))
+    assert math.exp(found.log_p) == pytest.approx(float(textbook.pvalue))
