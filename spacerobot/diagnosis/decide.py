@@ -75,7 +75,17 @@ def decide(pool: Pool, sites: Sequence[Site], report: Report) -> Decided:
         sites: effects and places to try.
         report: told of progress.
     """
-    found = search(pool, sites, report)
+    return conclude(pool, search(pool, sites, report), report)
+
+
+def conclude(pool: Pool, found: Found, report: Report) -> Decided:
+    """Judge what was found.
+
+    Args:
+        pool: of the trials that were fitted.
+        found: the fits; sets whose believed values bend are fitted again and take their places.
+        report: told of progress.
+    """
     report("judging", 0, 1)
     freed = baseline_freed(pool, found.baseline)
     set_free(pool, found, report)

@@ -15,7 +15,7 @@ from spacerobot.diagnosis.checks import nested, synthetic, widened
 from spacerobot.diagnosis.confirm import confirm
 from spacerobot.diagnosis.decide import decide
 from spacerobot.diagnosis.found import Report
-from spacerobot.diagnosis.held_out import hold_out
+from spacerobot.diagnosis.held_out import held_out_entry, hold_out
 from spacerobot.diagnosis.intervals import with_intervals
 from spacerobot.diagnosis.judge import AMBIGUOUS, NAMED
 from spacerobot.diagnosis.locate.located import LEVEL, Located
@@ -25,7 +25,7 @@ from spacerobot.diagnosis.not_predicted import not_predicted
 from spacerobot.diagnosis.pool import Pool
 from spacerobot.diagnosis.result import Diagnosis
 from spacerobot.diagnosis.scene_out import scene_of
-from spacerobot.diagnosis.verdict import detectable, held_out_entry, labels_of, verdict_dict
+from spacerobot.diagnosis.verdict import detectable, labels_of, verdict_dict
 from spacerobot.diagnosis.workshop import Workshop
 from spacerobot.recordings.lacking import refuse_draft
 from spacerobot.recordings.study import Study
@@ -97,8 +97,11 @@ def diagnose(
         # begun together, asked for below
         copied = pool.aside(synthetic, chosen, seed, first.lead) if first.verdict == NAMED else None
         whole = pool.aside(confirm, chosen) if first.verdict == NAMED else None
+        unseen = hold_out(pool, first)
         report("predicting held-out conditions", 0, 1)
-        held = hold_out(pool, {"before": found.baseline, "after": chosen})
+        held = unseen()
+        if held is not None and first.verdict == NAMED:
+            checks.append(held.check())
         if copied is not None and whole is not None:
             report("checking on a synthetic copy", 0, 1)
             checks += copied()
@@ -115,7 +118,6 @@ def diagnose(
         (s for s in reversed(found.screens) if s.fit.hypothesis.label == judgement.chosen.hypothesis.label),
         found.screens[0],
     )
-    before, after = held.get("before"), held.get("after")
     further = (
         next_experiment(workshop.model, workshop.trials, judgement.alternatives)
         if judgement.verdict == AMBIGUOUS
@@ -131,18 +133,18 @@ def diagnose(
         sigma=workshop.model.believed.sigma,
         inflation=inflation,
         located=[r.entry() for r in located.rows if r.p < LEVEL],
-        held_out=held_out_entry(workshop.trials, before, after),
+        held_out=held_out_entry(workshop.trials, held),
         detectable_sizes=detectable(screen, inflation),
         next_experiment=further,
         profiled=profiled,
     )
     verdict["not_predicted"] = not_predicted(study, {c for t in workshop.trials for c in t.channels})
-    shown_before = before.residuals if before else {k: t.residual for k, t in base.trials.items()}
-    shown_after = after.residuals if after else {k: t.residual for k, t in judgement.chosen.trials.items()}
+    shown_before = held.before.residuals if held else {k: t.residual for k, t in base.trials.items()}
+    shown_after = held.after.residuals if held else {k: t.residual for k, t in judgement.chosen.trials.items()}
     left = {f.hypothesis.label: left_of[id(f)] for f in [base, judgement.chosen] if id(f) in left_of}
     evidence = {
         "study": ev.study_evidence(study, workshop.trials),
-        "traces": ev.traces(workshop.trials, shown_before, shown_after, bool(after)),
+        "traces": ev.traces(workshop.trials, shown_before, shown_after, held is not None),
         "hypotheses": ev.hypotheses(found, judgement),
         "located": [{**r.entry(), "significance": r.score} for r in located.rows[:SHOWN]],
         "surfaces": [asdict(s) for s in located.surfaces],

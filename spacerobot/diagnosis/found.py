@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -132,3 +133,8 @@ def share_of(item: Screened) -> float:
 def effect_values(fit: Fit) -> Mapping[str, float]:
     """Values of a fit's effect parameters, by key."""
     return {k: v for k, v in fit.values().items() if "@" in k}
+
+
+def noise_of(workshop: Workshop) -> Callable[[Fit], bool]:
+    """Whether a fit leaves nothing but noise, each asked once."""
+    return functools.cache(lambda fit: workshop.left_by(fit).adequate)

@@ -209,6 +209,27 @@ class Pool:
 
         return Waiting(result, future)
 
+    def kept_aside(self, about: Sequence[Any], work: Callable[..., R], *arguments: Any) -> Waiting[R]:
+        """The same for a result that JSON can hold: not done again where the store holds it.
+
+        Args:
+            about: all that decides the result, beside the study.
+            work, arguments: as of `aside`.
+        """
+        name = "kept-" + combined_hash(*about)
+        known = None if self._store is None else self._store.load(name)
+        if known is not None:
+            return Waiting(lambda: known)
+        begun = self.aside(work, *arguments)
+
+        def result() -> R:
+            found = begun()
+            if self._store is not None:
+                self._store.save(name, found)
+            return found
+
+        return Waiting(result, begun.future)
+
     def here(self, task: Task) -> Fit | None:
         """A task done in this process, unless the store holds it."""
         known, fit = self._recalled(task)

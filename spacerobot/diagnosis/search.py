@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
-import functools
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 from spacerobot.diagnosis.data import TrialData
 from spacerobot.diagnosis.fit import HOPE
 from spacerobot.diagnosis.fitted import Fit
-from spacerobot.diagnosis.found import WORTH_A_FIT, Found, Report, effect_values, run_tasks, screened, share_of
+from spacerobot.diagnosis.found import (
+    WORTH_A_FIT,
+    Found,
+    Report,
+    effect_values,
+    noise_of,
+    run_tasks,
+    screened,
+    share_of,
+)
 from spacerobot.diagnosis.hypothesis import Label, Site
 from spacerobot.diagnosis.minima import other_minima
 from spacerobot.diagnosis.one_trial import knocks
@@ -18,7 +26,7 @@ from spacerobot.diagnosis.pairs import at_full_size, pairs, simplify
 from spacerobot.diagnosis.pool import Pool
 from spacerobot.diagnosis.screen import faint
 from spacerobot.diagnosis.starts import effect_starts, informed_starts, sized
-from spacerobot.diagnosis.workshop import Task, Workshop
+from spacerobot.diagnosis.workshop import Task
 
 TOP_SCREENED = 4
 TOP_FITTED = 4
@@ -44,7 +52,7 @@ def search(pool: Pool, sites: Sequence[Site], report: Report, *, baseline: Fit |
     if baseline is None:
         baseline = pool.here(Task((), {}))
         assert baseline is not None  # the believed rig itself can be simulated, or RigModel had refused it
-    found = Found(baseline, singles=tuple(sites), noise=_noise(workshop))
+    found = Found(baseline, singles=tuple(sites), noise=noise_of(workshop))
     report("screening", 0, len(sites))
     first = screened(pool, baseline, sites)
     found.screens.append(first)
@@ -102,11 +110,6 @@ def search(pool: Pool, sites: Sequence[Site], report: Report, *, baseline: Fit |
     if found.preferred([*found.fits.values()]) is not chosen:
         simplify(pool, found, report)
     return found
-
-
-def _noise(workshop: Workshop) -> Callable[[Fit], bool]:
-    """Whether a fit leaves nothing but noise, each asked once."""
-    return functools.cache(lambda fit: workshop.left_by(fit).adequate)
 
 
 def _starts(found: Found, labels: Sequence[Label], trials: Sequence[TrialData]) -> list[Task]:

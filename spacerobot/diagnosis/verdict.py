@@ -6,9 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from spacerobot.diagnosis.data import TrialData
 from spacerobot.diagnosis.fitted import Fit
-from spacerobot.diagnosis.held_out import HeldOut
 from spacerobot.diagnosis.hypothesis import Label
 from spacerobot.diagnosis.judge import AMBIGUOUS, MOVED, NAMED, Judgement
 from spacerobot.diagnosis.screen import FAINT, Screen
@@ -94,48 +92,6 @@ def moved_values(
 def _unit(name: str) -> str:
     last = name.rsplit(".", 1)[-1]
     return {"mass": "kg", "stiffness": "N/m", "yaw_inertia": "kg m^2"}.get(last, "N s/m" if "damping" in last else "")
-
-
-def held_out_entry(trials: Sequence[TrialData], before: HeldOut | None, after: HeldOut | None) -> dict[str, Any]:
-    """Held-out errors per channel in SI and over all in sensor sigmas."""
-    nothing = {"rms_before": None, "rms_after": None, "noise_floor": None, "chi2_before": None, "chi2_after": None}
-    if before is None or after is None:
-        return {"scheme": None, "channels": {}, "overall": nothing}
-    sums: dict[str, list[float]] = {}
-    total = [0.0, 0.0, 0]
-    for trial in trials:
-        if trial.id not in before.residuals or trial.id not in after.residuals:
-            continue
-        row = 0
-        for block in trial.blocks:
-            for c, channel in enumerate(block.channels):
-                rows = slice(row, row + block.time.size)
-                row += block.time.size
-                good = block.weight[c] > 0.0
-                sigma = float(1.0 / block.weight[c][good][0]) if good.any() else 0.0
-                a, b = before.residuals[trial.id][rows], after.residuals[trial.id][rows]
-                entry = sums.setdefault(channel, [0.0, 0.0, 0.0])
-                entry[0] += float(a @ a) * sigma**2
-                entry[1] += float(b @ b) * sigma**2
-                entry[2] += int(good.sum())
-                total[0] += float(a @ a)
-                total[1] += float(b @ b)
-                total[2] += int(good.sum())
-    count = max(total[2], 1)
-    return {
-        "scheme": after.scheme,
-        "channels": {
-            name: {"rms_before": math.sqrt(a / max(n, 1)), "rms_after": math.sqrt(b / max(n, 1))}
-            for name, (a, b, n) in sums.items()
-        },
-        "overall": {
-            "rms_before": math.sqrt(total[0] / count),
-            "rms_after": math.sqrt(total[1] / count),
-            "noise_floor": 1.0,
-            "chi2_before": total[0],
-            "chi2_after": total[1],
-        },
-    }
 
 
 def detectable(screen: Screen, inflation: float) -> list[dict[str, Any]]:

@@ -11,10 +11,11 @@ import numpy as np
 from spacerobot.diagnosis.data import TrialData, trial_data
 from spacerobot.diagnosis.fit import Fitter
 from spacerobot.diagnosis.fitted import Fit
-from spacerobot.diagnosis.held_out import folds, frozen
+from spacerobot.diagnosis.held_out import folds
 from spacerobot.diagnosis.hypothesis import Site
 from spacerobot.diagnosis.rig_model import RigModel
 from spacerobot.diagnosis.starts import fit_from
+from spacerobot.diagnosis.unseen import foretell, nothing_foretold
 from spacerobot.effects.registry import effect
 from spacerobot.recordings.study import load_study
 
@@ -34,8 +35,8 @@ class Fitted:
 
     Attributes:
         fit: to all trials.
-        held_out: rms of the prediction of conditions not seen, in sensor sigmas; a trial's own start and its
-            condition's scatter are found from the trial itself, as the diagnosis does it.
+        held_out: rms of the prediction of conditions not seen, in sensor sigmas; a trial's own start is found from the
+            trial itself and its condition's scatter from the condition's other trials, as the diagnosis does it.
         channels: rms by channel, SI, where only the free approach tells how an unseen trial starts.
     """
 
@@ -100,13 +101,12 @@ class Bench:
                 fit.hypothesis, warm=fit.values(), initials=own, max_iterations=ITERATIONS
             )
             fitter = Fitter(self.model, [t for t in self.trials if t.id in unseen])
-            conditions = {t.condition for t in fitter.trials}
-            scatter = [f.key for f in part.hypothesis.free if f.kind == "scatter"]
-            free = tuple(key for key in scatter if key.split("|", 1)[0] in conditions)
-            made = frozen(part.hypothesis, part.values(), free)
-            settled = fitter.fit(made, warm=part.values(), max_iterations=ITERATIONS)
-            total, samples = total + settled.chi2, samples + settled.samples
+            told = foretell(self.model, part, fitter.trials)
             for trial in fitter.trials:
+                found = told.residual(self.model, trial)
+                row = nothing_foretold(trial) if found is None else found
+                total += float(row @ row) + told.paid.get(trial.id, 0.0)
+                samples += trial.samples
                 for channel, error in self._approached(fitter, part, trial).items():
                     errors.setdefault(channel, []).append(error)
         rms = {c: float(np.sqrt(np.mean(np.concatenate(e) ** 2))) for c, e in errors.items()}

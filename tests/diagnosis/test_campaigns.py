@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 
 from spacerobot.diagnosis.diagnose import diagnose
-from spacerobot.diagnosis.held_out import frozen
 from spacerobot.diagnosis.result import Diagnosis
+from spacerobot.diagnosis.unseen import frozen
 from spacerobot.diagnosis.workshop import Workshop
 from spacerobot.recordings.study import load_study
 from tests.overlay.studies import DATA
