@@ -158,6 +158,10 @@ def _show(args: argparse.Namespace, verdict: Mapping[str, Any], folder: RunFolde
     if overall["rms_before"] is not None and overall["rms_after"] is not None:
         unit = _UNITS[verdict["held_out"].get("unit", "sigma")]
         print(f"held out, {unit}: {overall['rms_before']:.3f} before, {overall['rms_after']:.3f} after")
+        from spacerobot.view.report.unseen import unseen
+
+        for text in unseen(verdict):
+            print(f"  {text}")
     if silent := [c["channel"] for c in verdict.get("not_predicted", ())]:
         more = f" and {len(silent) - LISTED} more" if len(silent) > LISTED else ""
         print(f"predicted by nothing: {', '.join(silent[:LISTED])}{more}")

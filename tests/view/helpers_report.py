@@ -114,6 +114,18 @@ def verdict(kind: str) -> dict[str, Any]:
                 "chi2_before": before**2,
                 "chi2_after": after**2,
             },
+            "same_set": 1,
+            "folds": [
+                {
+                    "left_out": ["01", "02"],
+                    "selected": [{"effect": "coulomb_friction", "where": "wrist"}],
+                    "leads_to": "the same set",
+                    "rms_selected": after,
+                },
+                {"left_out": ["<b>03</b>"], "selected": [], "leads_to": "a part of it", "rms_selected": before},
+            ],
+            "taken_from_unseen": ["each trial's own start, from its readings"],
+            "failed": [{"trial": "<i>03</i>", "model": "after", "why": "<script>alert(1)</script>"}],
         },
         "detectable": [
             {"effect": "coulomb_friction", "where": "wrist", "parameter": "force_N", "smallest": 0.021, "unit": "N"},

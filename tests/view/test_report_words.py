@@ -13,6 +13,7 @@ from spacerobot.effects.registry import all_effects
 from spacerobot.view.report import svg
 from spacerobot.view.report.formula import mathml
 from spacerobot.view.report.story import improvement
+from spacerobot.view.report.unseen import unseen
 from spacerobot.view.report.words import (
     number,
     parameter_label,
@@ -149,3 +150,23 @@ def test_parameters_of_one_effect_and_of_two() -> None:
     assert first.endswith(": delay 3\u00a0ms")
     assert second == "external impulse on the target: impulse 0.02\u00a0N s, time 0.65\u00a0s"
     assert parameters_text({}) == ""
+
+
+def test_what_was_done_with_the_trials_kept_aside_is_said() -> None:
+    fold = {"left_out": ["1", "2"], "selected": [], "leads_to": "a part of it", "rms_selected": 3.0}
+    named = {"left_out": ["3"], "selected": [{"effect": "adhesion", "where": "contact"}], "leads_to": "another set"}
+    held_out = {
+        "same_set": 1,
+        "folds": [{**fold}, {**named, "rms_selected": math.inf}, {**fold, "leads_to": "the same set"}],
+        "taken_from_unseen": ["each trial's own start"],
+        "failed": [{"trial": "3", "model": "after", "why": "<b>it would not</b>"}],
+    }
+    said = unseen({"held_out": held_out})
+    assert "the same set 1 of 3 times" in said[0]
+    assert "trials 1, 2" in said[1]
+    assert "the baseline" in said[1]
+    assert "trial 3" in said[2]
+    assert "adhesion at contact" in said[2]
+    assert "each trial's own start" in said[3]
+    assert "it would not" in said[4]
+    assert unseen({"held_out": {"overall": {}}}) == unseen({}) == []

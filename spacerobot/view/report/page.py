@@ -18,6 +18,7 @@ from spacerobot.view.report.evidence import Evidence, Trace
 from spacerobot.view.report.formula import mathml
 from spacerobot.view.report.story import capital, change_text, confidence_text, improvement, tell
 from spacerobot.view.report.traces_json import embedded
+from spacerobot.view.report.unseen import unseen
 from spacerobot.view.report.words import finite, of_body
 
 RIVALS = 200
@@ -51,6 +52,7 @@ def page(verdict: Mapping[str, Any], evidence: Evidence) -> str:
         overall=(verdict.get("held_out") or {}).get("overall") or {},
         channels=(verdict.get("held_out") or {}).get("channels") or {},
         scheme=(verdict.get("held_out") or {}).get("scheme"),
+        unseen=unseen(verdict),
         hero=hero,
         hero_chart=charts.trace_chart(hero) if hero is not None else None,
         static=[(t, charts.trace_chart(t)) for t in _one_a_channel(evidence)],
