@@ -6,7 +6,6 @@ the sets in play are fitted from starts that these lead to, and the same judge d
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -70,7 +69,7 @@ def folded(
     sites = seen_sites(chosen, out)
     label = tuple(sorted(s.label for s in sites))
     try:
-        with Pool(without(workshop, out), 1) as pool:
+        with Pool(workshop.but_for(out), 1) as pool:
             found = refit(pool, sites, [seen_sites(r, out) for r in rivals], thorough)
             decided = conclude(pool, found, lambda what, done, total: None)
     except SimulationError as error:
@@ -87,11 +86,3 @@ def folded(
     else:
         leads_to = PART if contains(label, best) else OTHER
     return Fold(out, told[id(found.baseline)], told[id(after)], told[id(said.chosen)], leads_to).as_json()
-
-
-def without(workshop: Workshop, out: Sequence[str]) -> Workshop:
-    """The workshop as it is where some trials were never recorded."""
-    rest = copy.copy(workshop)
-    rest.trials = tuple(t for t in workshop.trials if t.id not in out)
-    rest.fitters = {}
-    return rest

@@ -30,7 +30,6 @@ def task_name(task: Any) -> str:
         sorted(task.start.items()),
         task.hopeless,
         task.max_iterations,
-        task.without,
         task.loose,
         task.eager,
         task.patient,

@@ -247,7 +247,7 @@ class Pool:
         if kept is None:
             return False, None
         made = hypothesis(self.workshop.model.believed.free_of(task.freed), task.sites(), task.start)
-        fit = from_json(kept, self.workshop.fitter(task.without), made)
+        fit = from_json(kept, self.workshop.fitter(), made)
         return fit is not None or kept["fit"] is None, fit
 
     def _begun(self, task: Task) -> Waiting[Fit | None]:

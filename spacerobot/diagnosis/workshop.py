@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+import copy
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -37,7 +38,6 @@ class Task:
         patient: whether it is never given up.
         hopeless: cost above which it may be given up.
         max_iterations: of each fit.
-        without: trials left out.
         only: effects and places that act in some trials alone, and which; those of `near` are known by it.
         freed: believed values that are set free of what is stated of them.
     """
@@ -47,7 +47,6 @@ class Task:
     initials: Mapping[str, np.ndarray] | None = None
     hopeless: float = np.inf
     max_iterations: int = 40
-    without: tuple[str, ...] = ()
     near: Fit | None = None
     loose: bool = False
     eager: bool = False
@@ -68,18 +67,24 @@ class Workshop:
 
     study: Study
     make_model: Callable[[Study, Any], Any] = RigModel
-    fitters: dict[tuple[str, ...], Fitter] = field(default_factory=dict)
+    made: Fitter | None = None
 
     def __post_init__(self) -> None:
         self.trials = trial_data(self.study)
         self.model = self.make_model(self.study, self.trials)
 
-    def fitter(self, without: tuple[str, ...] = ()) -> Fitter:
-        """A fitter of all trials but some."""
-        if without not in self.fitters:
-            kept = [t for t in self.trials if t.id not in without]
-            self.fitters[without] = Fitter(self.model, kept, hasty=True)
-        return self.fitters[without]
+    def fitter(self) -> Fitter:
+        """A fitter of its trials; one for all that is asked of it."""
+        if self.made is None:
+            self.made = Fitter(self.model, self.trials, hasty=True)
+        return self.made
+
+    def but_for(self, out: Sequence[str]) -> Workshop:
+        """The workshop as it is where some trials were never recorded."""
+        rest = copy.copy(self)
+        rest.trials = tuple(t for t in self.trials if t.id not in out)
+        rest.made = None
+        return rest
 
     def left_by(self, fit: Fit) -> Left:
         """What a finished fit leaves over."""
@@ -96,7 +101,7 @@ class Workshop:
         try:
             if task.near is not None:
                 return fit_near(
-                    self.fitter(task.without),
+                    self.fitter(),
                     believed,
                     sites,
                     task.near,
@@ -107,7 +112,7 @@ class Workshop:
                     task.eager,
                 )
             return fit_from(
-                self.fitter(task.without),
+                self.fitter(),
                 believed,
                 sites,
                 task.start,

@@ -14,7 +14,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from spacerobot.diagnosis import fold as folding
 from spacerobot.diagnosis import unseen
 from spacerobot.diagnosis.data import Block, TrialData
 from spacerobot.diagnosis.fold import OPEN, OTHER, PART, SAME, Fold, folded
@@ -85,7 +84,7 @@ def test_readings_that_are_kept_aside_change_nothing_that_is_fitted_or_chosen(wo
 def test_a_leak_of_them_does(workshop: Workshop, leak: str, monkeypatch: pytest.MonkeyPatch) -> None:
     _, (out, _) = folds(workshop.trials)
     if leak == "their readings are fitted":
-        monkeypatch.setattr(folding, "without", lambda workshop, out: workshop)
+        monkeypatch.setattr(Workshop, "but_for", lambda self, out: self)
         said = [folded(w, out, [RUB], [], False) for w in (workshop, corrupted(workshop, out))]
     else:
         said = []
@@ -100,7 +99,7 @@ def test_a_leak_of_them_does(workshop: Workshop, leak: str, monkeypatch: pytest.
 def test_a_conditions_own_is_found_from_its_other_trials(workshop: Workshop) -> None:
     """What is judged tells nothing of itself but how it starts."""
     _, (out, _) = folds(workshop.trials)
-    fit = folding.without(workshop, out).run(Task((RUB.label,), {RUB.key("force_N"): 0.3}, max_iterations=8))
+    fit = workshop.but_for(out).run(Task((RUB.label,), {RUB.key("force_N"): 0.3}, max_iterations=8))
     assert fit is not None
     one, other = out
     clean = foretell(workshop.model, fit, [t for t in workshop.trials if t.id in out])
@@ -117,7 +116,7 @@ def test_of_a_lonely_trial_it_costs_what_its_prior_says(tmp_path: Path) -> None:
     write_study(tmp_path, planted=[("coulomb_friction", "wrist", {"force_N": 0.35})], speeds=(0.08,))
     workshop = with_scatter(tmp_path)
     lonely = workshop.trials[0]
-    fit = folding.without(workshop, [lonely.id]).run(Task((RUB.label,), {RUB.key("force_N"): 0.3}, max_iterations=8))
+    fit = workshop.but_for([lonely.id]).run(Task((RUB.label,), {RUB.key("force_N"): 0.3}, max_iterations=8))
     assert fit is not None
     told = foretell(workshop.model, fit, [lonely])
     ((key, value),) = told.own[lonely.id].items()

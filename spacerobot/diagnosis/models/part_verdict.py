@@ -201,6 +201,9 @@ def held_out(parts: Sequence[Part]) -> dict[str, Any]:
             "chi2_before": before if stated else None,
             "chi2_after": after if stated else None,
         },
+        "decided": "all values fitted without the trials that are predicted, from the fit to all of them on; "
+        "effects chosen by these very errors" + ("" if stated else "; weights from what the fit to all leaves over"),
+        "taken_from_unseen": ["each piece's own start, from its readings and the sensor's noise"],
     }
 
 
