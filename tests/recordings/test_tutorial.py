@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import shutil
 from pathlib import Path
@@ -59,6 +60,25 @@ def test_the_tutorial_is_what_happens(
             study.write_text(edited(study.read_text(), text))
     assert not load_study("my_rig").draft
     assert "warning" not in said
+
+
+@pytest.mark.slow
+def test_its_verdict_is_the_friction_that_the_rig_was_made_with(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    shutil.copytree(ROOT / "examples" / "newcomer" / "semicolons", "my_rig")
+    assert main(["study", "new", "my_rig"]) == 0
+    study = Path("my_rig/study.toml")
+    for kind, text in BLOCKS:
+        if kind == "diff":
+            study.write_text(edited(study.read_text(), text))
+    capsys.readouterr()
+    assert main(["diagnose", "my_rig", "--json"]) == 0
+    (found,) = json.loads(capsys.readouterr().out)["effects"]
+    low, high = found["parameters"]["force_N"]["ci95"]
+    assert (found["effect"], found["where"]) == ("coulomb_friction", "wrist")
+    assert low <= 0.28 <= high
 
 
 def test_at_most_five_lines_are_edited_beyond_the_beliefs() -> None:

@@ -13,11 +13,13 @@ from spacerobot.recordings.readers.hdf5 import Hdf5Reader
 from spacerobot.recordings.readers.mat import MatReader
 from spacerobot.recordings.readers.motive import MotiveReader
 from spacerobot.recordings.readers.npz import NpzReader
+from spacerobot.recordings.readers.xlsx import XlsxReader
 from spacerobot.recordings.table import Options, RawTable
 from spacerobot.support.errors import InputError, NotFoundError
 
 READERS: tuple[Reader, ...] = (
     BagReader(),
+    XlsxReader(),
     NpzReader(),
     MatReader(),
     Hdf5Reader(),

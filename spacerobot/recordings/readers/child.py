@@ -13,6 +13,7 @@ from spacerobot.recordings.readers import limits
 from spacerobot.recordings.readers.bag import bag_arrays
 from spacerobot.recordings.readers.hdf5 import hdf5_arrays
 from spacerobot.recordings.readers.mat import mat_arrays
+from spacerobot.recordings.readers.xlsx import xlsx_arrays
 from spacerobot.recordings.table import Floats
 from spacerobot.support.errors import InputError
 
@@ -22,6 +23,8 @@ def answer(request: dict[str, str | None]) -> tuple[dict[str, Floats], list[str]
     path, variable = Path(str(request["path"])), request["variable"]
     if request["format"] == "bag":
         arrays, notes = bag_arrays(path, variable)
+    elif request["format"] == "xlsx":
+        arrays, notes = xlsx_arrays(path, variable)
     elif request["format"] == "mat":
         arrays, notes = mat_arrays(path), []
     else:

@@ -29,8 +29,8 @@ def sandboxed_arrays(path: Path, format: str, variable: str | None = None) -> tu
 
     Args:
         path: the file, or folder for a ROS 2 bag.
-        format: "mat", "hdf5" or "bag".
-        variable: topic of a bag; None for all arrays.
+        format: "mat", "hdf5", "xlsx" or "bag".
+        variable: topic of a bag, sheet of a workbook; None for all arrays.
 
     Returns:
         Dotted name -> array, and remarks.
