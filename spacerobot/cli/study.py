@@ -22,6 +22,7 @@ _MOST_SHOWN = 60
 
 _EPILOG = """examples:
   spacerobot study new my_recordings        writes my_recordings/study.toml, to be completed by you
+  spacerobot study new joint_logs --robot panda
   spacerobot study check my_recordings      trials, channels, rates, gaps and what is odd
   spacerobot study check guide-friction     the bundled study
   spacerobot study check emps/study.toml --data ~/emps --json
@@ -46,6 +47,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     new = actions.add_parser("new", help="write a first study.toml from a folder of recordings")
     new.add_argument("folder", type=Path, metavar="FOLDER", help="folder that holds the recordings")
     new.add_argument("--out", type=Path, metavar="FILE", help="where to write it (default: FOLDER/study.toml)")
+    new.add_argument("--robot", metavar="NAME", help="the arm that was logged (default: the URDF among the files)")
     new.add_argument("--overwrite", action="store_true", help="replace a study that is there")
     new.add_argument("--json", action="store_true", help="one JSON object on stdout")
     check = actions.add_parser("check", help="read a study and all its files, and say what they hold")
@@ -78,7 +80,7 @@ def _new(args: argparse.Namespace) -> int:
     if path.is_dir():
         path = path / "study.toml"
     may_write(path, "a study", args.overwrite)
-    made = draft(args.folder)
+    made = draft(args.folder, args.robot)
     try:
         for name, content in made.files.items():
             if not os.path.lexists(path.parent / name):

@@ -106,17 +106,21 @@ def draft_study(folder: Path) -> str:
     return draft(folder).text()
 
 
-def draft(folder: Path) -> Draft:
+def draft(folder: Path, robot: str | None = None) -> Draft:
     """A first study for the recordings in `folder`.
 
+    Args:
+        folder: of the recordings.
+        robot: a bundled robot or one of example-robot-data; None for the URDF beside the files, if there is one.
+
     Raises:
-        InputError: no folder, or no file in it that can be read.
+        InputError: no folder, no file in it that can be read, or no such robot.
     """
     files, refused = recordings_in(folder)
     if not files:
         listed = "; ".join(refused[:5]) or "it holds none of " + ", ".join(ENDINGS)
         raise InputError("the folder holds no recording that can be read", given=str(folder), valid=listed)
-    robot, joints = joints_of(robots_in(folder), folder, [f.relative for f in files])
+    robot, joints = joints_of(robots_in(folder), folder, [f.relative for f in files], robot)
     groups = groups_of(files)
     seen = {g.name: readings(g.leanest, joints) for g in groups}
     trials = trials_of(groups)

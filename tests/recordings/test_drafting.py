@@ -188,3 +188,14 @@ def test_a_newcomers_folder_becomes_a_wrist_rig_of_eight_trials(name: str) -> No
 def test_kinds_of_real_folders(folder: str, kind: str, trials: int) -> None:
     made = draft(real(folder))
     assert (made.kind, len(made.trials)) == (kind, trials)
+
+
+def test_the_robot_may_be_named(tmp_path: Path) -> None:
+    rows = "".join(f"{k / 100:.2f} " + " ".join(f"{0.1 * j + k / 900:.4f}" for j in range(7)) + "\n" for k in range(50))
+    (tmp_path / "joint_positions_1.txt").write_text(rows)
+    made = draft(tmp_path, "panda")
+    channels = [line.channel for lines in made.lines.values() for line in lines]
+    assert channels == [f"joint.panda_joint{n}.position" for n in range(1, 8)]
+    assert 'robot = "panda"' in made.text()
+    with pytest.raises(InputError, match="panda"):
+        draft(tmp_path, "pnada")

@@ -89,7 +89,7 @@ def head(title: str, kind: str, robot: str | None, joints: Sequence[str], masses
         return top + _WRIST.format(mass=mass)
     if kind in ("arm", "platform"):
         words = "a platform that floats, with an arm" if kind == "platform" else "an arm with joint logs"
-        asked = "" if robot and joints else "   # ? which robot: no URDF that can be read lies beside the files"
+        asked = "" if robot and joints else "   # ? which robot: no URDF lies beside the files (study new --robot NAME)"
         named = toml(robot if robot and joints else "pa10")
         base = '"free"' if kind == "platform" else '"fixed"'
         return top + _ARM.format(words=words, robot=named, asked=asked, base=base)

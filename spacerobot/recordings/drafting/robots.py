@@ -11,16 +11,24 @@ _CALLED = {"panda": "panda", "franka": "panda", "ur10": "ur10", "ur5": "ur5", "u
 """Words in the names of files that mean a robot of example-robot-data."""
 
 
-def joints_of(urdfs: Sequence[Path], folder: Path, names: Sequence[str]) -> tuple[str | None, tuple[str, ...]]:
+def joints_of(
+    urdfs: Sequence[Path], folder: Path, names: Sequence[str], stated: str | None = None
+) -> tuple[str | None, tuple[str, ...]]:
     """The robot as a study names it, and its joints from base to tip.
 
     Args:
         urdfs: URDFs in the folder, relative to it.
         folder: the folder.
         names: paths of the recordings.
+        stated: a bundled robot or one of example-robot-data that the user names, None to find out.
+
+    Raises:
+        NotFoundError: no robot is called as stated.
     """
     from spacerobot.model.library import load  # half a second, and only where a robot is in question
 
+    if stated is not None:
+        return stated, tuple(load(stated, mend=True).chain)
     for urdf in urdfs:
         try:
             robot = load(folder / urdf, mend=True)
