@@ -16,6 +16,9 @@ from spacerobot.dynamics.terms import terms_of
 from spacerobot.model.describe import held_words
 from spacerobot.model.robot import Robot
 from spacerobot.simulation.parts import Servo
+from spacerobot.simulation.servo_arm import ServoArm, servo_arm
+
+APPROXIMATE = "an approximation, for predictions alone: what is simulated has every servo"
 
 
 @dataclass(frozen=True)
@@ -25,15 +28,15 @@ class Hand:
     Attributes:
         mass: effective mass at the wrist mount along the approach, slider free [kg]; infinite where it is held.
         stiffness, damping: of the spring that ties it to the world [N/m, N s/m]; servo joints on a fixed base.
-        springlike: whether servos on a free base make it act as a spring, not as a mass, at the contact's frequency.
         note: how it was found.
+        arm: the arm's motions on its servos, from which the reduced model is made; with servo joints alone.
     """
 
     mass: float
     stiffness: float = 0.0
     damping: float = 0.0
-    springlike: bool = False
     note: str = ""
+    arm: ServoArm | None = None
 
 
 def hand_of(
@@ -50,8 +53,9 @@ def hand_of(
 ) -> Hand:
     """The hand of a scene: 1/(n^T J H_c^-1 J^T n) at the start pose, the slider eliminated (Schur).
 
-    Servo joints: on a fixed base the hand has the mass of free joints and the spring K_tip = 1/(n^T J K^-1 J^T
-    n), exact for slow and for fast motion; on a free base it has the apparent mass at the contact's frequency.
+    Servo joints are no single mass. Both models simulate every servo; for predictions of one number the hand has, on a
+    fixed base, the mass of free joints and the spring K_tip = 1/(n^T J K^-1 J^T n), exact for slow and for fast motion,
+    and on a free base the apparent mass at the contact's frequency; the note says so.
 
     Args:
         robot: with its wrist aimed.
@@ -71,6 +75,7 @@ def hand_of(
             found = effective_mass(robot, pose, joints=joints, **options)  # type: ignore[arg-type]
             return Hand(found.effective_mass_kg, note=f"joints {joints}, base {base}")
         assert servo is not None
+        arm = servo_arm(robot, pose, approach, base, others or {})
         stiffness, damping = (np.array(c) for c in zip(*servo.per_joint(robot.chain), strict=True))
         if base == "free":
             held = effective_mass(
@@ -83,23 +88,21 @@ def hand_of(
                 target_mass=target_mass,
                 **options,  # type: ignore[arg-type]
             )
-            return Hand(
-                held.effective_mass_kg,
-                springlike=abs(held.phase_rad) > 0.5 * math.pi,
-                note="; ".join(n for n in held.notes if n != held_words(robot)),  # a scene says that by itself
-            )
+            said = [n for n in held.notes if n != held_words(robot)]  # a scene says that by itself
+            return Hand(held.effective_mass_kg, note="; ".join((*said, APPROXIMATE)), arm=arm)
         free = effective_mass(robot, pose, joints="free", **options)  # type: ignore[arg-type]
     terms = terms_of(robot, robot.configuration(pose, others=dict(others or {})), regime_of(robot, "fixed", "free"))
     row = np.array(approach) @ terms.jacobian[:3][:, terms.arm]
     if math.isinf(free.effective_mass_kg):
         return Hand(math.inf, note="servo joints: the hand cannot move along the approach")
     if (stiffness <= 0.0).any():
-        return Hand(free.effective_mass_kg, note="a servo without stiffness: joints free")
+        return Hand(free.effective_mass_kg, note=f"a servo without stiffness: joints free; {APPROXIMATE}", arm=arm)
     give = row / stiffness
     spring = 1.0 / float(row @ give)
     return Hand(
         free.effective_mass_kg,
         spring,
         spring**2 * float(give @ (damping * give)),
-        note="servo joints: mass of free joints on the spring of the held ones",
+        note=f"servo joints: mass of free joints on the spring of the held ones; {APPROXIMATE}",
+        arm=arm,
     )

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 
+from spacerobot.dynamics.joint_kinds import joint_axis
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.simulation.energy import Ledger, stored_by_elements
 from spacerobot.simulation.events import Event, contact_intervals
@@ -19,6 +20,7 @@ from spacerobot.simulation.reduced.forces import PRESSED
 from spacerobot.simulation.reduced.run import ReducedRun, Sample
 from spacerobot.simulation.restitution import Restitution, Speeds, restitution_of
 from spacerobot.simulation.scene import Scene
+from spacerobot.simulation.scene_mechanism import ARM_MOMENTUM, SERVO
 from spacerobot.simulation.sensors import read_channels
 from spacerobot.simulation.trajectory import Trajectory
 
@@ -206,7 +208,8 @@ def of_reduced(scene: Scene, run: ReducedRun, times: np.ndarray) -> Trajectory:
     mechanism, names = run.mechanism, list(run.layout.coordinates)
     out: dict[str, np.ndarray] = {}
     shown = {"wrist.x": "wrist", "target.x": "target", "hand.x": "hand"}
-    for channel, coordinate in {**shown, **{n: n for n in names if n not in shown.values()}}.items():
+    others = {n: n for n in names if n not in shown.values() and not n.startswith("arm.")}
+    for channel, coordinate in {**shown, **others}.items():
         if coordinate in names:
             i = names.index(coordinate)
             out[channel], out[f"{channel}.velocity"] = taken.position[:, i], taken.velocity[:, i]
@@ -219,10 +222,16 @@ def of_reduced(scene: Scene, run: ReducedRun, times: np.ndarray) -> Trajectory:
     out["contact.penetration"], out["contact.penetration.velocity"] = reduced_contact(run, taken)
     _tangential(out, mechanism, run.contact_modes(times), reduced_slip(run, taken), taken.friction)
     mass = {n: mechanism.coordinates[n].mass for n in names}
+    arm = scene.hand.arm
+    apart = ("target.y", "target.yaw", *(() if arm is None else arm.names))
     along = sum(
-        (taken.velocity[:, i] * mass[n] for i, n in enumerate(names) if n not in ("target.y", "target.yaw")),
-        start=np.zeros(times.size),
+        (taken.velocity[:, i] * mass[n] for i, n in enumerate(names) if n not in apart), start=np.zeros(times.size)
     )
+    if arm is not None:
+        along = along + run.port(ARM_MOMENTUM, taken.velocity)
+        for joint, at in zip(scene.prepared.chain, scene.pose or (), strict=True):
+            out[f"joint.{joint}.position"] = at + run.port(f"{SERVO}{joint}", taken.position)
+            out[f"joint.{joint}.velocity"] = run.port(f"{SERVO}{joint}", taken.velocity)
     across = taken.velocity[:, names.index("target.y")] * mass["target.y"] if "target.y" in names else 0.0 * along
     for i, axis in enumerate("xyz"):
         out[f"momentum.{axis}"] = along * scene.axes[i, 0] + across * scene.axes[i, 1]
@@ -236,9 +245,7 @@ def of_reduced(scene: Scene, run: ReducedRun, times: np.ndarray) -> Trajectory:
     return Trajectory(
         time=times,
         channels=out,
-        units={
-            c: unit_of(c, mechanism.coordinates.get(c) is not None and mechanism.coordinates[c].angular) for c in out
-        },
+        units={c: unit_of(c, _turns(scene, mechanism, c)) for c in out},
         measured=read_channels(run, mechanism, mechanism.readouts, times),
         ledger=reduced_ledger(run),
         events=events,
@@ -249,6 +256,15 @@ def of_reduced(scene: Scene, run: ReducedRun, times: np.ndarray) -> Trajectory:
         peak_force=peak_force(run),
         peak_deflection=peak_deflection(run),
     )
+
+
+def _turns(scene: Scene, mechanism: Mechanism, channel: str) -> bool:
+    """Whether a channel of the reduced model is of something that turns."""
+    if channel in mechanism.coordinates:
+        return mechanism.coordinates[channel].angular
+    robot = scene.prepared
+    joint = channel.removeprefix("joint.").rsplit(".", 1)[0]
+    return channel.startswith("joint.") and joint_axis(robot.model, robot.joint_id(joint))[0]
 
 
 def reduced_contact(run: ReducedRun, taken: Sample) -> tuple[np.ndarray, np.ndarray]:

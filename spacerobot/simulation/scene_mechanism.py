@@ -14,8 +14,16 @@ from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Coordinate, Field, Force, Readout
 from spacerobot.simulation.outline import Outline
 from spacerobot.simulation.parts import EffectAt
+from spacerobot.simulation.planar import require_planar
 from spacerobot.simulation.rig import rig
+from spacerobot.simulation.servo_arm import ServoArm
 from spacerobot.support.errors import InputError, NotFoundError
+
+ARM_MOMENTUM = "arm.momentum"
+"""Port whose rate is the momentum of an arm on servos along the approach [N s]."""
+
+SERVO = "servo."
+"""Ports of the reduced model at which the servos act, by joint."""
 
 UNREACHABLE = 1e9
 """Mass [kg] that stands for a hand which moves, but not along the approach (a singular pose)."""
@@ -31,7 +39,8 @@ def baseline(scene: Outline, backend: str) -> Mechanism:
     turned = scene.axes.T @ scene.level
     point = turned @ np.array(target.contact_point)
     moves = scene.base == "free" or scene.joints != "locked"
-    mass = scene.hand.mass
+    arm = scene.hand.arm
+    mass = scene.hand.mass if arm is None else arm.mass
     if moves and math.isinf(mass):
         mass = UNREACHABLE
     along = float(np.array(scene.gravity) @ np.array(scene.approach))
@@ -56,20 +65,13 @@ def baseline(scene: Outline, backend: str) -> Mechanism:
     mechanism = mechanism.with_contact(lambda c: replace(c, p=contact.parameters, hold=contact.adhesion))
     if along and scene.base == "free":
         mechanism = mechanism.with_field(Field("hand", along))
+    sideways = float(np.array(scene.gravity) @ scene.axes[:, 1])
+    if sideways and scene.base != "free":
+        mechanism = mechanism.with_field(Field("target.y", sideways))
     if backend == "multibody":
         mechanism = _with_robot(scene, mechanism)
-    elif scene.hand.springlike:
-        raise InputError(
-            "servo joints act as a spring at the contact's frequency, not as a mass",
-            valid="backend multibody",
-            where="servo",
-        )
-    elif scene.hand.stiffness > 0.0 and moves:
-        arm = {"hand": 1.0}
-        mechanism = replace(mechanism, ports={**mechanism.ports, "arm": arm}).with_force(
-            Force("arm.servo_spring", "arm", SPRING, (scene.hand.stiffness,), role="spring"),
-            Force("arm.servo_damper", "arm", DAMPER, (scene.hand.damping,), role="damper"),
-        )
+    elif arm is not None:
+        mechanism = _with_arm(scene, mechanism, arm, along if scene.base == "free" else 0.0)
     if wrist.guide_friction > 0.0:
         mechanism = EffectAt("coulomb_friction", "wrist", {"force_N": wrist.guide_friction}).apply(mechanism)
     if contact.mu > 0.0:
@@ -96,7 +98,45 @@ def edited(scene: Outline, backend: str) -> Mechanism:
         except InputError as error:
             where = f"effects[{i}]" + (f" ({error.where})" if error.where else "")
             raise InputError(error.what, given=error.given, valid=error.valid, where=where) from None
+    if backend == "reduced":
+        require_planar(scene, mechanism)
+        mechanism = _loaded(scene, mechanism)
     return mechanism
+
+
+def _with_arm(scene: Outline, mechanism: Mechanism, arm: ServoArm, pull: float) -> Mechanism:
+    """The arm's further coordinates and its servos; `pull` is the gravity along the approach that all of it feels."""
+    coordinates, ports = dict(mechanism.coordinates), dict(mechanism.ports)
+    forces, fields = list(mechanism.forces), list(mechanism.fields)
+    assert scene.servo is not None
+    for name, rate in zip(arm.names[1:], arm.rigid[1:].tolist(), strict=True):
+        coordinates[name] = Coordinate(name, 1.0)
+        if pull:
+            fields.append(Field(name, pull * rate))
+    ports[ARM_MOMENTUM] = arm.row(arm.rigid * np.array([arm.mass, *np.ones(arm.rigid.size - 1)]))
+    chain = scene.prepared.chain
+    for joint, rates, held in zip(chain, arm.joints, scene.servo.per_joint(chain), strict=True):
+        port = f"{SERVO}{joint}"
+        ports[port] = arm.row(rates)
+        forces += _servo(f"joint.{joint}", port, *held)
+    return replace(mechanism, coordinates=coordinates, ports=ports, forces=tuple(forces), fields=tuple(fields))
+
+
+def _servo(joint: str, port: str, stiffness: float, damping: float) -> tuple[Force, Force]:
+    return (
+        Force(f"{joint}.servo_spring", port, SPRING, (stiffness,), role="spring"),
+        Force(f"{joint}.servo_damper", port, DAMPER, (damping,), role="damper"),
+    )
+
+
+def _loaded(scene: Outline, mechanism: Mechanism) -> Mechanism:
+    """Servos on a fixed base carry all weight from the start, that of a slider too which does not press on them yet."""
+    along = float(np.array(scene.gravity) @ np.array(scene.approach))
+    if scene.joints != "servo" or scene.base == "free" or not along or "hand" not in mechanism.coordinates:
+        return mechanism
+    weighs = mechanism.coordinates["wrist"].mass
+    weighs += sum(c.mass for c in mechanism.coordinates.values() if mechanism.carrier_of(c.name) == "wrist")
+    return mechanism.with_field(Field("hand", -along * weighs / mechanism.coordinates["hand"].mass, "servo load"))
 
 
 def _with_robot(scene: Outline, mechanism: Mechanism) -> Mechanism:
@@ -121,9 +161,7 @@ def _with_robot(scene: Outline, mechanism: Mechanism) -> Mechanism:
             readouts[f"{name}.position"] = Readout(f"{name}.position", "position", name)
             readouts[f"{name}.velocity"] = Readout(f"{name}.velocity", "velocity", name)
             if held:
-                stiffness, damping = held[i]
-                forces.append(Force(f"{name}.servo_spring", name, SPRING, (stiffness,), role="spring"))
-                forces.append(Force(f"{name}.servo_damper", name, DAMPER, (damping,), role="damper"))
+                forces += _servo(name, name, *held[i])
         sensors["encoders"] = tuple(r for r in readouts if r.startswith("joint."))
     return replace(
         mechanism, coordinates=coordinates, ports=ports, readouts=readouts, sensors=sensors, forces=tuple(forces)

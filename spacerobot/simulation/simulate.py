@@ -122,6 +122,8 @@ def reduced_start(scene: Scene) -> tuple[dict[str, float], dict[str, float]]:
     }
     if "hand" in mechanism.coordinates:
         velocity["hand"] = -scene.hand_speed
+    if scene.hand.arm is not None:
+        velocity.update(scene.hand.arm.row(-scene.hand_speed * scene.hand.arm.rigid))
     return mechanism.at_start(position), mechanism.at_start(velocity)
 
 

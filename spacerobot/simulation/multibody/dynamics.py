@@ -11,7 +11,7 @@ import numpy as np
 from spacerobot.dynamics.tree_arrays import tree_arrays
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.simulation.multibody.assembly import Assembly
-from spacerobot.simulation.multibody.kernel import CIRCLE, STRAIGHT, exert, locate, rate_of
+from spacerobot.simulation.multibody.kernel import CIRCLE, STRAIGHT, exert, locate, rate_of, solve
 from spacerobot.simulation.multibody.layout import bodies_from, packed, scratch_from
 from spacerobot.simulation.multibody.ports import RISE, SLIDE, for_bodies, layout_of, mates
 from spacerobot.simulation.reduced.arrays import BIAS, FORCE, FRICTION, HEADING, RAW, W_ROWS, D, System, V, pack
@@ -208,6 +208,13 @@ class Dynamics:
     def port_bias(self, port: str) -> float:
         """Acceleration of a port at zero joint acceleration, at the state last evaluated."""
         return float(self.w[self._at(BIAS, port)])
+
+    def give(self, port: str) -> float:
+        """Acceleration of a port per force at it, at the state last evaluated [1/kg or 1/(kg m^2)]."""
+        row = self.port_row(port)
+        moved = row.copy()
+        solve(self.scratch.factor, self.assembly.split, moved)
+        return float(row @ moved)
 
     def port_row(self, port: str) -> np.ndarray:
         """Rate of a port per unit velocity at the state last evaluated, shape (nv,); a view."""

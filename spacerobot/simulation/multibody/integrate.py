@@ -15,7 +15,7 @@ from spacerobot.simulation.multibody.kernel import load, solve
 from spacerobot.simulation.multibody.stepper import error_norm, interpolant, stage
 from spacerobot.simulation.reduced.forces import APART, PRESSED, RELEASED, STICK
 from spacerobot.simulation.reduced.integrate import NEAR
-from spacerobot.simulation.unfinished import too_many
+from spacerobot.simulation.unfinished import remedy, too_many
 from spacerobot.support.errors import SimulationError
 
 MAX_STEPS, MAX_EVENTS = 150_000, 5_000
@@ -104,7 +104,8 @@ class Integrator:
                 factor = max(_SHRINK, _SAFETY * norm ** (-1.0 / ORDER)) if math.isfinite(norm) else 0.1
                 h = full * factor
                 if h < 1e-15 * max(1.0, abs(t)):
-                    raise SimulationError(f"multibody model: the step vanished at t = {t:.6g} s")
+                    advice = remedy(dyn.mechanism, dyn.give)
+                    raise SimulationError(f"multibody model: the step vanished at t = {t:.6g} s: {advice}")
                 continue
             grow = _GROW if norm < 1e-12 else min(_GROW, _SAFETY * norm ** (-1.0 / ORDER))
             dense = self._dense(t, y, full)
@@ -126,7 +127,8 @@ class Integrator:
             dyn.rate(t, y, self._k[0])
             dyn.turn()
             if len(record) > MAX_STEPS or len(self.events) > MAX_EVENTS:
-                raise too_many("multibody", "steps" if len(record) > MAX_STEPS else "events", t, end)
+                what = "steps" if len(record) > MAX_STEPS else "events"
+                raise too_many("multibody", what, t, end, remedy(dyn.mechanism, dyn.give))
         time, length, state, dense_, modes, heading = (np.array(column) for column in zip(*record, strict=True))
         return Steps(time, length, state, dense_, modes, heading, y)
 

@@ -12,6 +12,7 @@ import pinocchio as pin
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.simulation.events import Event
 from spacerobot.simulation.multibody.assembly import Assembly, assemble_bodies
+from spacerobot.simulation.multibody.balance import balanced
 from spacerobot.simulation.multibody.dynamics import Dynamics
 from spacerobot.simulation.multibody.integrate import Integrator, Kick, Steps
 from spacerobot.simulation.multibody.kernel import load
@@ -257,7 +258,7 @@ def integrate_scene(
     if mechanism.inputs:
         raise InputError("the multibody backend takes no recorded inputs", given=[i.name for i in mechanism.inputs])
     assembly = assemble_bodies(scene, mechanism)
-    dynamics = Dynamics(assembly, mechanism)
+    dynamics = Dynamics(assembly, balanced(scene, mechanism, assembly))
     scale, dynamics.slack = _scale(scene, dynamics, tolerance)
     dynamics.still = max(AT_REST, float(scale[dynamics.nq]))
     integrator = Integrator(dynamics, scale, first_step, min(max_step, end), fixed=fixed)

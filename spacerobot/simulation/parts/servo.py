@@ -15,6 +15,9 @@ from spacerobot.simulation.parts.checks import number, vector
 class Servo:
     """What holds servo joints at the pose: one value for all joints, or one each.
 
+    They start in equilibrium: on a fixed base each servo is deflected at t = 0 by what it carries of the arm's weight
+    there, over its stiffness, so that the pose is where the arm stands and not where it would stand without gravity.
+
     Attributes:
         stiffness: [N m/rad or N/m].
         damping: [N m s/rad or N s/m].

@@ -17,7 +17,7 @@ from spacerobot.simulation.reduced.forces import APART, PRESSED, RELEASED, STICK
 from spacerobot.simulation.reduced.integrate import MAX_STEPS, NOT_FINITE, OK, TOO_MANY_EVENTS, Steps, integrate
 from spacerobot.simulation.reduced.law_table import LAWS
 from spacerobot.simulation.reduced.sampling import sample, sample_contact, sample_states, work_done
-from spacerobot.simulation.unfinished import too_many
+from spacerobot.simulation.unfinished import remedy, too_many
 from spacerobot.support.errors import InputError, SimulationError
 
 _CONTACT_NAMES = {APART: "apart", PRESSED: "touch", RELEASED: "release"}
@@ -207,8 +207,14 @@ def simulate(
         reached = float(steps.time[-1]) if steps.time.size else start
         if status == NOT_FINITE:
             raise SimulationError(f"reduced model: the state stopped being finite at t = {reached:.6g} s")
-        raise too_many("reduced", "events" if status == TOO_MANY_EVENTS else "steps", reached, end)
+        what = "events" if status == TOO_MANY_EVENTS else "steps"
+        raise too_many("reduced", what, reached, end, remedy(mechanism, lambda port: _give(system, layout.port(port))))
     return ReducedRun(mechanism, system, layout, steps, (etime, eindex, emode), start, end, packed, drives)
+
+
+def _give(system: System, port: int) -> float:
+    """Acceleration of a port per force at it [1/kg or 1/(kg m^2)]."""
+    return float(system.rows[port] ** 2 @ system.inverse_mass)
 
 
 def _event(layout: Layout, time: float, index: int, mode: int) -> Event:
