@@ -173,3 +173,28 @@ def test_residuals_are_told_in_the_channels_own_unit() -> None:
     assert found["a"] == (pytest.approx(float(error[0, 10:] @ error[0, 10:])), 40)
     assert found["b"] == (pytest.approx(float(error[1] @ error[1])), 50)
     assert rms_of({"0": residual}, [trial])["b"] == pytest.approx(0.5 * np.sqrt(np.mean(error[1] ** 2)))
+
+
+def test_what_the_readings_say_nothing_of_goes_back_to_what_is_believed() -> None:
+    """Readings without weight leave the belief, its width and no cost, wherever the fit began."""
+    model = lines(1e9)
+    made = hypothesis(model.believed, [])
+    away = {f.key: f.value(3.0) for f in made.free}
+    fit = Fitter(model, model.trials, careful=True).fit(made, warm=away)
+    assert np.abs(fit.z).max() < 1e-3
+    assert fit.covariance is not None
+    np.testing.assert_allclose(fit.covariance, np.eye(2), atol=1e-3)
+    assert fit.cost < 1e-3
+
+
+def test_a_belief_and_readings_that_agree_meet_where_their_weights_say() -> None:
+    """The best of a straight model is the mean of both, weighed by their information."""
+    model = lines()
+    fitter, fit = fitted(model)
+    state = fitter.state(fit.hypothesis, fit.z, fit.initials())
+    assert state is not None
+    (trial,) = model.trials
+    jacobian = fitter.jacobian(fit.hypothesis, state, trial)
+    slope = jacobian.T @ state.raw[trial.id] + np.r_[fit.z, np.zeros(2)]
+    size = np.sqrt(np.square(jacobian).sum(axis=0))
+    assert np.abs(slope / size).max() < 0.1, "no way down is left, the belief counted"
