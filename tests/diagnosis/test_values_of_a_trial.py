@@ -98,10 +98,10 @@ def test_what_was_not_read_weighs_nothing(tmp_path: Any) -> None:
     assert all(np.isfinite(b.value).all() for b in trial.blocks)
 
 
-def lines(size: float = 1.0, lost: slice | None = None) -> Lines:
+def lines(size: float = 1.0, lost: slice | None = None, truth: tuple[float, float] = (2.004, 4.99)) -> Lines:
     """A trial whose stated noise is `size` times the true one, some of it not read."""
     rng = np.random.default_rng(2)
-    value = shown(2.004, 4.99, np.array([0.01, -0.03])) + SIGMA[:, None] * rng.standard_normal((2, 60))
+    value = shown(*truth, np.array([0.01, -0.03])) + SIGMA[:, None] * rng.standard_normal((2, 60))
     weight = np.repeat(1.0 / SIGMA[:, None] / size, 60, axis=1)
     if lost is not None:
         value[:, lost], weight[:, lost] = 1e3, 0.0
@@ -185,6 +185,21 @@ def test_what_the_readings_say_nothing_of_goes_back_to_what_is_believed() -> Non
     assert fit.covariance is not None
     np.testing.assert_allclose(fit.covariance, np.eye(2), atol=1e-3)
     assert fit.cost < 1e-3
+
+
+@pytest.mark.parametrize("size", [5.0, 15.0, 40.0])
+def test_a_fit_ends_at_one_place_wherever_it_began(size: float) -> None:
+    """Also where every step towards what is believed costs the readings something."""
+    model = lines(size, truth=(2.024, 4.96))  # four of its sigmas off what is believed
+    made = hypothesis(model.believed, [])
+    ends = []
+    for z in (-4.0, 0.0, 4.0):
+        start = {f.key: f.value(z * sign) for f, sign in zip(made.free, (1.0, -1.0), strict=True)}
+        own = {"0": np.array([0.01, -0.03])}  # already where they belong: nothing but the values has to move
+        fit = Fitter(model, model.trials, careful=True).fit(made, warm=start, initials=own)
+        ends.append(fit.z)
+    assert np.abs(ends[0] - ends[1]).max() < 0.05
+    assert np.abs(ends[2] - ends[1]).max() < 0.05
 
 
 def test_a_belief_and_readings_that_agree_meet_where_their_weights_say() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import pytest
@@ -70,3 +71,20 @@ def test_an_added_inertia_pushes_against_the_acceleration(model: InverseDynamics
         [model.seen(t, 0.3 * model.measured(t).acceleration[:, model.joints.index("shoulder")]) for t in model.trials]
     )
     np.testing.assert_allclose(with_it, asked, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("effect", "asked"),
+    [
+        ("viscous_friction", lambda v: 0.4 * v),
+        ("quadratic_damping", lambda v: 0.4 * np.abs(v) * v),
+        ("coulomb_friction", lambda v: 1.2 * np.sign(v)),
+        ("preload", lambda v: np.full_like(v, -0.7)),
+    ],
+)
+def test_a_drive_is_asked_for_what_takes_from_the_motion(model: InverseDynamics, effect: str, asked: Any) -> None:
+    """The measured torque balances the joint's own: with friction it is larger in the direction of motion."""
+    found = torque(model, effect) - torque(model, None)
+    at = model.joints.index("shoulder")
+    wanted = np.concatenate([model.seen(t, asked(model.measured(t).velocity[:, at])) for t in model.trials])
+    np.testing.assert_allclose(found, wanted, atol=1e-9)
