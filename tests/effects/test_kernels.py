@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -166,7 +167,16 @@ def test_each_friction_is_what_its_parameters_say() -> None:
     for way in (1.0, -1.0):
         assert level("stribeck_friction", curve, way * 1e-12) == pytest.approx(0.9)
         assert level("stribeck_friction", curve, way * 0.02) == pytest.approx(0.4 + 0.5 / math.e)
+        assert level("stribeck_friction", curve, way * 0.04) == pytest.approx(0.4 + 0.5 * math.exp(-4.0))
         assert level("stribeck_friction", curve, way * 1.0) == pytest.approx(0.4)
+
+
+def test_what_holds_on_already_holds_by_so_much_more() -> None:
+    """A surface that is stated to hold, and an adhesion nobody knew of: their tensions add."""
+    stated = RIG.with_contact(lambda c: replace(c, hold=2.0))
+    edited = all_effects()["adhesion"].apply(stated, "contact", {"force_N": 0.5})
+    assert edited.contact is not None
+    assert edited.contact.hold == 2.5
 
 
 def force_of(name: str, where: str, values: dict[str, float]) -> Callable[[float, float], float]:
