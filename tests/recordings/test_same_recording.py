@@ -234,3 +234,12 @@ def test_every_byte_of_the_input_counts_in_its_own_file(tmp_path: Path) -> None:
     hashes = {study_of(tmp_path / str(k), files) for k, files in enumerate([usual, *others])}
     assert len(hashes) == 4
     assert study_of(tmp_path / "again", usual) in hashes
+
+
+@pytest.mark.parametrize("step", [0.4, 1.7, 3.0, -2.9])
+def test_a_fast_turn_is_followed_up_to_half_a_turn_a_reading(tmp_path: Path, step: float) -> None:
+    turned = step * np.arange(TIME.size)
+    wrapped = (turned + math.pi) % (2.0 * math.pi) - math.pi
+    channels = 'x = { is = "target.x", sigma = 1e-4 }\nyaw = { is = "target.yaw", sigma = 1e-3, unwrap = true }'
+    found = written(tmp_path / "a", TIME, {"x": X, "yaw": wrapped}, channels=channels)["target.yaw"]
+    np.testing.assert_allclose(found.value, turned, atol=1e-9)
