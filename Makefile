@@ -13,7 +13,7 @@ else
   INSTALL   = $(BIN)/python -m pip install -q --disable-pip-version-check
 endif
 
-.PHONY: help setup demo test test-extras suite test-long test-all prove-quick proof-pages fuzz lint types check notebooks docs wheel picture real-table constraints clean
+.PHONY: help setup demo test test-extras suite test-long test-all prove-quick proof-pages fuzz lint types check notebooks docs wheel picture real-table limits constraints clean
 
 help:  ## this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "make %-12s %s\n", $$1, $$2}'

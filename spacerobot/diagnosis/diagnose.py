@@ -6,6 +6,7 @@ import os
 import time
 from collections.abc import Sequence
 from dataclasses import asdict
+from typing import Any
 
 from spacerobot import __version__
 from spacerobot.diagnosis import evidence as ev
@@ -14,10 +15,13 @@ from spacerobot.diagnosis.candidates import candidate_sites
 from spacerobot.diagnosis.checks import nested, synthetic, widened
 from spacerobot.diagnosis.confirm import confirm
 from spacerobot.diagnosis.decide import decide
+from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.found import Report
 from spacerobot.diagnosis.held_out import held_out_entry, hold_out
+from spacerobot.diagnosis.hypothesis import Site
 from spacerobot.diagnosis.intervals import with_intervals
 from spacerobot.diagnosis.judge import AMBIGUOUS, NAMED
+from spacerobot.diagnosis.limits import Limits
 from spacerobot.diagnosis.locate.located import LEVEL, Located
 from spacerobot.diagnosis.memory import Store
 from spacerobot.diagnosis.next_experiment import next_experiment
@@ -25,7 +29,7 @@ from spacerobot.diagnosis.not_predicted import not_predicted
 from spacerobot.diagnosis.pool import Pool
 from spacerobot.diagnosis.result import Diagnosis
 from spacerobot.diagnosis.scene_out import scene_of
-from spacerobot.diagnosis.verdict import detectable, labels_of, verdict_dict
+from spacerobot.diagnosis.verdict import labels_of, verdict_dict
 from spacerobot.diagnosis.workshop import Workshop
 from spacerobot.recordings.lacking import refuse_draft
 from spacerobot.recordings.study import Study
@@ -111,13 +115,11 @@ def diagnose(
             report("simulating with the whole robot", 0, 1)
             checks.append(whole())
         judgement = decided.but_for([c["name"] for c in checks if not c["passed"]])
+        sizes = pool.aside(_limits, judgement.chosen, found.singles, inflation)
         report("locating", 0, 1)
         located = locating()
+        smallest = sizes()
     base = found.baseline
-    screen = next(
-        (s for s in reversed(found.screens) if s.fit.hypothesis.label == judgement.chosen.hypothesis.label),
-        found.screens[0],
-    )
     further = (
         next_experiment(workshop.model, workshop.trials, judgement.alternatives)
         if judgement.verdict == AMBIGUOUS
@@ -134,7 +136,7 @@ def diagnose(
         inflation=inflation,
         located=[r.entry() for r in located.rows if r.p < LEVEL],
         held_out=held_out_entry(workshop.trials, held),
-        detectable_sizes=detectable(screen, inflation),
+        detectable_sizes=smallest,
         next_experiment=further,
         profiled=profiled,
     )
@@ -156,6 +158,11 @@ def diagnose(
     }
     scene = scene_of(study, workshop.model, judgement.chosen)
     return Diagnosis(verdict, evidence, found, judgement, left, scene=scene)
+
+
+def _limits(workshop: Workshop, chosen: Fit, sites: Sequence[Site], inflation: float) -> list[dict[str, Any]]:
+    limits = Limits(workshop.fitter(), workshop.model.believed, chosen, inflation)
+    return [limit.entry() for limit in limits.of(sites)]
 
 
 def _located(workshop: Workshop, seed: int) -> Located:

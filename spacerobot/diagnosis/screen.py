@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from spacerobot.diagnosis.data import TrialData
 from spacerobot.diagnosis.fit import Fitter
 from spacerobot.diagnosis.fitted import Fit, State
 from spacerobot.diagnosis.hypothesis import Believed, Site, hypothesis
@@ -82,12 +83,12 @@ class Screener:
 
     def screen(self, fit: Fit, sites: Sequence[Site]) -> Screen:
         """Scores of adding each site to the fit's own hypothesis."""
-        fitter, state = self.fitter, self._state(fit)
-        project = _Projector(fitter, fit, state)
+        fitter, state = self.fitter, self.state_of(fit)
+        project = Projector(fitter, fit, state)
         residual = project.free(project.stack(state.raw), fit.z)
         scored = []
         for site in sites:
-            starts = [*effect_starts([site]), *informed_starts(site, fitter.trials), *moments(site, fitter.trials)]
+            starts = starts_of(site, fitter.trials)
             items = [self._score(fit, state, project, residual, site, start) for start in starts]
             found = sorted((i for i in items if i is not None), key=lambda s: -s.gain)
             scored += found[:1] + [replace(i, column=np.zeros(0)) for i in found[1:]]
@@ -100,15 +101,15 @@ class Screener:
         A line that is slack, or friction that brings a body to rest, hardly moves a recording while it is faint, and
         not in proportion. Only what the free parameters do about it is still taken to be in proportion.
         """
-        state = self._state(fit)
-        project = _Projector(self.fitter, fit, state, robust=False)
+        state = self.state_of(fit)
+        project = Projector(self.fitter, fit, state, robust=False)
         residual = project.free(project.stack(state.raw), fit.z)
         least = float(residual @ residual)
         scored = []
         for site in sites:
             found = []
             for start in full_starts(site, self.fitter.trials):
-                moved = self._moved(fit, state, site, start)
+                moved = self.with_effect(fit, state, site, start)
                 if moved is not None:
                     left = project.free(project.stack(moved.raw), fit.z)
                     norm = float(np.square(left - residual).sum())
@@ -117,13 +118,14 @@ class Screener:
         scored.sort(key=lambda s: -s.gain)
         return Screen(fit, tuple(scored), residual)
 
-    def _state(self, fit: Fit) -> State:
+    def state_of(self, fit: Fit) -> State:
+        """The state of a finished fit."""
         state = self.fitter.state(fit.hypothesis, fit.z, fit.initials())
         if state is None:
             raise SimulationError("a finished fit can no longer be simulated")
         return state
 
-    def _moved(self, fit: Fit, state: State, site: Site, start: Mapping[str, float]) -> State | None:
+    def with_effect(self, fit: Fit, state: State, site: Site, start: Mapping[str, float]) -> State | None:
         """The fit's state with an effect added to it; None where that cannot be simulated."""
         made = hypothesis(self.believed, (*fit.hypothesis.sites, site), start)
         try:
@@ -135,12 +137,12 @@ class Screener:
         self,
         fit: Fit,
         state: State,
-        project: _Projector,
+        project: Projector,
         residual: np.ndarray,
         site: Site,
         start: Mapping[str, float],
     ) -> Screened | None:
-        moved = self._moved(fit, state, site, {**start, **faint(site, start)})
+        moved = self.with_effect(fit, state, site, {**start, **faint(site, start)})
         if moved is None:
             return None
         column = project.free(project.stack(moved.raw) - project.stack(state.raw), np.zeros_like(fit.z))
@@ -151,6 +153,11 @@ class Screener:
         if amplitude < 0.0 and not site.effect.two_sided:
             return Screened(site, start, column, 0.0, amplitude, norm)
         return Screened(site, start, column, amplitude**2 * norm, amplitude, norm)
+
+
+def starts_of(site: Site, trials: Sequence[TrialData]) -> list[dict[str, float]]:
+    """Every start at which an effect is screened."""
+    return [*effect_starts([site]), *informed_starts(site, trials), *moments(site, trials)]
 
 
 def together(screens: Sequence[Screen], sites: Sequence[Site]) -> Screen:
@@ -168,7 +175,7 @@ def faint(site: Site, start: Mapping[str, float], share: float = FAINT) -> dict[
     return dict(start) if site.effect.removes else sized(site, start, share)
 
 
-class _Projector:
+class Projector:
     """Takes out of a column what the free parameters can imitate.
 
     Priors are readings too, of the parameters themselves: what a fit has absorbed by pulling believed values shows in
