@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from spacerobot.diagnosis.agreed import agreed
 from spacerobot.diagnosis.data import TrialData
 from spacerobot.diagnosis.fit import Fitter
 from spacerobot.diagnosis.fitted import Fit
@@ -33,6 +34,9 @@ ROUGH = 60.0
 """And by which it may before the fit is: a cost that contacts make jagged has minima beside the one whose curvature and
 profile are known. What a copy missed its size by is then the standard error that is stated, and a second copy tries it.
 """
+
+SECOND = 2
+"""Seeds from one copy's to the next: each may need a second copy of its own."""
 
 WIDER = 2.0
 """Half width of such an interval, in what the copy missed by."""
@@ -66,16 +70,21 @@ def copied(model: Any, trials: Sequence[TrialData], fit: Fit, seed: int) -> tupl
     return tuple(out)
 
 
-def synthetic(workshop: Workshop, chosen: Fit, seed: int, lead: float = 0.0) -> list[dict[str, Any]]:
+def synthetic(workshop: Workshop, chosen: Fit, lead: float = 0.0) -> list[dict[str, Any]]:
     """On a copy of the study made from the chosen model, the fit ends no worse than the truth, and near it.
+
+    The copies' noise is always the same: what is concluded hangs on no seed.
 
     Args:
         workshop: of the study.
         chosen: the model.
-        seed: of the copy's noise.
         lead: by how much the chosen model's cost is below its nearest rival's; a fit of the copy that stops short of
             the truth by less than FRACTION of it, in one of the many minima that bounces make, endangers no verdict.
     """
+    return list(agreed(lambda copy: _on_copy(workshop, chosen, SECOND * copy, lead)))
+
+
+def _on_copy(workshop: Workshop, chosen: Fit, seed: int, lead: float) -> list[dict[str, Any]]:
     done = _copied_fit(workshop, chosen, seed)
     if done is None:
         return [{"name": "cost at truth", "passed": False, "detail": "a synthetic copy could not be simulated"}]

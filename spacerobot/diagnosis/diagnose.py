@@ -61,7 +61,7 @@ def diagnose(
         study: what the lab believes and recorded: a wrist that meets a floating target, or any other machine, which
             is then diagnosed part by part (see `diagnosis.models`).
         jobs: processes; all cores if None.
-        seed: of synthetic copies and permutations.
+        seed: of the permutations that say how sure a located pattern is; nothing that is concluded rests on it.
         without: effects to leave out of the catalogue.
         effects_files: Python files with further effects (they are run).
         report: told of progress.
@@ -99,7 +99,7 @@ def diagnose(
         chosen = first.chosen
         checks = [nested(found, chosen)]
         # begun together, asked for below
-        copied = pool.aside(synthetic, chosen, seed, first.lead) if first.verdict == NAMED else None
+        copied = pool.aside(synthetic, chosen, first.lead) if first.verdict == NAMED else None
         whole = pool.aside(confirm, chosen) if first.verdict == NAMED else None
         unseen = hold_out(pool, first)
         report("predicting held-out conditions", 0, 1)

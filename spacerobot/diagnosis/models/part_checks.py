@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
+from spacerobot.diagnosis.agreed import COPIES, agreed
 from spacerobot.diagnosis.checks import SLACK, calibration, copied
 from spacerobot.diagnosis.data import TrialData
 from spacerobot.diagnosis.fit import Fitter
@@ -15,9 +16,6 @@ from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.models.bench import STEPS
 from spacerobot.diagnosis.models.part import Part
 from spacerobot.support.errors import SimulationError
-
-COPIES = 3
-"""Copies that decide where the first one fails a check: no single draw of noise takes an answer back."""
 
 AWAY = 0.5
 """A refit begins with every strength at this share of its value."""
@@ -35,29 +33,6 @@ def checks_of(part: Part, seed: int) -> tuple[dict[str, Any], ...]:
         "detail": f"chi-squared {fit.cost:.1f} as chosen, {base.cost:.1f} without any effect",
     }
     return nested, *agreed(lambda copy: synthetic(part, fit, COPIES * seed + copy))
-
-
-def agreed(tried: Callable[[int], tuple[dict[str, Any], ...]]) -> tuple[dict[str, Any], ...]:
-    """The checks on a first copy; where one of them fails, what most of three copies say.
-
-    Args:
-        tried: number of a copy to its checks, by "name".
-    """
-    first = tried(0)
-    if all(c["passed"] for c in first):
-        return first
-    found: dict[str, list[dict[str, Any]]] = {}
-    for checks in (first, *(tried(copy) for copy in range(1, COPIES))):
-        for check in checks:
-            found.setdefault(check["name"], []).append(check)
-    return tuple(_most(own) for own in found.values())
-
-
-def _most(checks: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """The check as most copies have it, in the words of one of these."""
-    bad = sum(not c["passed"] for c in checks)
-    shown = next(c for c in checks if c["passed"] == (2 * bad < len(checks)))
-    return {**shown, "detail": f"{shown['detail']} ({bad} of {len(checks)} copies failed)" if bad else shown["detail"]}
 
 
 def synthetic(part: Part, fit: Fit, seed: int) -> tuple[dict[str, Any], ...]:
