@@ -1,7 +1,8 @@
 """Detection limits: the size from which the decision itself names an effect, in 95 of 100 campaigns like this one.
 
 The effect is put into the fitted model, faint at first, at full size in the end: what of that no free parameter can
-imitate is the noncentrality lambda of its likelihood ratio. Named it is where three things hold at once (`judge.py`):
+imitate is the noncentrality lambda of its likelihood ratio, of the two the less: friction promises more while it is
+faint, and contacts add at full size what a refit would take away. Named it is where three things hold (`judge.py`):
 
 - chi-squared falls by EARN and the price of its parameters. The fall is (sqrt(lambda) + n)^2, n of unit variance.
 - so it does against a baseline whose believed values, where the effect moves them beyond belief, are set free.
@@ -13,7 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -22,7 +23,7 @@ from spacerobot.diagnosis.candidates import contains, plausible
 from spacerobot.diagnosis.fit import Fitter
 from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.hypothesis import Believed, Site
-from spacerobot.diagnosis.judge import EARN
+from spacerobot.diagnosis.judge import EARN, MOVED
 from spacerobot.diagnosis.screen import FAINT, Projector, Screener, faint, starts_of
 from spacerobot.diagnosis.starts import sized
 from spacerobot.diagnosis.weigh import MARGIN, PENALTY
@@ -41,6 +42,13 @@ STRIDE = 4.0
 """Factor by which a step changes the size at most: an onset that goes as a square root, or a stop that is not reached
 yet, promises more than it holds."""
 
+SCATTER = 1.0
+"""Stated sigmas by which a believed value may come out further from what is believed than without noise, at most."""
+
+BESIDE = 2
+"""Samples beside an onset, which a fit masks, that no limit is built on: what they show is the moment of touch, each
+trial's own. A fit moves it over them, one after the other, and a derivative takes that for information."""
+
 LARGEST = 1e3
 """Multiple of an effect's start beyond which no size is looked for."""
 
@@ -52,7 +60,7 @@ def must_earn(price: float, first: bool) -> float:
         price: of its parameters.
         first: whether it would be the first effect; a further one leads over what it stands beside.
     """
-    return (math.sqrt((EARN if first else MARGIN) + price) + QUANTILE) ** 2
+    return (math.sqrt(max((EARN if first else MARGIN) + price, 0.0)) + QUANTILE) ** 2
 
 
 def must_lead(dearer: float) -> float:
@@ -123,8 +131,11 @@ class Limits:
     def __init__(self, fitter: Fitter, believed: Believed, fit: Fit, inflation: float) -> None:
         self.screener = Screener(fitter, believed)
         self.fitter, self.believed, self.fit, self.inflation = fitter, believed, fit, inflation
-        self.state = self.screener.state_of(fit)
+        state = self.screener.state_of(fit)
+        # one mask for all, derivatives included: a sample masked in one of two only would count as information
+        self.state = replace(state, keep={k: _away(keep) for k, keep in state.keep.items()})
         self.project = Projector(fitter, fit, self.state, robust=False)
+        self._loose: dict[tuple[str, ...], Projector] = {}
 
     def of(self, sites: Sequence[Site]) -> list[Limit]:
         """Limits of these effects, each beside the fit's own; those the fit holds, in any form, are left out."""
@@ -154,12 +165,27 @@ class Limits:
 
     def _moved(self, site: Site, values: Mapping[str, float]) -> np.ndarray | None:
         """What an effect at these values does to the recordings beyond what any free parameter can, shape (S + P,)."""
+        change = self._change(site, values)
+        return None if change is None else self.project.free(change, np.zeros_like(self.fit.z))
+
+    def _change(self, site: Site, values: Mapping[str, float]) -> np.ndarray | None:
+        """What it does to the recordings, shape (S,)."""
         moved = self.screener.with_effect(self.fit, self.state, site, values)
         if moved is None:
             return None
-        both = {k: moved.keep[k] & self.state.keep[k] for k in moved.keep}  # onsets are masked as a fit would mask them
-        change = {k: np.where(both[k], moved.raw[k] - self.state.raw[k], 0.0) for k in both}
-        return self.project.free(self.project.stack(change), np.zeros_like(self.fit.z))
+        return self.project.stack({k: raw - self.state.raw[k] for k, raw in moved.raw.items()})
+
+    def _wrong_instead(self, change: np.ndarray, price: float) -> float:
+        """How many times the size is what it must be beside a baseline whose values are wrong; infinite if none is."""
+        free = self.fit.hypothesis.free
+        shift = np.abs(self.project.shift(change))
+        out = tuple(f.key for f, s in zip(free, shift, strict=True) if f.kind == "believed" and s > MOVED - SCATTER)
+        if not out or self.fit.hypothesis.sites:
+            return math.inf
+        if out not in self._loose:
+            self._loose[out] = Projector(self.fitter, self.fit, self.state, robust=False, loose=out)
+        left = self._loose[out].free(change, np.zeros_like(self.fit.z))
+        return math.sqrt(float(left @ left) / self.inflation / must_earn(price - PENALTY * len(out), True))
 
     def _limit(self, item: _Column, columns: Sequence[_Column], units: np.ndarray) -> Limit:
         parameter = _strength(item.site.effect.parameters)
@@ -190,8 +216,11 @@ class Limits:
         share, low, high, instead = item.share / max(linear, 1e-12), 0.0, math.inf, None
         for _ in range(STEPS):
             share = min(share, LARGEST)
-            column = self._moved(item.site, sized(item.site, item.start, share))
-            found, rival = (0.0, None) if column is None else enough(column)
+            change = self._change(item.site, sized(item.site, item.start, share))
+            found, rival = 0.0, None
+            if change is not None:
+                found, rival = enough(self.project.free(change, np.zeros_like(self.fit.z)))
+                found = min(found, self._wrong_instead(change, item.price), linear * share / item.share)
             if found >= 1.0:
                 high, instead = share, rival
             else:
@@ -205,6 +234,12 @@ class Limits:
         value = sized(item.site, item.start, high)[item.site.key(parameter.name)]
         smallest = value if math.isinf(parameter.null) else abs(value - parameter.null)
         return Limit(item.site, parameter, smallest, instead)
+
+
+def _away(keep: np.ndarray) -> np.ndarray:
+    """Samples that count and lie BESIDE samples away from any that does not, shape (S,)."""
+    near = np.convolve(~keep, np.ones(2 * BESIDE + 1), mode="same") > 0.5
+    return np.asarray(keep & ~near)
 
 
 def _akin(one: tuple[str, str], other: tuple[str, str]) -> bool:

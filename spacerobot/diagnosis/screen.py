@@ -6,7 +6,7 @@ on what is left of the residual, says how much chi-squared would fall; and how s
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,7 +14,7 @@ import numpy as np
 from spacerobot.diagnosis.data import TrialData
 from spacerobot.diagnosis.fit import Fitter
 from spacerobot.diagnosis.fitted import Fit, State
-from spacerobot.diagnosis.hypothesis import Believed, Site, hypothesis
+from spacerobot.diagnosis.hypothesis import LOOSE, Believed, Site, hypothesis
 from spacerobot.diagnosis.starts import effect_starts, full_starts, informed_starts, moments, sized
 from spacerobot.support.errors import InputError, SimulationError
 
@@ -184,14 +184,18 @@ class Projector:
     Args:
         fitter, fit, state: where the column starts from.
         robust: whether channels of trials that do not fit yet weigh less.
+        loose: believed values that are set free of what is stated of them.
     """
 
-    def __init__(self, fitter: Fitter, fit: Fit, state: State, *, robust: bool = True) -> None:
+    def __init__(
+        self, fitter: Fitter, fit: Fit, state: State, *, robust: bool = True, loose: Collection[str] = ()
+    ) -> None:
         made, known = fit.hypothesis, fitter.rows_at(fit)
         self.fitter = fitter
         self.weights = {t.id: (state.weights(t) if robust else 1.0) * state.keep[t.id] for t in fitter.trials}
         count = len(made.free)
         self.pull = np.sqrt([float(f.prior) for f in made.free])
+        self.pull /= np.where([f.key in loose for f in made.free], LOOSE, 1.0)
         self.global_rows = []
         self.own = []
         for trial in fitter.trials:
@@ -214,14 +218,24 @@ class Projector:
             column: of readings, shape (S,).
             z: how far the free parameters are from what is believed, shape (P,).
         """
+        parts, paid = self._parts(column), self.pull * z
+        step = self._step(parts, paid)
+        return np.concatenate(
+            [*(p - g @ step for g, p in zip(self.global_rows, parts, strict=True)), paid - self.pull * step]
+        )
+
+    def shift(self, column: np.ndarray) -> np.ndarray:
+        """By how much the free parameters move to imitate a column, shape (P,)."""
+        return self._step(self._parts(column), np.zeros_like(self.pull))
+
+    def _parts(self, column: np.ndarray) -> list[np.ndarray]:
         parts, first = [], 0
         for own in self.own:
             piece = column[first : first + own.shape[0]]
             first += own.shape[0]
             parts.append(piece - own @ (own.T @ piece))
-        paid = self.pull * z
+        return parts
+
+    def _step(self, parts: Sequence[np.ndarray], paid: np.ndarray) -> np.ndarray:
         shared = sum(g.T @ p for g, p in zip(self.global_rows, parts, strict=True)) + self.pull * paid
-        step = self.inverse @ shared
-        return np.concatenate(
-            [*(p - g @ step for g, p in zip(self.global_rows, parts, strict=True)), paid - self.pull * step]
-        )
+        return np.asarray(self.inverse @ shared)
