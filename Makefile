@@ -86,6 +86,9 @@ bench: $(VENV)/.core  ## measure everything beside other engines; writes docs/be
 proof-pages: $(VENV)/.test  ## write the pages of the proof again from their records; nothing is played
 	$(BIN)/python docs/proof_pages.py
 
+limits: $(VENV)/.core  ## effects at 0.5, 1 and 2 of their stated limits, 40 campaigns each; writes docs/limits.md (an hour or two)
+	$(BIN)/python -m benchmarks.limits --out limits-out --campaigns 40 --page docs/limits.md
+
 picture: demo  ## draw the README's pictures again (needs chromium)
 	cp demo-out/demo.png docs/images/demo.png
 	$(INSTALL) -c constraints.txt -e '.[browser]'

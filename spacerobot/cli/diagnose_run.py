@@ -136,6 +136,8 @@ def _show(args: argparse.Namespace, verdict: Mapping[str, Any], folder: RunFolde
         return 0
     print(f"{verdict['study']}: {verdict['verdict']} (confidence {verdict['confidence']:.2f})")
     print(_WORDS[verdict["verdict"]])
+    for line in verdict.get("why", []):
+        print(f"  {line}")
     for entry in verdict["effects"]:
         part = f" ({entry['part']})" if "part" in entry and not entry["where"].endswith(entry["part"]) else ""
         alone = f", in trial {' and '.join(entry['trials'])} alone" if "trials" in entry else ""

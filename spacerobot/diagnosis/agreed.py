@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 COPIES = 3
@@ -30,3 +30,8 @@ def _most(checks: Sequence[dict[str, Any]]) -> dict[str, Any]:
     bad = sum(not c["passed"] for c in checks)
     shown = next(c for c in checks if c["passed"] == (2 * bad < len(checks)))
     return {**shown, "detail": f"{shown['detail']} ({bad} of {len(checks)} copies failed)" if bad else shown["detail"]}
+
+
+def why_not(checks: Iterable[Mapping[str, Any]]) -> list[str]:
+    """A line for each check that failed: which, and its figures."""
+    return [f"{c['name']}: {c.get('detail') or 'failed'}" for c in checks if not c["passed"]]

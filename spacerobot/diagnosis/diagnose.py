@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
 from spacerobot import __version__
 from spacerobot.diagnosis import evidence as ev
+from spacerobot.diagnosis.agreed import why_not
 from spacerobot.diagnosis.ahead import help_compiling
 from spacerobot.diagnosis.candidates import candidate_sites
 from spacerobot.diagnosis.checks import nested, synthetic, widened
@@ -18,7 +19,7 @@ from spacerobot.diagnosis.decide import decide
 from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.found import Report
 from spacerobot.diagnosis.held_out import held_out_entry, hold_out
-from spacerobot.diagnosis.hypothesis import Site
+from spacerobot.diagnosis.hypothesis import Label, Site
 from spacerobot.diagnosis.intervals import with_intervals
 from spacerobot.diagnosis.judge import AMBIGUOUS, NAMED
 from spacerobot.diagnosis.limits import Limits
@@ -141,6 +142,7 @@ def diagnose(
         profiled=profiled,
     )
     verdict["not_predicted"] = not_predicted(study, {c for t in workshop.trials for c in t.channels})
+    verdict["why"] = [*why_not(checks), *_not_shown(decided.withdrawn)]
     shown_before = held.before.residuals if held else {k: t.residual for k, t in base.trials.items()}
     shown_after = held.after.residuals if held else {k: t.residual for k, t in judgement.chosen.trials.items()}
     left = {f.hypothesis.label: left_of[id(f)] for f in [base, judgement.chosen] if id(f) in left_of}
@@ -163,6 +165,10 @@ def diagnose(
 def _limits(workshop: Workshop, chosen: Fit, sites: Sequence[Site], inflation: float) -> list[dict[str, Any]]:
     limits = Limits(workshop.fitter(), workshop.model.believed, chosen, inflation)
     return [limit.entry() for limit in limits.of(sites)]
+
+
+def _not_shown(withdrawn: Mapping[Label, str]) -> list[str]:
+    return [f"{' + '.join(f'{e} at {w}' for e, w in label)} is not named: {why}" for label, why in withdrawn.items()]
 
 
 def _located(workshop: Workshop, seed: int) -> Located:

@@ -201,6 +201,7 @@ def test_each_failed_check_reaches_the_verdict(tmp_path: Path) -> None:
         assert verdict["verdict"] == ("named" if check == "none" else "not_trusted")
         assert len(verdict["effects"]) == (check == "none")
         assert (failed in plain(found.evidence)["checks"]) == (check != "none")
+        assert verdict["why"] == ([] if check == "none" else ["failed: made to fail"])  # in JSON as in the report
 
 
 def _answer(value: Any) -> Callable[..., Any]:

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from spacerobot.diagnosis.agreed import why_not
 from spacerobot.diagnosis.judge import AMBIGUOUS, NAMED, NOT_TRUSTED, NOTHING_MISSING, UNKNOWN, WRONG_PARAMETER
 from spacerobot.diagnosis.locate.located import LEVEL
 from spacerobot.diagnosis.models.alternatives import alternatives
@@ -48,6 +49,7 @@ def verdict_of(study: Study, parts: Sequence[Part], *, version: str, seed: int, 
         "seconds": round(seconds, 3),
         "verdict": verdict,
         "confidence": float(np.mean([p.confidence for p in speaking])),
+        "why": [line for p in parts for line in why_not(p.checks)],
         "effects": effects,
         "alternatives": alternatives(speaking, verdict),
         "parameters": _all_moved(parts),
