@@ -140,7 +140,7 @@ def expected_contact_time(scene: Scene) -> float:
 
 def _surface_time(scene: Scene) -> float:
     """How long the surfaces alone would press, which is what counts behind a wrist that hardly gives [s]."""
-    contact, speed = scene.contact, scene.closing_speed
+    contact, speed = scene.contact, scene.touching_speed
     if speed <= 0.0:
         return 0.0
     exponent = EXPONENTS[contact.law] if contact.exponent is None else contact.exponent

@@ -21,6 +21,7 @@ from spacerobot.model.library import load
 from spacerobot.model.robot import Robot
 from spacerobot.model.spacecraft import SpacecraftSpec, float_base
 from spacerobot.model.wrist import WristSpec, aim, attach_wrist
+from spacerobot.simulation.arrival import arrival_time
 from spacerobot.simulation.hand import Hand, hand_of
 from spacerobot.simulation.parts import ContactLaw, EffectAt, Servo, Target, Wrist
 from spacerobot.simulation.parts.checks import number, vector
@@ -282,9 +283,27 @@ class Scene:
         return self.axes @ _turn(2, self.target.attitude[2]) @ self.axes.T @ self.lever_at_zero_yaw
 
     @cached_property
+    def pull(self) -> float:
+        """Acceleration with which gravity and tilt bring the target to the hand, along the approach [m/s^2]."""
+        mechanism = self.mechanism()
+        falls = {"target": 1.0} if self.hand.stiffness > 0.0 else {"target": 1.0, "hand": -1.0}
+        return sum(falls.get(f.body, 0.0) * f.acceleration for f in mechanism.fields)
+
+    @cached_property
     def arrival(self) -> float:
-        """Time of the first touch if nothing slows the approach and the target's spin is slow [s]."""
-        return (self.target.gap + self.wrist.deflection) / self.closing_speed
+        """Time of the first touch if nothing else acts on the way and the target's spin is slow [s]."""
+        return arrival_time(self.target.gap + self.wrist.deflection, self.closing_speed, self.pull)
+
+    @property
+    def touching_speed(self) -> float:
+        """Closing speed that gap and pull make of that at the start [m/s]; never less, however it is turned back."""
+        return math.sqrt(self.closing_speed**2 + 2.0 * max(self.pull, 0.0) * (self.target.gap + self.wrist.deflection))
+
+    @property
+    def _pushed(self) -> bool:
+        """Whether an effect may set the target or the hand in motion."""
+        mechanism = self.mechanism()
+        return bool(mechanism.impulses) or any(f.port.startswith("target") for f in mechanism.forces)
 
     def _require_arrival(self) -> None:
         if self.target.gap + self.wrist.deflection < 0.0:
@@ -294,17 +313,21 @@ class Scene:
                 valid="a gap that the tip leaves open",
                 where="target.gap",
             )
-        if self.target.speed + self.hand_speed <= 0.0 and self.closing_speed <= 0.0:
+        still = self.target.speed + self.hand_speed <= 0.0 and self.closing_speed <= 0.0
+        if still and self.pull <= 0.0 and not self._pushed:
             raise InputError(
                 "the target never arrives: it does not approach the wrist",
                 given=f"target.speed {self.target.speed:g} m/s, hand_speed {self.hand_speed:g} m/s",
-                valid="a positive closing speed",
+                valid="a positive closing speed, or gravity, a tilt or an impulse that brings it",
                 where="target.speed",
             )
-        if self.duration is not None and self.arrival > self.duration and not any(self.target.spin):
+        way = self.target.gap + self.wrist.deflection
+        soonest = arrival_time(way, self.closing_speed, max(self.pull, 0.0))  # a wrist that sags meets it earlier
+        late = math.isfinite(soonest) and self.duration is not None and soonest > self.duration
+        if late and not any(self.target.spin) and not self._pushed:
             raise InputError(
                 "the target never arrives: the simulation ends before",
-                given=f"gap {self.target.gap:g} m at {self.closing_speed:g} m/s takes {self.arrival:.4g} s",
+                given=f"gap {self.target.gap:g} m at {self.closing_speed:g} m/s takes {soonest:.4g} s",
                 valid=f"a duration above that; it is {self.duration:g} s",
                 where="duration",
             )

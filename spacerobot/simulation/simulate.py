@@ -90,13 +90,14 @@ def simulate(
             end=end,
             tolerance=tolerance,
             max_step=min(0.05, max_step),
-            scale=min(1.0, abs(scene.closing_speed) / USUAL_SPEED) or 1.0,
+            scale=min(1.0, scene.touching_speed / USUAL_SPEED) or 1.0,
         )
         trajectory = of_reduced(scene, reduced, times)
     if must_touch and trajectory.restitution.touches == 0:
         raise InputError(
             "the target never arrives: wrist and target did not touch",
-            given=f"gap {scene.target.gap:g} m, closing speed {scene.closing_speed:g} m/s, {end:g} s simulated",
+            given=f"gap {scene.target.gap:g} m, closing speed {scene.closing_speed:g} m/s, {end:g} s simulated"
+            + (f", pulled with {scene.pull:g} m/s^2" if scene.pull else ""),
             valid="a longer duration, or a target that is not slowed, turned or driven away before",
         )
     return trajectory
@@ -139,6 +140,6 @@ def default_duration(scene: Scene) -> float:
         InputError: no contact time can be predicted; the scene must say how long.
     """
     contact = expected_contact_time(scene)
-    if not math.isfinite(contact) or not math.isfinite(scene.arrival) or scene.arrival < 0.0:
+    if not math.isfinite(contact) or not math.isfinite(scene.arrival):
         raise InputError("no contact time can be predicted for this scene", valid="a duration", where="duration")
     return scene.arrival + 4.0 * contact

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from spacerobot.simulation.arrival import arrival_time
 from spacerobot.simulation.exact import propagate as p
 from spacerobot.simulation.exact.structure import OUTLINE, Structure
 from spacerobot.support.errors import InputError, SimulationError
@@ -48,18 +49,18 @@ def durations(structure: Structure, numbers: np.ndarray) -> np.ndarray:
     Raises:
         InputError: a collision for which no end can be predicted.
     """
-    lumped, stiffness, travel, closing, hand, tie = numbers[:, structure.size - len(OUTLINE) :].T
+    lumped, stiffness, travel, closing, hand, tie, pull = numbers[:, structure.size - len(OUTLINE) :].T
     with np.errstate(divide="ignore", invalid="ignore"):
         held = tie > 0.0
         mass = np.where(held, lumped, lumped / (1.0 + lumped / hand))
         spring = np.where(held, 1.0 / (1.0 / stiffness + 1.0 / tie), stiffness)
-        end = travel / closing + 4.0 * math.pi / np.sqrt(spring / mass)
-    bad = ~(np.isfinite(end) & (closing > 0.0) & (stiffness > 0.0))
+        end = arrival_time(travel, closing, pull) + 4.0 * math.pi / np.sqrt(spring / mass)
+    bad = ~(np.isfinite(end) & (stiffness > 0.0))
     if bad.any():
         raise InputError(
             "no contact time can be predicted for a collision",
             given=f"collision {int(np.argmax(bad))}",
-            valid="wrist stiffness and closing speed above zero, or a duration",
+            valid="wrist stiffness and closing speed (or a pull) above zero, or a duration",
         )
     return end
 

@@ -19,7 +19,7 @@ from spacerobot.simulation.scene import Scene
 from spacerobot.simulation.simulate import reduced_start
 from spacerobot.support.errors import InputError
 
-OUTLINE = ("lumped_mass", "wrist_stiffness", "travel", "closing_speed", "hand_mass", "hand_stiffness")
+OUTLINE = ("lumped_mass", "wrist_stiffness", "travel", "closing_speed", "hand_mass", "hand_stiffness", "pull")
 """What the length of a run is reckoned from; follows the numbers of the system in the vector."""
 
 
@@ -117,6 +117,7 @@ def piecewise_linear(scene: Scene) -> tuple[Structure, np.ndarray]:
         scene.closing_speed,
         scene.hand.mass,
         scene.hand.stiffness,
+        scene.pull,
     ]
     return structure, np.array(values, dtype=float)
 

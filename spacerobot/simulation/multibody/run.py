@@ -280,7 +280,7 @@ def _scale(scene: Scene, dynamics: Dynamics, tolerance: float) -> tuple[np.ndarr
     All of it is measured by the approach: its speed v, the penetration v/omega it makes, its energy; so a contact
     a meter from the origin is resolved as well as one at it.
     """
-    speed = max(abs(scene.closing_speed), 1e-3)
+    speed = max(scene.touching_speed, 1e-3)
     light = 1.0 / (1.0 / scene.wrist.mass + 1.0 / scene.target.mass)
     depth = speed * math.sqrt(light / scene.contact.stiffness)
     share = MARGIN * tolerance
