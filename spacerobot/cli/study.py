@@ -6,6 +6,7 @@ import argparse
 import math
 import os
 import sys
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -114,13 +115,22 @@ def _new(args: argparse.Namespace) -> int:
 
 
 def _check(args: argparse.Namespace) -> int:
+    from spacerobot.diagnosis.admission import left_aside, of_study, of_trial
     from spacerobot.recordings.check import check_study
     from spacerobot.recordings.study import load_study
 
     study = load_study(args.study, args.data)
     limits, mended, fault = _robot(study)
-    report = check_study(study, limits)
+    if study.draft:  # which is not diagnosed before its author has finished it
+        report = check_study(study, limits)
+    else:
+        report = check_study(study, limits, partial(of_trial, study))
+        report["errors"] = list(dict.fromkeys([*map(str, of_study(study)), *report["errors"]]))
     report["warnings"] += mended
+    report["not_predicted"] = list(left_aside(study))
+    names = ", ".join([name for name in report["not_predicted"] if not name.startswith("aux.")][:12])
+    if names:
+        report["warnings"].append(f"recorded, but predicted by no model of this baseline, so left aside: {names}")
     if fault:
         report["errors"].append(f"robot: {fault}")
     print(dumps(report) if args.json else _text(report))

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
+from spacerobot.recordings.recording import Recording
 from spacerobot.recordings.study import Study
 
 
@@ -58,23 +59,24 @@ class TrialData:
         raise KeyError(name)
 
 
-def trial_data(study: Study) -> tuple[TrialData, ...]:
-    """Every trial's output channels, grouped by stream and times."""
-    out = []
-    for trial in study.trials:
-        recording = study.recording(trial)
-        groups: dict[tuple[str, bytes], list[str]] = {}
-        for name in recording:
-            series = recording[name]
-            if series.use == "output":
-                groups.setdefault((series.stream, series.time.tobytes()), []).append(name)
-        blocks = []
-        for (stream, _), names in groups.items():
-            time = recording[names[0]].time
-            value = np.array([np.where(recording[n].valid, recording[n].value, 0.0) for n in names])
-            weight = np.array([recording[n].valid / recording[n].sigma for n in names])
-            blocks.append(Block(stream, tuple(names), time, value, weight))
-        begin = min(b.time[0] for b in blocks)
-        end = max(b.time[-1] for b in blocks)
-        out.append(TrialData(trial.id, study.condition(trial), trial.overrides, tuple(blocks), begin, end))
-    return tuple(out)
+def trial_data(study: Study, shown: Container[str] | None = None) -> tuple[TrialData, ...]:
+    """Every trial's output channels, grouped by stream and times; those that a model shows, if it says which."""
+    return tuple(one_trial(study, study.recording(trial), shown) for trial in study.trials)
+
+
+def one_trial(study: Study, recording: Recording, shown: Container[str] | None = None) -> TrialData:
+    """As `trial_data`, of one recording that has some such channel."""
+    groups: dict[tuple[str, bytes], list[str]] = {}
+    for name, series in recording.items():
+        if series.use == "output" and (shown is None or name in shown):
+            groups.setdefault((series.stream, series.time.tobytes()), []).append(name)
+    blocks = []
+    for (stream, _), names in groups.items():
+        time = recording[names[0]].time
+        value = np.array([np.where(recording[n].valid, recording[n].value, 0.0) for n in names])
+        weight = np.array([recording[n].valid / recording[n].sigma for n in names])
+        blocks.append(Block(stream, tuple(names), time, value, weight))
+    begin = min(b.time[0] for b in blocks)
+    end = max(b.time[-1] for b in blocks)
+    trial = recording.trial
+    return TrialData(trial.id, study.condition(trial), trial.overrides, tuple(blocks), begin, end)

@@ -10,6 +10,7 @@ from typing import Any
 
 from spacerobot import __version__
 from spacerobot.diagnosis import evidence as ev
+from spacerobot.diagnosis.admission import admit, has_wrist
 from spacerobot.diagnosis.agreed import why_not
 from spacerobot.diagnosis.ahead import help_compiling
 from spacerobot.diagnosis.candidates import candidate_sites
@@ -34,7 +35,6 @@ from spacerobot.diagnosis.verdict import labels_of, verdict_dict
 from spacerobot.diagnosis.workshop import Workshop
 from spacerobot.recordings.lacking import refuse_draft
 from spacerobot.recordings.study import Study
-from spacerobot.support.errors import InputError
 from spacerobot.support.executors.base import Executor
 
 SHOWN = 40
@@ -75,17 +75,13 @@ def diagnose(
     """
     refuse_draft(study)
     began = time.perf_counter()
-    if "wrist.stiffness" not in study.values():
+    admit(study)
+    if not has_wrist(study):
         from spacerobot.diagnosis.models.diagnose_parts import diagnose_parts  # takes half a second to load
 
         return diagnose_parts(study, report=report, threads=jobs or 1, seed=seed, without=without, store=store)
-    if len(study.trials) < 2:
-        raise InputError("a diagnosis needs at least two trials", given=len(study.trials), where=str(study.path))
     jobs = jobs or os.cpu_count() or 1
     workshop = Workshop(study)
-    missing = {"target.x"} - {c for t in workshop.trials for c in t.channels}
-    if missing:
-        raise InputError("the study lacks a channel", given=sorted(missing), where=str(study.path))
     mechanism = workshop.model.mechanism({**workshop.model.base, **workshop.trials[0].overrides})
     sites = candidate_sites(mechanism, workshop.model.believed, without)
     if jobs > 1:

@@ -29,6 +29,9 @@ ABSORBING = ("wrist.equivalent_damping",)
 CHANNEL_OF = {"target": "target.x", "target.y": "target.y", "target.yaw": "target.yaw"}
 """The channel that shows a coordinate before contact."""
 
+LEAST = 4
+"""Readings of a coordinate that a straight line before contact is fitted to, at least."""
+
 ONSET_MASK = 0.7e-3
 """Force samples this close [s] to a predicted touch are left out: the force jumps there."""
 
@@ -73,7 +76,7 @@ class RigModel:
         known = {n: v for n, v in study.values().items() if n in DEFAULTS}
         unknown = {n: c for n, c in UNKNOWN_CENTRES.items() if n not in known}
         channels = {c for t in trials for c in t.channels}
-        self.turning = math.isfinite(known.get("target.yaw_inertia", math.nan))
+        self.turning = turning(study)
         self.sideways = "target.y" in channels
         if not self.turning:
             known.pop("target.yaw_inertia", None)
@@ -82,7 +85,7 @@ class RigModel:
             known["gravity.along"] = along
         self.base: dict[str, float] = known
         sigma = {n: s for n, s in study.sigma.items() if n in DEFAULTS and s > 0.0}
-        unstated = [n for n in sigma if n not in known and not all(n in t.overrides for t in trials)]
+        unstated = [n for n in sigma if n not in known and not all(n in t.overrides for t in study.trials)]
         if unstated:
             raise InputError("a value has a sigma but no believed value", given=unstated[0], where=str(study.path))
         scatter = {n: s for n, s in study.scatter.items() if n in DEFAULTS and s > 0.0}
@@ -128,7 +131,7 @@ class RigModel:
                 row += block.time.size
                 own = [n for n, x in enumerate(nuisances) if CHANNEL_OF[x.coordinate] == channel]
                 early = (block.time < touch) & (block.weight[c] > 0.0)
-                if len(own) != 2 or early.sum() < 4:
+                if len(own) != 2 or early.sum() < LEAST:
                     continue
                 error = residual[rows][early] / block.weight[c][early]
                 slope, offset = np.polyfit(block.time[early] - trial.start, error, 1)
@@ -185,11 +188,24 @@ def counted(mechanism: Mechanism, trial: TrialData, touches: tuple[float, ...]) 
     return keep
 
 
+def turning(study: Study) -> bool:
+    """Whether the target may turn: its yaw inertia is stated."""
+    return math.isfinite(study.values().get("target.yaw_inertia", math.nan))
+
+
+def readable(study: Study) -> frozenset[str]:
+    """Channels that the rig of this baseline has a readout for; any other is left aside."""
+    return frozenset(rig({"target.yaw_inertia": 1.0} if turning(study) else {}, lateral=True).readouts)
+
+
 def _sensors(study: Study) -> dict[str, tuple[str, ...]]:
     """Sensors by the names verdicts use: force_sensor, mocap, otherwise the stream's own."""
     found: dict[str, tuple[str, ...]] = {}
+    shown = readable(study)
     for stream in study.streams.values():
-        names = tuple(c.name for c in stream.channels)
+        names = tuple(c.name for c in stream.channels if c.name in shown)
+        if not names:
+            continue
         if all(n == "contact.force" for n in names):
             label = "force_sensor"
         elif all(n.split(".")[-1] in ("x", "y", "z", "yaw") for n in names):
@@ -203,7 +219,7 @@ def _sensors(study: Study) -> dict[str, tuple[str, ...]]:
 def _nuisances(trial: TrialData, turning: bool, sideways: bool) -> tuple[Nuisance, ...]:
     found: list[Nuisance] = []
     wanted = [("target", "target.x", 5e-5, 1e-4)]
-    if sideways:
+    if sideways and "target.y" in trial.channels:
         wanted.append(("target.y", "target.y", 5e-5, 1e-4))
     if turning and "target.yaw" in trial.channels:
         wanted.append(("target.yaw", "target.yaw", 1e-4, 3e-4))
@@ -211,8 +227,8 @@ def _nuisances(trial: TrialData, turning: bool, sideways: bool) -> tuple[Nuisanc
     for coordinate, channel, scale, rate_scale in wanted:
         time, value, _ = trial.channel(channel)
         early = time < touch
-        if early.sum() < 4:
-            early = np.arange(time.size) < max(4, time.size // 20)
+        if early.sum() < LEAST:
+            early = np.arange(time.size) < max(LEAST, time.size // 20)
         slope, offset = np.polyfit(time[early] - trial.start, value[early], 1)
         found.append(Nuisance(coordinate, False, float(offset), scale))
         found.append(Nuisance(coordinate, True, float(slope), rate_scale))

@@ -27,6 +27,7 @@ from spacerobot.diagnosis.pool import Pool
 from spacerobot.diagnosis.screen import faint
 from spacerobot.diagnosis.starts import effect_starts, informed_starts, sized
 from spacerobot.diagnosis.workshop import Task
+from spacerobot.support.errors import InputError
 
 TOP_SCREENED = 4
 TOP_FITTED = 4
@@ -51,7 +52,8 @@ def search(pool: Pool, sites: Sequence[Site], report: Report, *, baseline: Fit |
     report("baseline", 0, 1)
     if baseline is None:
         baseline = pool.here(Task((), {}))
-        assert baseline is not None  # the believed rig itself can be simulated, or RigModel had refused it
+        if baseline is None:  # each trial can be simulated as believed, or the door had refused it; a fit moved on
+            raise InputError("the rig as believed cannot be fitted to these trials", where=str(workshop.study.path))
     found = Found(baseline, singles=tuple(sites), noise=noise_of(workshop))
     report("screening", 0, len(sites))
     first = screened(pool, baseline, sites)

@@ -14,7 +14,7 @@ from spacerobot.diagnosis.data import trial_data
 from spacerobot.diagnosis.fit import Fitter
 from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.hypothesis import Label, Site
-from spacerobot.diagnosis.rig_model import RigModel
+from spacerobot.diagnosis.rig_model import RigModel, readable
 from spacerobot.diagnosis.starts import fit_from, fit_near
 from spacerobot.effects.registry import effect
 from spacerobot.recordings.study import Study
@@ -70,7 +70,7 @@ class Workshop:
     made: Fitter | None = None
 
     def __post_init__(self) -> None:
-        self.trials = trial_data(self.study)
+        self.trials = trial_data(self.study, readable(self.study))
         self.model = self.make_model(self.study, self.trials)
 
     def fitter(self) -> Fitter:

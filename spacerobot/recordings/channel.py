@@ -7,6 +7,7 @@ import re
 from dataclasses import dataclass
 
 from spacerobot.recordings import units
+from spacerobot.simulation.parts.checks import LARGEST, SMALLEST
 from spacerobot.support.errors import InputError, NotFoundError
 
 _LINEAR, _ANGULAR = ("length",), ("angle",)
@@ -128,6 +129,13 @@ class ChannelSpec:
             units.factor(self.unit, measured, where=self.where)
         if self.sigma is not None and not (math.isfinite(self.sigma) and self.sigma > 0):
             raise InputError("sigma of a channel must be positive", given=self.sigma, where=self.where)
+        if self.sigma is not None and not SMALLEST <= self.sigma <= LARGEST:
+            raise InputError(
+                f"sigma of {self.name} is out of range",
+                given=self.sigma,
+                valid=f"{SMALLEST:g} to {LARGEST:g}, in SI",
+                where=self.where,
+            )
         if not (math.isfinite(self.scale) and self.scale != 0 and math.isfinite(self.offset)):
             raise InputError(
                 "scale and offset must be finite, and scale not zero",

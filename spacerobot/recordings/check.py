@@ -3,33 +3,40 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
 from spacerobot.recordings.lacking import WRIST, lacks
-from spacerobot.recordings.ranges import Limits, Range, ranges, strangers
-from spacerobot.recordings.recording import Recording
+from spacerobot.recordings.ranges import Limits, Range, Ranges, strangers
+from spacerobot.recordings.recording import Recording, load_trial
 from spacerobot.recordings.series import Series, estimate_noise
 from spacerobot.recordings.study import Study
 from spacerobot.support.errors import InputError
 
+Ask = Callable[[Recording], Iterable[InputError]]
+"""What somebody else finds wrong with a trial that can be read."""
 
-def check_study(study: Study, limits: Mapping[str, Limits] | None = None) -> dict[str, Any]:
+
+def check_study(
+    study: Study, limits: Mapping[str, Limits] | None = None, ask: Ask = lambda recording: ()
+) -> dict[str, Any]:
     """Trials, channels, ranges, rates, gaps, warnings and errors of a study, ready for JSON.
 
-    A trial that cannot be read is listed with its error; the others are still checked.
+    A trial that cannot be read is listed with its error; the others are still checked. One recording at a time is in
+    memory.
 
     Args:
         study: the study.
         limits: joint -> what its URDF says, where the robot was loaded.
+        ask: asked of each recording what else is wrong with it.
     """
-    read: list[Recording] = []
+    seen = Ranges(study, limits or {})
     trials: list[dict[str, Any]] = []
     errors: list[str] = []
-    warnings: list[tuple[str, str]] = []
+    warnings: dict[str, tuple[str, int]] = {}
     for trial in study.trials:
         entry: dict[str, Any] = {
             "id": trial.id,
@@ -37,16 +44,21 @@ def check_study(study: Study, limits: Mapping[str, Limits] | None = None) -> dic
             "overrides": dict(trial.overrides),
         }
         try:
-            recording = study.recording(trial)
+            recording = load_trial(study.streams, study.root, trial)
         except InputError as error:
             errors.append(f"trial {trial.id}: {error}")
             entry |= {"error": str(error), "channels": [], "notes": []}
         else:
             entry |= {"channels": [_channel(s) for s in recording.values()], "notes": list(recording.notes)}
-            warnings += _remarks(study, recording)
-            read.append(recording)
+            for key, text in _remarks(study, recording):
+                first, count = warnings.get(key, (text, 0))
+                warnings[key] = first, count + 1
+            for refusal in ask(recording):
+                errors.append(str(refusal))
+                entry["error"] = str(refusal)
+            seen.add(recording)
         trials.append(entry)
-    spans = ranges(study, read, limits or {})
+    spans = seen.found()
     try:
         digest = study.input_hash
     except InputError as error:
@@ -74,6 +86,7 @@ def check_study(study: Study, limits: Mapping[str, Limits] | None = None) -> dic
             *_believed(study),
             *strangers(study.channels(), limits or {}),
             *(r.warning for r in spans if r.warning),
+            *_noiseless(study, spans),
             *_once(warnings),
         ],
         "errors": list(dict.fromkeys(errors)),
@@ -131,12 +144,9 @@ def _noiseless(study: Study, spans: Sequence[Range]) -> list[str]:
     return [f"no sigma stated, so the noise is estimated: {listed}{more}"]
 
 
-def _once(warnings: Sequence[tuple[str, str]]) -> list[str]:
+def _once(warnings: Mapping[str, tuple[str, int]]) -> list[str]:
     """Each warning about a channel once, with the numbers of its first trial and how many trials have it."""
-    found: dict[str, list[str]] = {}
-    for key, text in warnings:
-        found.setdefault(key, []).append(text)
-    return [texts[0] + (f" (and {len(texts) - 1} trials more)" if len(texts) > 1 else "") for texts in found.values()]
+    return [text + (f" (and {count - 1} trials more)" if count > 1 else "") for text, count in warnings.values()]
 
 
 def _remarks(study: Study, recording: Recording) -> list[tuple[str, str]]:

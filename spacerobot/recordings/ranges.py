@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -66,20 +66,56 @@ class Range:
     warning: str = ""
 
 
-def ranges(study: Study, recordings: Sequence[Recording], limits: Mapping[str, Limits]) -> list[Range]:
-    """Every channel's range, in order of the study.
+class Ranges:
+    """Gathers every channel's range, one recording after the other, none of which is kept.
 
     Args:
         study: for what it believes.
-        recordings: of the trials that can be read.
         limits: joint -> what its URDF says.
     """
-    found: dict[str, list[Series]] = {}
-    for recording in recordings:
+
+    def __init__(self, study: Study, limits: Mapping[str, Limits]) -> None:
+        self._study, self._limits = study, limits
+        self._seen: dict[str, _Seen] = {}
+        self._pushed = self._force = 0.0
+
+    def add(self, recording: Recording) -> None:
+        """Take in a trial that could be read."""
         for name, series in recording.items():
-            found.setdefault(name, []).append(series)
-    expected = _expected(study, recordings)
-    return [_range(name, several, expected, limits) for name, several in found.items()]
+            self._seen.setdefault(name, _Seen(series.unit, series.sigma_stated)).add(series)
+        pushed, force = _reach(self._study.values(recording.trial), _speed(recording))
+        self._pushed, self._force = max(self._pushed, pushed), max(self._force, force)
+
+    def found(self) -> list[Range]:
+        """The ranges, in order of the study."""
+        expected = {}
+        if self._pushed:
+            expected["wrist.x"] = (f"up to {self._pushed:.3g} m", self._pushed)
+        if self._force:
+            expected["contact.force"] = (f"up to {self._force:.3g} N", self._force)
+        return [_range(name, seen, expected, self._limits) for name, seen in self._seen.items()]
+
+
+@dataclass
+class _Seen:
+    """A channel so far."""
+
+    unit: str
+    sigma_stated: bool
+    low: float = math.inf
+    high: float = -math.inf
+    rates: tuple[float, float] = (math.inf, -math.inf)
+    sigmas: list[float] = field(default_factory=list)
+    missing: float = 0.0
+
+    def add(self, series: Series) -> None:
+        self.low = min(self.low, float(np.nanmin(series.value)))
+        self.high = max(self.high, float(np.nanmax(series.value)))
+        rate = series.rate
+        if not math.isnan(rate):  # of a single reading
+            self.rates = min(self.rates[0], rate), max(self.rates[1], rate)
+        self.sigmas.append(series.sigma)
+        self.missing += float((~series.valid).mean())
 
 
 def strangers(channels: Sequence[str], limits: Mapping[str, Limits]) -> list[str]:
@@ -89,32 +125,27 @@ def strangers(channels: Sequence[str], limits: Mapping[str, Limits]) -> list[str
     return [f"the robot has no joint {', '.join(absent)}; it has {', '.join(limits)}"] if absent else []
 
 
-def _range(
-    name: str, several: list[Series], expected: Mapping[str, tuple[str, float]], limits: Mapping[str, Limits]
-) -> Range:
-    low = min(float(np.nanmin(s.value)) for s in several)
-    high = max(float(np.nanmax(s.value)) for s in several)
-    rates = [s.rate for s in several]
-    unit = several[0].unit
+def _range(name: str, seen: _Seen, expected: Mapping[str, tuple[str, float]], limits: Mapping[str, Limits]) -> Range:
     belief, warning = "", ""
-    largest = max(abs(low), abs(high))
+    largest = max(abs(seen.low), abs(seen.high))
     if name in expected:
         belief, size = expected[name]
-        ratio = largest / size if size > 0 else 1.0
+        ratio = largest / size
         if not 1 / ODD < ratio < ODD:
-            warning = f"{name} reaches {largest:.3g} {unit}, the baseline expects {belief}: is its unit right?"
+            warning = f"{name} reaches {largest:.3g} {seen.unit}, the baseline expects {belief}: is its unit right?"
     elif name.startswith("joint."):
-        belief, warning = _joint(name, low, high, unit, limits)
+        belief, warning = _joint(name, seen.low, seen.high, seen.unit, limits)
+    trials = len(seen.sigmas)
     return Range(
         name,
-        unit,
-        low,
-        high,
-        (min(rates), max(rates)),
-        float(np.median([s.sigma for s in several])),
-        several[0].sigma_stated,
-        len(several),
-        float(np.mean([(~s.valid).mean() for s in several])),
+        seen.unit,
+        seen.low,
+        seen.high,
+        seen.rates if math.isfinite(seen.rates[0]) else (math.nan, math.nan),
+        float(np.median(seen.sigmas)),
+        seen.sigma_stated,
+        trials,
+        seen.missing / trials,
         belief,
         warning,
     )
@@ -141,29 +172,20 @@ def _joint(name: str, low: float, high: float, unit: str, limits: Mapping[str, L
     return belief, f"{name} reaches {largest:.3g} {unit}, its URDF allows {bound:.3g}" if largest > ODD * bound else ""
 
 
-def _expected(study: Study, recordings: Sequence[Recording]) -> dict[str, tuple[str, float]]:
-    """Channel -> the size that the believed wrist gives it, in words and SI.
+def _reach(values: Mapping[str, float], speed: float | None) -> tuple[float, float]:
+    """How far a target at this speed pushes the believed wrist in [m], and its contact force [N]; 0 where unknown.
 
     A mass m at speed v pushes a spring k in by v sqrt(m / k), against a slider of mass m_w its contact k_c reaches
     v sqrt(k_c m m_w / (m + m_w)).
     """
-    pushed, forces = [], []
-    for recording in recordings:
-        values = study.values(recording.trial)
-        mass, k = values.get("target.mass"), values.get("wrist.stiffness")
-        speed = _speed(recording)
-        if mass is None or k is None or speed is None or k <= 0:
-            continue
-        pushed.append(speed * math.sqrt(mass / k))
-        slider, contact = values.get("wrist.mass"), values.get("contact.stiffness")
-        if slider is not None and contact is not None:
-            forces.append(speed * math.sqrt(contact * mass * slider / (mass + slider)))
-    found = {}
-    if pushed:
-        found["wrist.x"] = (f"up to {max(pushed):.3g} m", max(pushed))
-    if forces:
-        found["contact.force"] = (f"up to {max(forces):.3g} N", max(forces))
-    return found
+    mass, k = values.get("target.mass"), values.get("wrist.stiffness")
+    if mass is None or k is None or speed is None or k <= 0:
+        return 0.0, 0.0
+    slider, contact = values.get("wrist.mass"), values.get("contact.stiffness")
+    force = 0.0
+    if slider is not None and contact is not None:
+        force = speed * math.sqrt(contact * mass * slider / (mass + slider))
+    return speed * math.sqrt(mass / k), force
 
 
 def _speed(recording: Recording) -> float | None:

@@ -8,9 +8,10 @@ from typing import Self
 
 import numpy as np
 
+from spacerobot.diagnosis.admission import wrist_trial
 from spacerobot.diagnosis.data import TrialData, trial_data
 from spacerobot.diagnosis.forward.base import ForwardModel, TrialOverlay, Value, channels_of, overlaid, unit_of
-from spacerobot.diagnosis.rig_model import UNKNOWN_CENTRES, RigModel
+from spacerobot.diagnosis.rig_model import UNKNOWN_CENTRES, RigModel, readable
 from spacerobot.dynamics.effective_mass import effective_mass
 from spacerobot.recordings.rig_robot import study_robot
 from spacerobot.recordings.study import Study
@@ -49,9 +50,9 @@ class WristRig(ForwardModel):
     def of(cls, study: Study) -> Self:
         """The rig as believed."""
         for trial in study.trials:
-            if "target.x" not in study.recording(trial):
-                raise InputError("a trial without target.x has no start", given=trial.id, where=str(study.path))
-        trials = trial_data(study)
+            for refusal in wrist_trial(study, study.recording(trial)):
+                raise refusal
+        trials = trial_data(study, readable(study))
         return cls(study, RigModel(study, trials), {t.id: t for t in trials}, _hand_mass(study))
 
     @property

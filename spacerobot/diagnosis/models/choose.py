@@ -16,6 +16,7 @@ from spacerobot.dynamics.inertia import joint_space_inertia
 from spacerobot.dynamics.joint_kinds import joint_axis
 from spacerobot.recordings.study import Study
 from spacerobot.recordings.trial import Trial
+from spacerobot.support.errors import InputError
 
 
 def models_for(study: Study) -> tuple[Model, ...]:
@@ -43,6 +44,23 @@ def models_for(study: Study) -> tuple[Model, ...]:
     found += platform_models(study)
     found += impact_models(study)
     return tuple(found)
+
+
+def some_models_for(study: Study) -> tuple[Model, ...]:
+    """As `models_for`, at least one.
+
+    Raises:
+        InputError: nothing that was recorded can be compared with the baseline.
+    """
+    found = models_for(study)
+    if not found:
+        raise InputError(
+            "nothing that was recorded can be compared with this baseline",
+            given=", ".join(study.channels()[:8]),
+            valid="a wrist that meets a target; joints with position and torque; a body that is tracked",
+            where=str(study.path),
+        )
+    return found
 
 
 def _tracked(study: Study, trial: Trial, group: str) -> bool:

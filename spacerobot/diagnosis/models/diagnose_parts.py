@@ -11,7 +11,7 @@ from spacerobot import __version__
 from spacerobot.diagnosis.found import Report
 from spacerobot.diagnosis.locate.of_model import has_balance, locate_model
 from spacerobot.diagnosis.memory import Store
-from spacerobot.diagnosis.models.choose import models_for
+from spacerobot.diagnosis.models.choose import some_models_for
 from spacerobot.diagnosis.models.grow import MOST, grow
 from spacerobot.diagnosis.models.kept import Kept
 from spacerobot.diagnosis.models.model_out import model_text
@@ -22,7 +22,6 @@ from spacerobot.diagnosis.models.part_verdict import verdict_of
 from spacerobot.diagnosis.result import Diagnosis
 from spacerobot.effects.registry import all_effects
 from spacerobot.recordings.study import Study
-from spacerobot.support.errors import InputError
 
 
 def diagnose_parts(
@@ -49,14 +48,7 @@ def diagnose_parts(
     """
     began = time.perf_counter()
     report("reading the recordings", 0, 1)
-    models = models_for(study)
-    if not models:
-        raise InputError(
-            "nothing that was recorded can be compared with this baseline",
-            given=", ".join(study.channels()[:8]),
-            valid="a wrist that meets a target; joints with position and torque; a body that is tracked",
-            where=str(study.path),
-        )
+    models = some_models_for(study)
     catalogue = [e for e in all_effects().values() if e.name not in without]
     parts: list[Part] = []
     for place, model in enumerate(models, 1):
