@@ -7,15 +7,14 @@ import contextlib
 import importlib
 import json
 import os
-import sys
 from collections.abc import Mapping, Sequence
 from functools import partial
-from pathlib import Path
 from typing import Any
 
+from spacerobot.cli.effect_files import load_effects, read_text
 from spacerobot.diagnosis.diagnose import diagnose
 from spacerobot.diagnosis.schema import validate
-from spacerobot.effects.registry import effect, load_file
+from spacerobot.effects.registry import effect
 from spacerobot.recordings.lacking import refuse_draft
 from spacerobot.recordings.study import load_study, resolve_study
 from spacerobot.support.errors import InputError
@@ -45,13 +44,12 @@ def run(args: argparse.Namespace) -> int:
     if args.jobs is not None and args.jobs < 1:
         raise InputError("--jobs must be at least 1", given=args.jobs)
     not_both(args.jobs, args.dask)
-    for file in args.effects:
-        print(f"running the code of {file}: {', '.join(load_file(Path(file)))}", file=sys.stderr)
+    codes = [read_text(f, "--effects") for f in args.effects]
+    load_effects(args.effects)
     for name in args.without:
         effect(name)  # an unknown name is an error that suggests the nearest
     study = load_study(resolve_study(args.study), args.data)
     refuse_draft(study)  # before a folder is made for it
-    codes = [Path(f).read_text(encoding="utf-8") for f in args.effects]
     key = combined_hash(study.input_hash, str(args.seed), *sorted(args.without), *codes)
     with contextlib.ExitStack() as stack:
         folder = None

@@ -9,9 +9,11 @@ import importlib
 import os
 import sys
 from collections.abc import Sequence
+from typing import TextIO, cast
 
 from spacerobot import __version__
 from spacerobot.cli.arguments import Parser
+from spacerobot.cli.output import Fitted, open_streams, width
 from spacerobot.support.errors import NotFoundError, SpacerobotError
 from spacerobot.support.workers import THREAD_VARIABLES
 
@@ -64,7 +66,15 @@ def build_parser(name: str | None = None) -> Parser:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code: 0 an answer, 1 a failure, 2 bad input, 130 interrupted."""
+    open_streams()
     arguments = list(sys.argv[1:] if argv is None else argv)
+    columns = None if "--json" in arguments else width()
+    stream = sys.stdout if columns is None else cast(TextIO, Fitted(sys.stdout, columns))
+    with contextlib.redirect_stdout(stream):
+        return _main(arguments)
+
+
+def _main(arguments: list[str]) -> int:
     name = next((a for a in arguments if not a.startswith("-")), None)
     label = f"spacerobot {name}" if name in COMMANDS else "spacerobot"
     # before NumPy is loaded: the matrices are small, so that a second thread of linear algebra only waits, at the
@@ -74,7 +84,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         if name is not None and name not in COMMANDS:
             raise NotFoundError("command", name, COMMANDS)
-        args = _parse(build_parser(name), arguments)
+        try:
+            args = _parse(build_parser(name), arguments)
+        except SystemExit:  # of --help and --version
+            sys.stdout.flush()
+            raise
         module = importlib.import_module(f"spacerobot.cli.{COMMANDS[args.command][0]}")
         code = int(module.run(args) or 0)
         sys.stdout.flush()

@@ -12,10 +12,10 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
+from spacerobot.cli.effect_files import load_effects, read_text
 from spacerobot.cli.simulate_report import as_text
 from spacerobot.dynamics.joint_kinds import angular
 from spacerobot.dynamics.pose_limits import PoseLimitWarning
-from spacerobot.effects.registry import load_file
 from spacerobot.model.spacecraft import SpacecraftSpec
 from spacerobot.simulation.parts import EffectAt, Servo
 from spacerobot.simulation.prediction import predict, predict_exact
@@ -57,9 +57,8 @@ _TABLE = ("target.x", "target.yaw", "wrist.x", "hand.x", "contact.force", "conta
 
 def run(args: argparse.Namespace) -> int:
     """Run the command."""
-    for file in args.effects:
-        print(f"spacerobot simulate: running {file} for its effects", file=sys.stderr)
-        load_file(Path(file))
+    codes = [read_text(f, "--effects") for f in args.effects]
+    load_effects(args.effects)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", PoseLimitWarning)
         scene = _scene(args)
@@ -74,7 +73,7 @@ def run(args: argparse.Namespace) -> int:
         answer, _ = _answer(scene, settings, said)
     else:
         robot = scene.prepared.urdf  # a URDF file may have changed under the same name
-        digest = combined_hash(scene.to_toml(), robot, settings, [Path(f).read_text() for f in args.effects])
+        digest = combined_hash(scene.to_toml(), robot, settings, codes)
         with RunFolder(args.out, "simulate", digest, overwrite=args.overwrite) as folder:
             if not folder.finished:
                 answer, trajectory = _answer(scene, settings, said)
