@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from spacerobot.simulation.exact.batch import collide, durations
-from spacerobot.simulation.exact.structure import NotLinearError, piecewise_linear
+from spacerobot.simulation.exact.structure import OUTLINE, NotLinearError, piecewise_linear
 from spacerobot.simulation.parts import ContactLaw, EffectAt, Servo, Target, Wrist
 from spacerobot.simulation.prediction import predict_exact
 from spacerobot.simulation.scene import Scene
@@ -124,6 +124,6 @@ def test_numbers_that_cannot_be_are_refused() -> None:
     with pytest.raises(InputError, match="positive"):
         collide(structure, -numbers[None])
     still = numbers.copy()
-    still[structure.size - 3] = 0.0  # closing speed
+    still[structure.size - len(OUTLINE) + OUTLINE.index("closing_speed")] = 0.0
     with pytest.raises(InputError, match="no contact time"):
         collide(structure, still[None])
