@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import re
+import sys
 from typing import Any, NoReturn
 
 from spacerobot.support.errors import InputError, NotFoundError, nearest
@@ -29,6 +30,10 @@ class Parser(argparse.ArgumentParser):
         if option:
             raise InputError(option["what"], where=option["name"])
         raise InputError(message, valid=f"see `{self.prog} --help`")
+
+    def _print_message(self, message: str, file: Any = None) -> None:
+        """Print help or version; argparse itself says nothing of a full disk."""
+        (file or sys.stdout).write(message)
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         if action.choices is not None and value not in action.choices:
