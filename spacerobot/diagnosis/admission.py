@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -96,9 +97,10 @@ def left_aside(study: Study) -> tuple[str, ...]:
 
 def _simulated(study: Study, recording: Recording, where: str) -> Iterator[InputError]:
     """Whether the rig as believed can be simulated from the trial's start."""
-    trial = one_trial(study, recording, readable(study))
+    alone = replace(study, trials=(recording.trial,))  # else each trial would look through all the others
+    trial = one_trial(alone, recording, readable(alone))
     try:
-        model = RigModel(study, (trial,))
+        model = RigModel(alone, (trial,))
         values = {**model.base, **model.believed.unknown, **trial.overrides}
         start = np.array([n.guess for n in model.nuisances(trial)])
         shown = model.predict(model.mechanism(values), trial, start)

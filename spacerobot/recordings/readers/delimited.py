@@ -11,7 +11,7 @@ import numpy as np
 
 from spacerobot.recordings.readers import limits
 from spacerobot.recordings.readers.base import Reader
-from spacerobot.recordings.readers.layout import Layout, column_names, find_layout, is_comment, split
+from spacerobot.recordings.readers.layout import Layout, column_names, find_layout, said, split
 from spacerobot.recordings.readers.numbers import number, reason
 from spacerobot.recordings.readers.text import read_lines
 from spacerobot.recordings.table import Column, Floats, Options, RawTable
@@ -41,7 +41,7 @@ class DelimitedReader(Reader):
         except InputError as error:
             raise InputError(error.what, valid=error.valid, where=str(path)) from None
         names = column_names(lines, layout)
-        rows = [i for i in range(layout.first, len(lines)) if lines[i].strip() and not is_comment(lines[i])]
+        rows = said(lines, layout.first)
         if options.rows is not None:
             rows = rows[options.rows[0] : options.rows[1]]
         if not rows:

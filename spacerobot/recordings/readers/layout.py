@@ -72,7 +72,7 @@ def find_layout(lines: Sequence[str], separator: str | None, decimal: str | None
         InputError: more columns than the limit.
     """
     start = header_rows or 0
-    body = [i for i in range(start, len(lines)) if lines[i].strip() and not is_comment(lines[i])]
+    body = said(lines, start)
     if not body:
         return Layout(separator or ",", decimal or ".", (), len(lines), 0, ())
     half = len(body) // 2 if header_rows is None else 0
@@ -119,6 +119,13 @@ def _headed(lines: Sequence[str], body: Sequence[int], separator: str, width: in
         if len(cells) == width and all(number(c) is None for c in cells) and len(set(cells)) == width:
             return True
     return False
+
+
+def said(lines: Sequence[str], first: int) -> list[int]:
+    """Indices from `first` of the lines that are neither blank nor a comment."""
+    return [
+        i for i, line in enumerate(lines[first:], first) if (text := line.lstrip()) and not text.startswith(COMMENTS)
+    ]
 
 
 def is_comment(line: str) -> bool:

@@ -72,12 +72,12 @@ def read_lines(path: Path, compression: str | None = None, encoding: str | None 
     lines = text.split("\n")
     if lines and not lines[-1]:
         lines.pop()
-    for number, line in enumerate(lines, start=1):
-        if len(line) > limits.LINE_CHARACTERS:
-            raise InputError(
-                "the line is too long",
-                given=f"{len(line)} characters",
-                valid=f"at most {limits.LINE_CHARACTERS}",
-                where=f"{path}:{number}",
-            )
+    if max(map(len, lines), default=0) > limits.LINE_CHARACTERS:
+        number, line = next(found for found in enumerate(lines, start=1) if len(found[1]) > limits.LINE_CHARACTERS)
+        raise InputError(
+            "the line is too long",
+            given=f"{len(line)} characters",
+            valid=f"at most {limits.LINE_CHARACTERS}",
+            where=f"{path}:{number}",
+        )
     return lines
