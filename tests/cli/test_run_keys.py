@@ -61,7 +61,7 @@ CHANGES: dict[str, dict[str, str]] = {
         "--q": "0 1 0 1 0 1 0.1", "--deg": "", "--direction": "0 1 0", "--frame": "link7", "--base": "free",
         "--joints": "locked", "--slider": "locked", "--servo-stiffness": "4e3", "--servo-damping": "6",
         "--frequency": "3", "--wrist-stiffness": "900", "--target-mass": "8", "--restitution": "0.5", "--speed": "0.3",
-        "--pictures": "", "--to": "0 1 0 1 0 1 0.2 --pictures",
+        "--aim": "", "--pictures": "", "--to": "0 1 0 1 0 1 0.2 --pictures",
     },
     "simulate": {
         "--base": "fixed", "--joints": "free", "--q": "0 1 0 1 0 1 0.1", "--deg": "", "--frame": "flange",

@@ -27,7 +27,6 @@ OTHER: dict[str, list[Any]] = {
     "initials": [None, {"01": np.array([1.0, 2.1])}, {"02": np.array([1.0, 2.0])}],
     "hopeless": [5.0],
     "max_iterations": [41],
-    "without": [("01",)],
     "near": [None, near(0.6), near(0.5, "adhesion"), near(0.5, freed=("wrist.mass",))],
     "loose": [True],
     "eager": [True],

@@ -8,7 +8,7 @@ from spacerobot.diagnosis import pairs
 from spacerobot.diagnosis import search as whole
 from spacerobot.diagnosis.adequacy import Left
 from spacerobot.diagnosis.fitted import Fit
-from spacerobot.diagnosis.found import Found
+from spacerobot.diagnosis.found import Found, noise_of
 from spacerobot.diagnosis.pool import Pool
 from spacerobot.diagnosis.workshop import Task, Workshop
 from tests.diagnosis.rigs import write_study
@@ -93,7 +93,7 @@ def test_a_low_cost_that_is_no_noise_explains_nothing(shop: Workshop, found: Fou
 
 
 def test_a_search_asks_whether_what_is_left_is_noise(shop: Workshop) -> None:
-    asks = whole._noise(shop)
+    asks = noise_of(shop)
     fit = shop.run(Task((), {}))
     assert fit is not None
     assert asks(fit) is shop.left_by(fit).adequate is False  # two effects are missing

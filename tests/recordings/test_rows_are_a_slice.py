@@ -6,6 +6,7 @@ from pathlib import Path
 
 import h5py
 import numpy as np
+import openpyxl
 import pytest
 from scipy.io import savemat
 
@@ -68,6 +69,16 @@ def motive_new(path: Path) -> RawTable:
     return read_table(path)
 
 
+def workbook(path: Path) -> RawTable:
+    book = openpyxl.Workbook()
+    sheet = book.active
+    assert sheet is not None
+    for row in (["t", "x", "y"], *np.column_stack([T, X[:, :2]]).tolist()):
+        sheet.append(row)
+    book.save(path)
+    return read_table(path)
+
+
 def bag(path: Path) -> RawTable:
     return read_table(write_bag(path, "ros1"), Options(variable="/joint_states"))
 
@@ -82,6 +93,7 @@ WRITTEN = {
     "a.h5": (hdf5, "hdf5"),
     "take.csv": (motive, "motive"),
     "new.csv": (motive_new, "motive"),
+    "a.xlsx": (workbook, "xlsx"),
     "a.bag": (bag, "bag"),
 }
 
@@ -97,7 +109,7 @@ def test_rows_are_those_of_the_whole_file(tmp_path: Path, name: str) -> None:
     whole = write(path)
     variable = "/joint_states" if kind == "bag" else None
     assert max(len(c.values) for c in whole.columns) == N
-    for first, last in SLICES[:4] if kind in ("bag", "mat", "hdf5") else SLICES:
+    for first, last in SLICES[:4] if kind in ("bag", "mat", "hdf5", "xlsx") else SLICES:
         part = read_table(path, Options(rows=(first, last), variable=variable), format=kind)
         assert part.names() == whole.names()
         for one, all_ in zip(part.columns, whole.columns, strict=True):
