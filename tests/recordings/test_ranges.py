@@ -27,6 +27,9 @@ time = 0
 [[trials]]
 id = "01"
 log = "log.csv"
+[[trials]]
+id = "02"
+log = "log.csv"
 """
 
 ARM = """format = 1

@@ -161,7 +161,7 @@ def test_the_command_exits_with_2_and_one_line(name: str, tmp_path: Path, capsys
         (["pa10_wrist", "--target-inertia", "1", "2"], "1, 3 or 9"),
         (["pa10_wrist", "--effect", "friction"], "NAME@WHERE"),
         (["pa10_wrist", "--effect", "coulomb_friction@wrist:force_N"], "NAME=VALUE"),
-        (["pa10_wrist", "--effects", "none.py"], "no such file"),
+        (["pa10_wrist", "--effects", "none.py"], "No such file"),
         (["pa10_wrist", "--servo-damping", "1"], "--servo-stiffness"),
         (["pa10_wrist", "--tolerance", "2"], "tolerance"),
         (["pa10_wrist", "--rate", "0"], "rate"),

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import json
-import math
 from dataclasses import dataclass, field
 
 from spacerobot.recordings.channel import dimensions
 from spacerobot.recordings.drafting.columns import Reading
 from spacerobot.recordings.units import UNITS
+from spacerobot.simulation.parts.checks import LARGEST, SMALLEST
 
 
 @dataclass
@@ -42,16 +42,18 @@ class Line:
     def text(self) -> str:
         """The line in TOML."""
         parts = [f"is = {toml(self.channel)}"]
-        unit = self.reading.unit
-        if unit is not None and UNITS[unit].dimension in dimensions(self.channel) and UNITS[unit].factor != 1.0:
-            parts.append(f"unit = {toml(unit)}")
+        unit, factor = self.reading.unit, 1.0
+        if unit is not None and UNITS[unit].dimension in dimensions(self.channel):
+            factor = UNITS[unit].factor
+        if factor != 1.0:
+            parts.append(f"unit = {toml(str(unit))}")
         if self.scale != 1.0:
             parts.append(f"scale = {self.scale:.6g}")
         if self.plus:
             parts.append(f"plus = {{ {', '.join(f'{toml(c)} = {k:.6g}' for c, k in self.plus.items())} }}")
         if self.offset:
             parts.append(f"offset = {self.offset:.6g}")
-        if self.sigma is not None and math.isfinite(self.sigma) and self.sigma > 0:
+        if self.sigma is not None and SMALLEST <= self.sigma * factor <= LARGEST:  # below is rounding, and is refused
             parts.append(f"sigma = {self.sigma:.2g}")
         if self.use != "output":
             parts.append(f"use = {toml(self.use)}")
