@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 from collections import Counter
 from typing import Any
@@ -11,8 +10,6 @@ from hypothesis import settings
 
 settings.register_profile("repeatable", deadline=None, derandomize=True)
 settings.load_profile("repeatable")  # a run beside a busy core is a run like any other
-
-os.environ.pop("COLUMNS", None)  # parallel runs set it; what commands print is asked for as into a pipe
 
 COMMAND = "make test-extras"
 

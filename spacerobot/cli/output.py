@@ -11,6 +11,9 @@ from typing import Any, TextIO
 NARROWEST = 20
 """Columns below which lines are not broken any more: no table says anything there."""
 
+UNSAID = "80"
+"""What COLUMNS says in every child of a process without a terminal that has loaded readline: nobody asked for it."""
+
 
 class Fitted:
     """A text stream that breaks lines at the terminal's width; all else is the stream's own.
@@ -60,7 +63,8 @@ def fitted(line: str, width: int) -> str:
 
 def width() -> int | None:
     """Columns of the terminal that reads standard output, or that COLUMNS claims; None where nobody says."""
-    if not (sys.stdout.isatty() or os.environ.get("COLUMNS", "").isdigit()):
+    claimed = os.environ.get("COLUMNS", "")
+    if not sys.stdout.isatty() and (not claimed.isdigit() or claimed == UNSAID):
         return None
     found = shutil.get_terminal_size().columns
     return found if found >= NARROWEST else None
