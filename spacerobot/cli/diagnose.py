@@ -22,7 +22,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", metavar="DIR", help="folder for verdict, report, scene and plots")
     parser.add_argument("--data", metavar="DIR", help="folder that the study's files are relative to")
     parser.add_argument("--json", action="store_true", help="print verdict.json on standard output")
-    parser.add_argument("--seed", type=int, default=0, help="of permutations, and of machines' copies (default 0)")
+    parser.add_argument("--seed", type=int, default=0, help="kept in the verdict; no answer hangs on it (default 0)")
     parser.add_argument("--jobs", type=int, default=None, help="processes (default: all cores)")
     parser.add_argument(
         "--dask", metavar="ADDRESS", help="fit a wrist rig on this Dask scheduler's workers, which see the same files"

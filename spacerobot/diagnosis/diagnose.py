@@ -62,7 +62,7 @@ def diagnose(
         study: what the lab believes and recorded: a wrist that meets a floating target, or any other machine, which
             is then diagnosed part by part (see `diagnosis.models`).
         jobs: processes; all cores if None.
-        seed: of the permutations that say how sure a located pattern is; nothing that is concluded rests on it.
+        seed: kept in the verdict; nothing hangs on it: flips of signs and copies' noise are a quadrature, one for all.
         without: effects to leave out of the catalogue.
         effects_files: Python files with further effects (they are run).
         report: told of progress.
@@ -88,7 +88,7 @@ def diagnose(
         help_compiling(workshop)
     with Pool(workshop, jobs, effects_files, store, workers) as pool:
         # with the believed values: a refit that lacks the physics bends them until every balance is a little wrong
-        locating = pool.aside(_located, seed)
+        locating = pool.aside(_located)
         decided = decide(pool, sites, report)
         report("intervals", 0, 1)
         decided, profiled = with_intervals(pool, decided)
@@ -167,7 +167,7 @@ def _not_shown(withdrawn: Mapping[Label, str]) -> list[str]:
     return [f"{' + '.join(f'{e} at {w}' for e, w in label)} is not named: {why}" for label, why in withdrawn.items()]
 
 
-def _located(workshop: Workshop, seed: int) -> Located:
+def _located(workshop: Workshop) -> Located:
     from spacerobot.diagnosis.locate.locate import locate  # takes half a second to load, best in another process
 
-    return locate(workshop.model, workshop.trials, seed=seed)
+    return locate(workshop.model, workshop.trials)

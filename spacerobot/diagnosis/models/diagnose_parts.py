@@ -39,7 +39,7 @@ def diagnose_parts(
         study: what the lab believes and recorded.
         report: told of progress.
         threads: of the fits.
-        seed: of synthetic copies.
+        seed: kept in the verdict; nothing hangs on it.
         without: effects to leave out of the catalogue.
         store: keeps every finished fit, so that a diagnosis that was stopped goes on where it was.
 
@@ -61,7 +61,7 @@ def diagnose_parts(
         report("locating and checking", place, len(parts))
         # the flips of signs are a quadrature: the same for every seed, as no answer shall hang on them
         located = locate_model(part.model, trials=part.trials) if has_balance(part.model) else None
-        done.append(replace(part, located=located, checks=checks_of(part, seed)))
+        done.append(replace(part, located=located, checks=checks_of(part)))
     report("judging", 0, 1)
     verdict = verdict_of(study, done, version=__version__, seed=seed, seconds=time.perf_counter() - began)
     evidence = evidence_of(study, done, verdict)
