@@ -10,6 +10,7 @@ import numpy as np
 
 from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.hypothesis import Label, Site
+from spacerobot.diagnosis.nameable import nameable
 from spacerobot.diagnosis.pool import Pool
 from spacerobot.diagnosis.screen import Screen, Screened, Screener, together
 from spacerobot.diagnosis.weigh import score, simplest
@@ -64,6 +65,11 @@ class Found:
         """The fit of least cost, the baseline included."""
         return min([self.baseline, *self.fits.values()], key=lambda f: f.cost)
 
+    @property
+    def best_nameable(self) -> Fit:
+        """The fit of least cost that a verdict could name, or of all where there is none."""
+        return min([f for f in self.fits.values() if nameable(f)] or [self.best], key=lambda f: f.cost)
+
     def explains(self, fit: Fit) -> bool:
         """Whether a fit leaves so little over that others need not begin afresh."""
         return fit.chi2 < EXPLAINED * fit.samples and self.noise(fit)
@@ -74,7 +80,8 @@ class Found:
         return self.explains(self.best)
 
     def preferred(self, fits: Sequence[Fit]) -> Fit:
-        """The one of these that a verdict would prefer."""
+        """The one of these that a verdict would prefer; of those that it could not name, where there is no other."""
+        fits = [f for f in fits if nameable(f)] or fits
         scores = {id(f): score(f) for f in fits}
         return simplest(sorted(fits, key=lambda f: scores[id(f)]), scores)
 

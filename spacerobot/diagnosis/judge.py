@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from spacerobot.diagnosis.adequacy import Left
-from spacerobot.diagnosis.candidates import contains, plausible
+from spacerobot.diagnosis.candidates import contains
 from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.found import Found
 from spacerobot.diagnosis.hypothesis import Label
-from spacerobot.diagnosis.shown import held_by_bounds
+from spacerobot.diagnosis.nameable import held, means
 from spacerobot.diagnosis.weigh import MARGIN, PENALTY, defect, score, simplest
 
 NAMED, AMBIGUOUS, UNKNOWN = "named", "ambiguous", "unknown"
@@ -83,8 +83,8 @@ def judge(
         withdrawn: sets with an effect whose interval does not show it (`shown.py`); they are not named.
     """
     base = found.baseline
-    nameless = [f for f in found.fits.values() if f.hypothesis.label in withdrawn or _held(f)]
-    candidates = [base, *(f for f in found.fits.values() if _means(f) and f not in nameless)]
+    nameless = [f for f in found.fits.values() if f.hypothesis.label in withdrawn or held(f)]
+    candidates = [base, *(f for f in found.fits.values() if means(f) and f not in nameless)]
     inflation = min((left_of[id(f)].inflation for f in [*candidates, *nameless] if id(f) in left_of), default=1.0)
     scores = {id(f): score(f, inflation) for f in [*candidates, *nameless]}
     many = freed is not None and len(moved(base)) > FEW
@@ -154,17 +154,6 @@ def judge(
     sound = [f.hypothesis.label for f in ranked if f.hypothesis.sites and _adequate(f, left_of)]
     others = [f for f in nameless if not any(contains(f.hypothesis.label, label) for label in sound)]
     return _unnamed(said, [f for f in others if scores[id(f)] < scores[id(best)] - MARGIN])
-
-
-def _means(fit: Fit) -> bool:
-    """Whether a fit's signs make physical sense."""
-    return plausible(fit.hypothesis.label, fit.values())
-
-
-def _held(fit: Fit) -> bool:
-    """Whether a bound holds one of a fit's effects."""
-    values, errors = fit.values(), fit.errors()
-    return any(held_by_bounds(site, values, errors) for site in fit.hypothesis.sites)
 
 
 def _parts(best: Fit, ranked: Sequence[Fit]) -> list[Fit]:

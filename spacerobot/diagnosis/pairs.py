@@ -157,7 +157,7 @@ def _twins(found: Found, first: Screen) -> list[Task]:
 
     Which of the two has led the pairs may be a matter of the last digits: a late stream and a smoothed one.
     """
-    best, known = found.best, first.best()
+    best, known = found.best_nameable, first.best()
     here = [s.label for s in best.hypothesis.sites]
     tasks = []
     for own in here if len(here) > 1 else ():
@@ -185,7 +185,7 @@ def simplify(pool: Pool, found: Found, report: Report) -> None:
     a better one.
     """
     tasks, known = [], {s.label for s in found.singles}
-    for best in {id(f): f for f in (found.preferred([*found.fits.values()]), found.best)}.values():
+    for best in {id(f): f for f in (found.preferred([*found.fits.values()]), found.best_nameable)}.values():
         for label in simpler(best.hypothesis.label):
             if not known.issuperset(label):  # a special case that the catalogue was to do without
                 continue
