@@ -74,7 +74,7 @@ def must_lead(dearer: float) -> float:
 
 
 @dataclass(frozen=True, eq=False)
-class _Column:
+class Column:
     """What an effect, at one of its starts and faint, does that no free parameter can imitate."""
 
     site: Site
@@ -143,7 +143,7 @@ class Limits:
         sites = [s for s in sites if not any(_akin(s.label, one) for one in label)]
         columns = [c for s in sites for c in self._columns(s)]
         units = np.array([c.column / math.sqrt(c.norm) for c in columns])
-        best: dict[tuple[str, str], _Column] = {}
+        best: dict[tuple[str, str], Column] = {}
         for c in columns:
             if (
                 c.site.label not in best
@@ -152,7 +152,7 @@ class Limits:
                 best[c.site.label] = c
         return [self._limit(c, columns, units) for _, c in sorted(best.items())]
 
-    def _columns(self, site: Site) -> list[_Column]:
+    def _columns(self, site: Site) -> list[Column]:
         share = 1.0 if site.effect.removes else FAINT
         out = []
         for start in starts_of(site, self.fitter.trials):
@@ -160,7 +160,7 @@ class Limits:
             if column is not None and plausible([site.label], start):
                 norm = float(column @ column)
                 if norm > 1e-12:
-                    out.append(_Column(site, start, share, column, norm))
+                    out.append(Column(site, start, share, column, norm))
         return out
 
     def _moved(self, site: Site, values: Mapping[str, float]) -> np.ndarray | None:
@@ -187,8 +187,8 @@ class Limits:
         left = self._loose[out].free(change, np.zeros_like(self.fit.z))
         return math.sqrt(float(left @ left) / self.inflation / must_earn(price - PENALTY * len(out), True))
 
-    def _limit(self, item: _Column, columns: Sequence[_Column], units: np.ndarray) -> Limit:
-        parameter = _strength(item.site.effect.parameters)
+    def _limit(self, item: Column, columns: Sequence[Column], units: np.ndarray) -> Limit:
+        parameter = strength(item.site.effect.parameters)
         rivals = [
             (k, must_lead(item.price - c.price))
             for k, c in enumerate(columns)
@@ -247,5 +247,6 @@ def _akin(one: tuple[str, str], other: tuple[str, str]) -> bool:
     return one == other or contains([one], [other]) or contains([other], [one])
 
 
-def _strength(parameters: Sequence[Parameter]) -> Parameter:
+def strength(parameters: Sequence[Parameter]) -> Parameter:
+    """The first that says how much there is of an effect."""
     return next((p for p in parameters if not p.shape), parameters[0])

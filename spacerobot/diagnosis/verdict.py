@@ -9,13 +9,8 @@ from typing import Any
 from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.hypothesis import Label
 from spacerobot.diagnosis.judge import AMBIGUOUS, MOVED, NAMED, Judgement
-from spacerobot.diagnosis.screen import FAINT, Screen
-from spacerobot.effects.effect import Parameter
 
 NORMAL_95 = 1.959963984540054
-
-DETECTION = 10.82
-"""Noncentrality at which a likelihood ratio at the 5 % level has 95 % power: (1.645 + 1.645)^2."""
 
 
 def interval(fit: Fit, key: str, inflation: float) -> tuple[float, tuple[float, float]]:
@@ -92,39 +87,6 @@ def moved_values(
 def _unit(name: str) -> str:
     last = name.rsplit(".", 1)[-1]
     return {"mass": "kg", "stiffness": "N/m", "yaw_inertia": "kg m^2"}.get(last, "N s/m" if "damping" in last else "")
-
-
-def detectable(screen: Screen, inflation: float) -> list[dict[str, Any]]:
-    """The smallest size of each effect that these data would have shown, by its sensitivities at the fit."""
-    out = []
-    best: dict[tuple[str, str], tuple[float, Any]] = {}
-    for item in screen.scored:
-        if item.norm > 0.0:
-            share = math.sqrt(DETECTION * inflation / item.norm)
-            if item.site.label not in best or share < best[item.site.label][0]:
-                best[item.site.label] = (share, item)
-    for label, (share, item) in sorted(best.items()):
-        parameter = _strength(item.site.effect.parameters)
-        start = item.start[item.site.key(parameter.name)]
-        share *= 1.0 if item.site.effect.removes else FAINT  # of the start, at which the column was taken
-        if math.isinf(parameter.null) or parameter.log:
-            smallest = start / max(share, 1e-12)  # its strength goes as the inverse: a cutoff, a stiffness
-        else:
-            smallest = abs(share * (start - parameter.null))
-        out.append(
-            {
-                "effect": label[0],
-                "where": label[1],
-                "parameter": parameter.name,
-                "smallest": smallest,
-                "unit": parameter.unit,
-            }
-        )
-    return out
-
-
-def _strength(parameters: Sequence[Parameter]) -> Parameter:
-    return next((p for p in parameters if not p.shape), parameters[0])
 
 
 def verdict_dict(

@@ -43,8 +43,12 @@ def remedy(mechanism: Mechanism, give: Callable[[str], float]) -> str:
             if rate > fastest:
                 fastest, worst, damped = rate, force.name.split(".servo_")[0], force.kernel == DAMPER
     contact = mechanism.contact
-    light = 1.0 / mechanism.coordinates["wrist"].mass + 1.0 / mechanism.coordinates["target"].mass
-    touch = 0.0 if contact is None else max(math.sqrt(contact.p[0] * light), contact.p[1] * light)
+    touch = 0.0
+    if contact is not None:
+        light = 1.0 / mechanism.coordinates["wrist"].mass + 1.0 / mechanism.coordinates["target"].mass
+        touch = max(math.sqrt(contact.p[0] * light), contact.p[1] * light)
+    elif not fastest:
+        return "it swings or chatters for too long; give a shorter duration, or softer springs and dampers"
     if fastest <= touch:
         return f"it swings or chatters for too long; give a shorter duration, {SOFTER}"
     if damped:

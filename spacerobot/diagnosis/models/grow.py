@@ -157,7 +157,8 @@ class _Search:
             more = not_excluded(self.bench, after.fit, self.sites)
             rivals = (*rivals, *(self.tested(Candidate(fit)) for fit in more))
         ranked = tuple(sorted(tested, key=lambda c: c.error))
-        return Growth(self.bench, before, after, rivals, ranked, tuple(self.screened.items()), refused)
+        sites = tuple(self.sites.values())
+        return Growth(self.bench, before, after, rivals, ranked, tuple(self.screened.items()), refused, sites)
 
     def refusal(self, before: Candidate, after: Candidate, stated: bool) -> str:
         """Why a choice does not stand under the weights that it asks for; empty where it does."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from spacerobot.diagnosis.hypothesis import Label
+from spacerobot.diagnosis.hypothesis import Label, Site
 from spacerobot.diagnosis.models.bench import Bench
 from spacerobot.diagnosis.models.candidate import Candidate
 
@@ -23,6 +23,7 @@ class Growth:
         considered: every candidate that was tried on unseen trials, best first.
         screened: cost that each set of effects promised, by its sensitivities, whether fitted then or not.
         refused: choices that did not stand, by their labels, with the reason.
+        sites: every effect at every place that was considered.
     """
 
     bench: Bench
@@ -32,6 +33,7 @@ class Growth:
     considered: tuple[Candidate, ...]
     screened: tuple[tuple[Label, float], ...]
     refused: Mapping[Label, str] = field(default_factory=dict)
+    sites: tuple[Site, ...] = ()
 
     @property
     def considered_baseline(self) -> Candidate:

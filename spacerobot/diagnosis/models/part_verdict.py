@@ -18,9 +18,9 @@ from spacerobot.diagnosis.models.held_out import parent, scheme_of
 from spacerobot.diagnosis.models.model_out import FILE, RUNS
 from spacerobot.diagnosis.models.next_trial import next_trial
 from spacerobot.diagnosis.models.part import Part
+from spacerobot.diagnosis.models.part_limits import PartLimits
 from spacerobot.diagnosis.not_predicted import not_predicted
-from spacerobot.diagnosis.screen import Screener
-from spacerobot.diagnosis.verdict import detectable, effect_entries, moved_values
+from spacerobot.diagnosis.verdict import effect_entries, moved_values
 from spacerobot.recordings.study import Study
 
 PRECEDENCE = (NOT_TRUSTED, NAMED, AMBIGUOUS, UNKNOWN, WRONG_PARAMETER, NOTHING_MISSING)
@@ -210,13 +210,10 @@ def held_out(parts: Sequence[Part]) -> dict[str, Any]:
 
 
 def _detectable(parts: Sequence[Part]) -> list[dict[str, Any]]:
-    """The smallest effects that would have shown, of parts that lack nothing and of single ones."""
+    """The smallest effects that would have been named, beside what each part is found to lack."""
     out = []
     for part in parts:
-        bench = part.growth.bench
-        near = [s for s in part.model.sites() if s.label not in part.fit.hypothesis.label]
-        screen = Screener(bench.fitter(), part.model.believed).screen(part.fit, near)
-        rows = detectable(screen, 1.0)
+        rows = [limit.entry() for limit in PartLimits(part.growth).of(part.growth.sites)]
         out += [{**r, "part": part.name} for r in rows] if len(parts) > 1 else rows
     return out
 

@@ -7,8 +7,9 @@ are, nothing is said for or against either.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.special import stdtrit
@@ -37,55 +38,80 @@ SAME = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class Told:
-    """What unseen trials say of two models. K trials.
+    """What unseen trials say of two models. K trials; of several campaigns at once, these lead all shapes (`...`).
 
     Attributes:
-        ids: of the trials.
-        one, other: mean squares of their weighted residuals, shape (K,).
-        weight: how far each trial tells the two apart, shape (K,), from 0 to 1: d^2 / (d^2 + s^2), where d^2 is the
-            mean square of the difference of their predictions and s^2 what the better one leaves over.
+        one, other: mean squares of their weighted residuals, shape (..., K).
+        apart: mean squares of the differences of their predictions, shape (..., K).
         readings: of each trial, shape (K,).
     """
 
-    ids: tuple[str, ...]
     one: np.ndarray
     other: np.ndarray
-    weight: np.ndarray
+    apart: np.ndarray
     readings: np.ndarray
 
-    def rms(self, square: np.ndarray) -> float:
-        """Root mean square over the readings of the telling trials, of mean squares by trial, shape (K,)."""
+    @cached_property
+    def weight(self) -> np.ndarray:
+        """How far each trial tells the two apart, shape (..., K), from 0 to 1: d^2 / (d^2 + s^2).
+
+        d^2 is the mean square of the difference of their predictions and s^2 what the better one leaves over.
+        """
+        rest = np.minimum(self.one, self.other)
+        return np.where(self.apart > 0.0, self.apart / np.where(self.apart > 0.0, self.apart + rest, 1.0), 0.0)
+
+    def rms(self, square: np.ndarray) -> np.ndarray:
+        """Root mean square over the readings of the telling trials, of mean squares by trial, (..., K) to (...)."""
         weight = self.weight * self.readings
-        return float(np.sqrt(weight @ square / max(weight.sum(), 1e-300)))
+        return np.asarray(np.sqrt((weight * square).sum(axis=-1) / np.maximum(weight.sum(axis=-1), 1e-300)))
 
     @property
-    def ratio(self) -> float:
-        """Held-out rms of the one over the other's; 1 where nothing tells them apart."""
-        other = self.rms(self.other)
-        return self.rms(self.one) / other if other > 0.0 else 1.0
+    def ratio(self) -> np.ndarray:
+        """Held-out rms of the one over the other's, shape (...); 1 where nothing tells them apart."""
+        one, other = self.rms(self.one), self.rms(self.other)
+        return np.where(other > 0.0, one / np.where(other > 0.0, other, 1.0), 1.0)
+
+    def better(self, group: np.ndarray) -> np.ndarray:
+        """Whether the one predicts better, by enough and throughout, shape (...).
+
+        Args:
+            group: what each trial belongs to, shape (K,); gains within one are no independent ones.
+        """
+        gain, weight = self._by_group(group)
+        count = np.maximum(weight.sum(axis=-1), 1e-300)  # of groups as clear as the clearest
+        every = np.all((gain > 0.0) | (weight < SPOKEN), axis=-1)
+        mean = (weight * gain).sum(axis=-1) / count
+        freedom = np.maximum(count - 1.0, 1.0)
+        scatter = (weight * (gain - mean[..., None]) ** 2).sum(axis=-1)
+        sure = mean > stdtrit(freedom, SURE) * np.sqrt(scatter / count / freedom)
+        return np.asarray((self.ratio < 1.0 - WORTH_OF_REST) & np.where(count < 3.0, every, sure))
+
+    def _by_group(self, group: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Gains, as logarithms of mean squares, and what each is based on, 1 at most; shape (..., groups) each."""
+        member = (group[:, None] == np.unique(group)).astype(float)
+        gains = np.log(np.maximum(self.other, 1e-300) / np.maximum(self.one, 1e-300))
+        total = self.weight @ member
+        gain = (self.weight * gains) @ member / np.maximum(total, 1e-300)
+        weight = total / member.sum(axis=0)
+        return gain, weight / np.maximum(weight.max(axis=-1, keepdims=True), 1e-300)
 
 
 def told(one: Candidate, other: Candidate) -> Told | None:
     """What unseen trials say of two models; None where one of them was not tried."""
     if one.held_out is None or other.held_out is None:
         return None
-    a, b, weight, readings = [], [], [], []
-    ids = tuple(one.held_out.residual)
-    for name in ids:
-        new, old, count = one.held_out.residual[name], other.held_out.residual[name], one.held_out.counted[name].sum()
-        readings.append(max(int(count), 1))
-        apart = float(np.sum((new - old) ** 2))
-        a.append(float(new @ new) / readings[-1])
-        b.append(float(old @ old) / readings[-1])
-        rest = min(a[-1], b[-1]) * readings[-1]
-        weight.append(apart / (apart + rest) if apart > 0.0 else 0.0)
-    return Told(ids, np.array(a), np.array(b), np.array(weight), np.array(readings, dtype=float))
+    names = list(one.held_out.residual)
+    readings = np.array([max(int(one.held_out.counted[n].sum()), 1) for n in names], dtype=float)
+    pairs = [(one.held_out.residual[n], other.held_out.residual[n]) for n in names]
+    squares = [(new @ new, old @ old, (new - old) @ (new - old)) for new, old in pairs]
+    ours, theirs, apart = np.array(squares, dtype=float).reshape(-1, 3).T / readings
+    return Told(ours, theirs, apart, readings)
 
 
 def ratio(one: Candidate, other: Candidate) -> float:
     """Held-out rms of one model over another's, over the trials that tell them apart; infinite where not tried."""
     found = told(one, other)
-    return np.inf if found is None else found.ratio
+    return np.inf if found is None else float(found.ratio)
 
 
 def agreeing(one: Candidate, other: Candidate) -> float:
@@ -112,24 +138,16 @@ def choice(tested: Sequence[Candidate], baseline: Candidate, trials: Sequence[Tr
 def pays(new: Candidate, old: Candidate, trials: Sequence[TrialData]) -> bool:
     """Whether unseen trials are predicted better, by enough and throughout."""
     found = told(new, old)
-    if found is None or not found.ratio < 1.0 - WORTH_OF_REST:
+    if found is None or new.held_out is None:
         return False
-    gain, weight = _by_group(found, {t.id: parent(t) for t in trials})
-    count = weight.sum()  # of trials as clear as the clearest
-    if count < 3.0:
-        return bool((gain[weight >= SPOKEN] > 0.0).all())
-    mean = weight @ gain / count
-    return bool(mean > stdtrit(count - 1.0, SURE) * np.sqrt(weight @ (gain - mean) ** 2 / count / (count - 1.0)))
+    by = {t.id: t for t in trials}
+    return bool(found.better(groups([by[name] for name in new.held_out.residual])))
 
 
-def _by_group(found: Told, parents: Mapping[str, str]) -> tuple[np.ndarray, np.ndarray]:
-    """Gains, as logarithms of mean squares, and what each is based on, 1 at most; by recorded trial, or by piece."""
-    by_parent = len(set(parents.values())) > 3
-    group = np.unique([parents[i] if by_parent else i for i in found.ids], return_inverse=True)[1].ravel()
-    gains = np.log(np.maximum(found.other, 1e-300) / np.maximum(found.one, 1e-300))
-    weight = np.bincount(group, found.weight) / np.bincount(group)
-    gain = np.bincount(group, found.weight * gains) / np.maximum(np.bincount(group, found.weight), 1e-300)
-    return gain, weight / max(float(weight.max()), 1e-300)
+def groups(trials: Sequence[TrialData]) -> np.ndarray:
+    """What each trial belongs to, shape (K,), for gains to be independent: its recorded trial, or itself where few."""
+    parents = [parent(t) for t in trials]
+    return np.array(parents if len(set(parents)) > 3 else [t.id for t in trials])
 
 
 def as_good(one: Candidate, best: Candidate, baseline: Candidate) -> bool:
@@ -139,12 +157,12 @@ def as_good(one: Candidate, best: Candidate, baseline: Candidate) -> bool:
     found, believed = told(one, best), told(baseline, best)
     if found is None or believed is None:
         return False
-    return found.rms(found.one) <= slack(found.rms(found.other), found.rms(believed.one))
+    return bool(found.rms(found.one) <= slack(found.rms(found.other), found.rms(believed.one)))
 
 
-def slack(best: float, baseline: float) -> float:
+def slack(best: np.ndarray, baseline: np.ndarray) -> np.ndarray:
     """The largest held-out rms of a model that is as good as the best one."""
-    return max(best / (1.0 - WORTH_OF_REST), best + WORTH_OF_BASELINE * baseline)
+    return np.asarray(np.maximum(best / (1.0 - WORTH_OF_REST), best + WORTH_OF_BASELINE * baseline))
 
 
 def distinct(layer: Sequence[Candidate]) -> list[Candidate]:
