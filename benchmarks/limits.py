@@ -120,11 +120,15 @@ def play(label: Label, size: float, seed: int) -> dict[str, Any]:
     with scratch("limits") as folder:
         verdict = diagnose(write_campaign(folder, (label, size), seed), jobs=1).verdict
     named = [(e["effect"], e["where"]) for e in verdict["effects"]]
+    (parameter,) = effect(label[0]).parameters
+    own = [e["parameters"][parameter.name] for e in verdict["effects"] if (e["effect"], e["where"]) == label]
     return {
         "said": verdict["verdict"],
         "confidence": verdict["confidence"],
         "effects": named,
         "named": verdict["verdict"] == "named" and named == [label],
+        "size": size,
+        "interval": own[0].get("ci95") if own and verdict["verdict"] == "named" else None,
         "seconds": time.perf_counter() - began,
     }
 
@@ -181,7 +185,13 @@ def page(sizes: dict[Label, float], rows: list[dict[str, Any]]) -> str:
         shares = [_share([r for r in rows if r["key"][:3] == [*label, f]]) for f in FACTORS]
         lines.append(f"| {label[0]} | {label[1]} | {size:.3g} {parameter.unit} | {' | '.join(shares)} |")
     together = [_share([r for r in rows if r["key"][2] == f]) for f in FACTORS]
-    return "\n".join([*lines, f"| all | | | {' | '.join(together)} |"]) + "\n"
+    stated = [r for r in rows if r["interval"]]
+    held = sum(r["interval"][0] <= r["size"] <= r["interval"][1] for r in stated)
+    lines += [f"| all | | | {' | '.join(together)} |", ""]
+    lines.append(
+        f"Of the {len(stated)} intervals (95 %) that were stated of named sizes, {held} hold the size that was put in."
+    )
+    return "\n".join(lines) + "\n"
 
 
 def _share(rows: list[dict[str, Any]]) -> str:
