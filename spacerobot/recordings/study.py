@@ -13,7 +13,7 @@ from spacerobot.recordings.dataroot import data_root, inside
 from spacerobot.recordings.document import read_document
 from spacerobot.recordings.recording import Recording, load_trial
 from spacerobot.recordings.stream import StreamSpec, read_stream
-from spacerobot.recordings.trial import _GROUPS, _KEYS, Trial, read_trials
+from spacerobot.recordings.trial import _GROUPS, _KEYS, Trial, index_file, read_trials
 from spacerobot.support.errors import InputError, NotFoundError
 from spacerobot.support.resources import folder
 
@@ -34,6 +34,7 @@ class Study:
         trials: in the order of the study.
         draft: whether the study says that its author has not finished it (`draft = true`).
         draft_line: file and line that say so.
+        indices: the lists of runs that trials were taken from.
     """
 
     title: str
@@ -44,6 +45,7 @@ class Study:
     trials: tuple[Trial, ...]
     draft: bool = False
     draft_line: str | None = None
+    indices: tuple[Path, ...] = ()
     _cache: dict[str, Recording] = field(default_factory=dict, repr=False, compare=False)
 
     @property
@@ -157,7 +159,7 @@ class Study:
 
     @property
     def input_hash(self) -> str:
-        """SHA-256 over the study file, its URDF and every stream file: equal hashes, equal inputs."""
+        """SHA-256 over the study file, its URDF, its lists of runs and every stream file: what results rest on."""
         digest = hashlib.sha256()
         for label, path in self._inputs():
             digest.update(f"\0{label}\0{path.stat().st_size}\0".encode())
@@ -170,6 +172,7 @@ class Study:
         found = {"study.toml": self.path}
         if self.robot_file is not None:
             found["robot"] = self.robot_file
+        found.update({f"data/{p.relative_to(self.root.resolve())}": p for p in self.indices})
         for trial in self.trials:
             for source in trial.sources.values():
                 for name in filter(None, (source.file, source.time_file)):
@@ -211,10 +214,21 @@ def load_study(path: str | Path, data: str | Path | None = None) -> Study:
         raise InputError(
             "the study has no streams", valid='[streams.NAME] with time = "t" and channels', where=str(file)
         )
-    trials = read_trials(document, streams)
+    trials = read_trials(document, streams, root)
+    lists = [index_file(document, table, root, "trials", n) for n, table in enumerate(document.data["trials"])]
     title = document.text(document.data, "title", file.parent.name)
     draft = document.flag(document.data, "draft")
-    return Study(title[:300], file, root, baseline, streams, trials, draft, document.where("draft") if draft else None)
+    return Study(
+        title[:300],
+        file,
+        root,
+        baseline,
+        streams,
+        trials,
+        draft,
+        document.where("draft") if draft else None,
+        tuple(dict.fromkeys(path for path in lists if path is not None)),
+    )
 
 
 def resolve_study(path: str | Path) -> Path:

@@ -5,16 +5,19 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 from spacerobot.recordings.baseline import read_pose
+from spacerobot.recordings.dataroot import inside
 from spacerobot.recordings.document import Document, flatten
+from spacerobot.recordings.run_index import read_index
 from spacerobot.recordings.stream import StreamSpec, read_rows
 from spacerobot.recordings.values import GROUPS, read_values
 from spacerobot.support.errors import InputError, NotFoundError
 
 _GROUPS = tuple(dict.fromkeys(group.split(".")[0] for group in GROUPS))
-_KEYS = ("id", "condition", "pose", "pose_deg", "window", "step", "each", "offset")
+_KEYS = ("id", "condition", "pose", "pose_deg", "window", "step", "each", "offset", "index")
 _SOURCE_KEYS = ("file", "variable", "rows", "time_file")
 _COUNTER = re.compile(r"\{n(?::(0?)(\d{1,2})d?)?\}")
 _MAXIMUM_TRIALS = 20_000
@@ -62,11 +65,16 @@ class Trial:
     offsets: Mapping[str, float] = field(default_factory=dict)
 
 
-def read_trials(document: Document, streams: Mapping[str, StreamSpec]) -> tuple[Trial, ...]:
+def read_trials(document: Document, streams: Mapping[str, StreamSpec], root: Path) -> tuple[Trial, ...]:
     """The `[[trials]]` of a study, in order, checked.
 
+    Args:
+        document: the study.
+        streams: by name.
+        root: folder that stream files and index files are relative to.
+
     Raises:
-        InputError: none at all, one name twice, an unknown key or stream.
+        InputError: none at all, one name twice, an unknown key or stream, an index file that cannot be read.
     """
     tables = document.data.get("trials", [])
     if not isinstance(tables, list) or not all(isinstance(t, dict) for t in tables):
@@ -74,7 +82,7 @@ def read_trials(document: Document, streams: Mapping[str, StreamSpec]) -> tuple[
     found: list[Trial] = []
     seen: set[str] = set()
     for index, table in enumerate(tables):
-        for trial in _expand(document, index, table, streams):
+        for trial in _expand(document, index, table, streams, root):
             if trial.id in seen:
                 raise InputError("two trials have the same id", given=trial.id, where=trial.where)
             seen.add(trial.id)
@@ -86,9 +94,45 @@ def read_trials(document: Document, streams: Mapping[str, StreamSpec]) -> tuple[
     return tuple(found)
 
 
-def _expand(document: Document, index: int, table: Mapping[str, Any], streams: Mapping[str, StreamSpec]) -> list[Trial]:
-    """One trial, or one a number of `each = [first, last]`, with {n} or {n:03d} replaced in its texts."""
+def index_file(document: Document, table: Mapping[str, Any], root: Path, *path: str | int) -> Path | None:
+    """The file that a `[[trials]]` table takes its trials from, inside the data root; None where it has none."""
+    if "index" not in table:
+        return None
+    where = document.where(*path, "index")
+    if not isinstance(table["index"], str) or "each" in table:
+        valid = 'index = "FILE", without "each"'
+        raise InputError("'index' must be the file that lists the runs", given=table["index"], valid=valid, where=where)
+    return inside(root, table["index"], where=where)
+
+
+def _listed(
+    document: Document, index: int, table: Mapping[str, Any], streams: Mapping[str, StreamSpec], file: Path
+) -> list[Trial]:
+    """A trial for each row of an index file."""
+    texts = ("id", "condition", *streams)
+    rest = {k: v for k, v in table.items() if k != "index"}
+    found = []
+    for row in read_index(file):
+        filled = {k: row.fill(v, k in texts, k) for k, v in rest.items()}
+        try:
+            found.append(_trial(document, index, {k: v for k, v in filled.items() if v is not None}, streams))
+        except NotFoundError:  # a key of the study, which no row can mend
+            raise
+        except InputError as error:
+            raise InputError(error.what, given=error.given, valid=error.valid, where=row.where) from None
+    return found
+
+
+def _expand(
+    document: Document, index: int, table: Mapping[str, Any], streams: Mapping[str, StreamSpec], root: Path
+) -> list[Trial]:
+    """One trial; or one a row of `index = FILE`; or one a number of `each = [first, last]`, with {n} or {n:03d}
+    replaced in its texts.
+    """
     path = ("trials", index)
+    file = index_file(document, table, root, *path)
+    if file is not None:
+        return _listed(document, index, table, streams, file)
     if "each" not in table:
         if "step" in table:
             raise InputError("'step' belongs to 'each'", given=table["step"], where=document.where(*path, "step"))
