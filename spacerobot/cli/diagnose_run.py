@@ -7,6 +7,7 @@ import contextlib
 import importlib
 import json
 import os
+import sys
 from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any
@@ -16,6 +17,7 @@ from spacerobot.diagnosis.diagnose import diagnose
 from spacerobot.diagnosis.schema import validate
 from spacerobot.effects.registry import effect
 from spacerobot.recordings.lacking import refuse_draft
+from spacerobot.recordings.rig_robot import mended_links, study_robot
 from spacerobot.recordings.study import load_study, resolve_study
 from spacerobot.support.errors import InputError
 from spacerobot.support.executors.choose import executor, not_both
@@ -50,6 +52,9 @@ def run(args: argparse.Namespace) -> int:
         effect(name)  # an unknown name is an error that suggests the nearest
     study = load_study(resolve_study(args.study), args.data)
     refuse_draft(study)  # before a folder is made for it
+    if study.robot_file is not None:  # the project's own robots need no mending
+        for text in mended_links(study_robot(study)):
+            print(f"warning: {text}", file=sys.stderr)
     key = combined_hash(study.input_hash, str(args.seed), *sorted(args.without), *codes)
     with contextlib.ExitStack() as stack:
         folder = None

@@ -143,7 +143,7 @@ def _robot(study: Study) -> tuple[dict[str, Limits], list[str], str]:
     """What the study's robot says of its joints, what was mended in it, and why it cannot be read."""
     from spacerobot.model.describe import joint_rows
     from spacerobot.recordings.ranges import Limits
-    from spacerobot.recordings.rig_robot import study_robot
+    from spacerobot.recordings.rig_robot import mended_links, study_robot
 
     if study.baseline.robot is None:
         return {}, [], ""
@@ -153,8 +153,7 @@ def _robot(study: Study) -> tuple[dict[str, Limits], list[str], str]:
         return {}, [], str(error)
     rows = {r["name"]: r for r in joint_rows(robot)}
     found = {n: Limits(r["lower"], r["upper"], r["velocity_limit"], r["effort_limit"]) for n, r in rows.items()}
-    mended = [f"robot: {text} (or state link.NAME.inertia)" for text in robot.mended]
-    return {**{name: Limits() for name in list(robot.model.names)[1:]}, **found}, mended, ""
+    return {**{name: Limits() for name in list(robot.model.names)[1:]}, **found}, mended_links(robot), ""
 
 
 def _text(report: dict[str, Any]) -> str:

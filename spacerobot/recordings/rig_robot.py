@@ -45,6 +45,11 @@ def study_robot(study: Study, *, floating: bool | None = None, default: str | No
     return load(etree.tostring(root).decode(), floating=floating, package_dirs=folders, mend=True)
 
 
+def mended_links(robot: Robot) -> list[str]:
+    """What was mended in a study's robot, a warning each."""
+    return [f"robot: {text} (or state link.NAME.inertia)" for text in robot.mended]
+
+
 def stated_inertias(values: Mapping[str, float]) -> dict[str, dict[str, float]]:
     """Link -> axis -> principal moment, kg m2, of the links whose `inertia` the study states."""
     found: dict[str, dict[str, float]] = {}

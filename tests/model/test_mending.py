@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from spacerobot.cli.main import main
 from spacerobot.model.inertia import inertia_fault
 from spacerobot.model.library import load
 from spacerobot.model.mending import nearest_possible
@@ -108,3 +110,25 @@ log = "log.csv"
     (tmp_path / "study.toml").write_text(study.replace("link.arm", "link.amr"))
     with pytest.raises(InputError, match="arm"):
         study_robot(load_study(tmp_path))
+
+
+def test_who_checks_and_who_diagnoses_are_told_the_same(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "r.urdf").write_text(URDF.format(0.0, 0.0, 0.0, 0))
+    (tmp_path / "log.csv").write_text("".join(f"{0.01 * n:.2f},{n % 7}\n" for n in range(60)))
+    (tmp_path / "study.toml").write_text("""format = 1
+[baseline]
+robot = "r.urdf"
+[streams.log]
+time = 0
+[streams.log.channels]
+1 = { is = "joint.j.position" }
+[[trials]]
+id = "01"
+log = "log.csv"
+""")
+    main(["study", "check", str(tmp_path), "--json"])
+    told = [w for w in json.loads(capsys.readouterr().out)["warnings"] if w.startswith("robot: ")]
+    assert told
+    main(["diagnose", str(tmp_path)])  # which refuses this study; what it found of the robot is said before
+    said = capsys.readouterr().err
+    assert all(warning in said for warning in told)
