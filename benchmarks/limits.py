@@ -12,8 +12,10 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import multiprocessing
 import time
 from collections.abc import Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from pathlib import Path
 from typing import Any
 
@@ -133,7 +135,9 @@ def play(label: Label, size: float, seed: int) -> dict[str, Any]:
     }
 
 
-def run(out: Path, campaigns: int, seed: int, minutes: float) -> tuple[dict[Label, float], list[dict[str, Any]]]:
+def run(
+    out: Path, campaigns: int, seed: int, minutes: float, jobs: int
+) -> tuple[dict[Label, float], list[dict[str, Any]]]:
     """Play what is not kept in `out` yet; a smaller number of campaigns is part of a larger one."""
     out.mkdir(parents=True, exist_ok=True)
     path = out / f"limits-{seed}.jsonl"
@@ -145,19 +149,33 @@ def run(out: Path, campaigns: int, seed: int, minutes: float) -> tuple[dict[Labe
     done = {tuple(r["key"]) for r in rows[1:]}
     orders = [o for o in _orders(campaigns) if o not in done]
     until = time.monotonic() + 60.0 * minutes
-    with Progress("limits", len(orders), unit="campaign") as progress:
-        for order in orders:
-            if time.monotonic() > until:
+    with Progress("limits", len(orders), unit="campaign") as progress, _pool(jobs) as pool:
+        waiting: set[Future[dict[str, Any]]] = set()
+        while orders or waiting:
+            while orders and len(waiting) < jobs and time.monotonic() < until:
+                waiting.add(pool.submit(_row, orders[0], sizes, seed))
+                del orders[0]
+            if not waiting:
                 break
-            name, where, factor, number = order
-            words = [seed, EFFECTS.index((name, where)), round(10 * factor), number]
-            one = int(np.random.SeedSequence(words).generate_state(1)[0])
-            row = {"key": list(order), **play((name, where), factor * sizes[name, where], one)}
-            rows.append(row)
-            with path.open("a", encoding="utf-8") as file:
-                file.write(dumps(row, indent=None) + "\n")
-            progress.advance(note=f"{name} at {factor:g}: {row['said']}")
+            finished, waiting = wait(waiting, return_when=FIRST_COMPLETED)
+            for row in (f.result() for f in finished):
+                rows.append(row)
+                with path.open("a", encoding="utf-8") as file:
+                    file.write(dumps(row, indent=None) + "\n")
+                name, _, factor, _ = row["key"]
+                progress.advance(note=f"{name} at {factor:g}: {row['said']}")
     return sizes, rows[1:]
+
+
+def _pool(jobs: int) -> ProcessPoolExecutor:
+    return ProcessPoolExecutor(jobs, mp_context=multiprocessing.get_context("spawn"))
+
+
+def _row(order: tuple[str, str, float, int], sizes: dict[Label, float], seed: int) -> dict[str, Any]:
+    name, where, factor, number = order
+    words = [seed, EFFECTS.index((name, where)), round(10 * factor), number]
+    one = int(np.random.SeedSequence(words).generate_state(1)[0])
+    return {"key": list(order), **play((name, where), factor * sizes[name, where], one)}
 
 
 def _orders(campaigns: int) -> Iterator[tuple[str, str, float, int]]:
@@ -204,10 +222,11 @@ def main() -> None:
     parser.add_argument("--out", type=Path, required=True, help="folder of the records")
     parser.add_argument("--campaigns", type=int, default=40, help="of each effect and size; default: 40")
     parser.add_argument("--seed", type=int, default=1, help="of the noise; default: 1")
+    parser.add_argument("--jobs", type=int, default=2, help="processes; default: 2")
     parser.add_argument("--minutes", type=float, default=math.inf, help="begin no campaign after so long")
     parser.add_argument("--page", type=Path, help="write the table there too")
     args = parser.parse_args()
-    text = page(*run(args.out, args.campaigns, args.seed, args.minutes))
+    text = page(*run(args.out, args.campaigns, args.seed, args.minutes, args.jobs))
     if args.page is not None:
         write_text(args.page, text)
     print(text)
