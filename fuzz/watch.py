@@ -18,6 +18,7 @@ from typing import Any
 import numpy
 
 import spacerobot
+from spacerobot.recordings.readers.decimals import decimals
 from spacerobot.support.errors import InputError, SpacerobotError
 
 SECONDS = 10.0
@@ -45,6 +46,7 @@ class Watch:
 
     def __init__(self, folder: Path) -> None:
         self.folder = str(folder.resolve())
+        decimals(["0"], ",", 1)  # compiled, or read from the user's cache, before anybody watches
         checkout = Path(spacerobot.__file__).resolve().parents[1]
         own = (Path(sys.prefix), Path(sys.base_prefix), checkout / "spacerobot", checkout / "urdf")
         self.readable = (*(str(p.resolve()) for p in own), str(Path(numpy.__file__).parents[1]), "/proc/", "/dev/null")

@@ -6,7 +6,6 @@ import argparse
 import math
 import os
 import sys
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -115,7 +114,7 @@ def _new(args: argparse.Namespace) -> int:
 
 
 def _check(args: argparse.Namespace) -> int:
-    from spacerobot.diagnosis.admission import left_aside, of_study, of_trial
+    from spacerobot.diagnosis.admission import left_aside, of_study, questions
     from spacerobot.recordings.check import check_study
     from spacerobot.recordings.study import load_study
 
@@ -124,7 +123,7 @@ def _check(args: argparse.Namespace) -> int:
     if study.draft:  # which is not diagnosed before its author has finished it
         report = check_study(study, limits)
     else:
-        report = check_study(study, limits, partial(of_trial, study))
+        report = check_study(study, limits, questions(study))
         report["errors"] = list(dict.fromkeys([*map(str, of_study(study)), *report["errors"]]))
     report["warnings"] += mended
     report["not_predicted"] = list(left_aside(study))

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import replace
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from spacerobot.diagnosis.data import one_trial
+from spacerobot.diagnosis.data import TrialData, one_trial
+from spacerobot.diagnosis.lately import MOST
 from spacerobot.diagnosis.rig_model import LEAST, RigModel, readable
+from spacerobot.effects.mechanism import Mechanism
 from spacerobot.recordings.recording import Recording
 from spacerobot.recordings.series import Series
 from spacerobot.recordings.study import Study
@@ -32,10 +33,10 @@ def admit(study: Study) -> None:
     """
     for refusal in of_study(study):
         raise refusal
-    if has_wrist(study):
-        for trial in study.trials:
-            for refusal in wrist_trial(study, study.recording(trial)):
-                raise refusal
+    ask = questions(study)
+    for trial in study.trials:
+        for refusal in ask(study.recording(trial)):
+            raise refusal
 
 
 def of_study(study: Study) -> Iterator[InputError]:
@@ -51,28 +52,69 @@ def of_study(study: Study) -> Iterator[InputError]:
         yield InputError("a diagnosis needs at least two trials", given=len(study.trials), where=str(study.path))
 
 
-def of_trial(study: Study, recording: Recording) -> Iterator[InputError]:
-    """As `wrist_trial`, for any study; other machines are asked as a whole."""
-    return wrist_trial(study, recording) if has_wrist(study) else iter(())
+Questions = Callable[[Recording], Iterator[InputError]]
+"""Asked of a recording: why it cannot be fitted."""
 
 
-def wrist_trial(study: Study, recording: Recording) -> Iterator[InputError]:
-    """Why a trial of a wrist rig cannot be fitted: no track, no noise to weigh it by, no simulation as believed."""
-    where = recording.trial.where or str(study.path)
-    shown = readable(study)
-    used = [s for s in recording.outputs() if s.name in shown]
-    refused = [r for r in map(weighable, used) if r is not None]
-    if TRACK not in {s.name for s in used}:
-        valid = "a stream with target.x in every trial"
-        yield InputError("a trial without target.x has no start", given=recording.trial.id, valid=valid, where=where)
-    elif recording[TRACK].valid.sum() < LEAST:
-        given = f"{recording[TRACK].valid.sum()} in trial {recording.trial.id}"
-        yield InputError("target.x has too few readings", given=given, valid=f"at least {LEAST}", where=where)
-    elif refused:
-        for what, valid in refused:
-            yield InputError(f"{what} in trial {recording.trial.id}", valid=valid, where=where)
-    else:
-        yield from _simulated(study, recording, where)
+def questions(study: Study) -> Questions:
+    """What is asked of each trial; nothing of the trials of other machines, which are asked as a whole."""
+    return WristDoor(study).refusals if has_wrist(study) else lambda recording: iter(())
+
+
+class WristDoor:
+    """Asks trials of a wrist rig, one after the other, and keeps none: they share the rig as it is believed."""
+
+    def __init__(self, study: Study) -> None:
+        self._study, self._shown = study, readable(study)
+        self._models: dict[bool, RigModel] = {}
+        self._mechanisms: dict[object, Mechanism] = {}
+
+    def refusals(self, recording: Recording) -> Iterator[InputError]:
+        """Why a trial cannot be fitted: no track, no noise to weigh it by, no simulation as believed."""
+        where = recording.trial.where or str(self._study.path)
+        used = [s for s in recording.outputs() if s.name in self._shown]
+        refused = [r for r in map(weighable, used) if r is not None]
+        if TRACK not in {s.name for s in used}:
+            valid = "a stream with target.x in every trial"
+            what = "a trial without target.x has no start"
+            yield InputError(what, given=recording.trial.id, valid=valid, where=where)
+        elif recording[TRACK].valid.sum() < LEAST:
+            given = f"{recording[TRACK].valid.sum()} in trial {recording.trial.id}"
+            yield InputError("target.x has too few readings", given=given, valid=f"at least {LEAST}", where=where)
+        elif refused:
+            for what, valid in refused:
+                yield InputError(f"{what} in trial {recording.trial.id}", valid=valid, where=where)
+        else:
+            yield from self._simulated(recording, where)
+
+    def _simulated(self, recording: Recording, where: str) -> Iterator[InputError]:
+        """Whether the rig as believed can be simulated from the trial's start."""
+        trial = one_trial(self._study, recording, self._shown)
+        try:
+            model = self._model(trial)
+            start = np.array([n.guess for n in model.nuisances(trial)])
+            shown = model.predict(self._mechanism(model, trial), trial, start)
+        except SpacerobotError as error:
+            yield InputError(f"the rig as believed cannot be simulated in trial {trial.id}: {error}", where=where)
+        else:
+            if not all(np.isfinite(block).all() for block in shown.blocks):
+                yield InputError(f"the rig as believed leaves every bound in trial {trial.id}", where=where)
+
+    def _model(self, trial: TrialData) -> RigModel:
+        """The rig in this trial."""
+        sideways = "target.y" in trial.channels
+        if sideways not in self._models:
+            self._models[sideways] = RigModel(self._study, (trial,))
+        return self._models[sideways].of(trial)
+
+    def _mechanism(self, model: RigModel, trial: TrialData) -> Mechanism:
+        """The rig as believed with the trial's overrides, made once for all trials that share them."""
+        key = model.sideways, tuple(trial.overrides.items())
+        if key not in self._mechanisms:
+            if len(self._mechanisms) >= MOST:
+                self._mechanisms.clear()
+            self._mechanisms[key] = model.mechanism({**model.base, **model.believed.unknown, **trial.overrides})
+        return self._mechanisms[key]
 
 
 def weighable(series: Series) -> tuple[str, str] | None:
@@ -93,19 +135,3 @@ def left_aside(study: Study) -> tuple[str, ...]:
     used = {name for trial in study.trials for name in trial.sources}
     every = (c for s in study.streams.values() if s.name in used for c in s.channels if c.use == "output")
     return tuple(dict.fromkeys(c.name for c in every if c.name not in shown and not c.name.endswith(".reference")))
-
-
-def _simulated(study: Study, recording: Recording, where: str) -> Iterator[InputError]:
-    """Whether the rig as believed can be simulated from the trial's start."""
-    alone = replace(study, trials=(recording.trial,))  # else each trial would look through all the others
-    trial = one_trial(alone, recording, readable(alone))
-    try:
-        model = RigModel(alone, (trial,))
-        values = {**model.base, **model.believed.unknown, **trial.overrides}
-        start = np.array([n.guess for n in model.nuisances(trial)])
-        shown = model.predict(model.mechanism(values), trial, start)
-    except SpacerobotError as error:
-        yield InputError(f"the rig as believed cannot be simulated in trial {trial.id}: {error}", where=where)
-    else:
-        if not all(np.isfinite(block).all() for block in shown.blocks):
-            yield InputError(f"the rig as believed leaves every bound in trial {trial.id}", where=where)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -93,9 +94,18 @@ class RigModel:
         self.tolerance = tolerance
         self.sensors = _sensors(study)
         self._lately = Lately()
+        self._know(trials)
+
+    def _know(self, trials: tuple[TrialData, ...]) -> None:
         self._trials = {t.id: t for t in trials}
         self._touch = {t.id: _touch_time(t) for t in trials}
         self._motion = {t.id: _nuisances(t, self.turning, self.sideways) for t in trials}
+
+    def of(self, trial: TrialData) -> RigModel:
+        """The same rig, in this trial alone."""
+        other = copy.copy(self)
+        other._know((trial,))
+        return other
 
     def mechanism(self, values: Mapping[str, float]) -> Mechanism:
         """The baseline mechanism of these rig values."""

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
+import stat
 from pathlib import Path
 
 from spacerobot.support.errors import InputError
@@ -66,18 +68,17 @@ def inside(root: Path, relative: str, *, where: str | None = None, folder: bool 
     Raises:
         InputError: it is outside `root`, or does not exist.
     """
-    try:
-        root = root.resolve()
-        path = (root / relative).resolve()
-        within = path.is_relative_to(root)
-        exists = within and ((folder is not True and path.is_file()) or (folder is not False and path.is_dir()))
-    except (OSError, ValueError, RuntimeError):
-        within, exists = True, False
-        path = root
+    top, path, within, kind = str(root), "", True, 0
+    with contextlib.suppress(OSError, ValueError):  # no such thing; a zero byte
+        top = os.path.realpath(root)
+        path = os.path.realpath(os.path.join(top, relative))
+        within = path == top or path.startswith(os.path.join(top, ""))
+        kind = os.stat(path).st_mode if within else 0
+    exists = (folder is not True and stat.S_ISREG(kind)) or (folder is not False and stat.S_ISDIR(kind))
     if not within:
-        raise InputError("the path leaves the data folder", given=relative, valid=f"inside {root}", where=where)
+        raise InputError("the path leaves the data folder", given=relative, valid=f"inside {top}", where=where)
     if not exists:
         raise InputError(
-            f"no such {'folder' if folder else 'file'}", given=relative, valid=f"inside {root}", where=where
+            f"no such {'folder' if folder else 'file'}", given=relative, valid=f"inside {top}", where=where
         )
-    return path
+    return Path(path)

@@ -196,4 +196,5 @@ def _speed(recording: Recording) -> float | None:
     few = max(3, len(time) // 10)
     if len(time) < few or not np.ptp(time[:few]) > 0:
         return None
-    return abs(float(np.polyfit(time[:few] - time[0], value[:few], 1)[0]))
+    away = time[:few] - time[:few].mean()
+    return abs(float(away @ value[:few]) / float(away @ away))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
 
 import numpy as np
@@ -42,7 +43,7 @@ class Series:
     def __len__(self) -> int:
         return len(self.time)
 
-    @property
+    @functools.cached_property
     def rate(self) -> float:
         """Median samples per second, Hz; NaN for fewer than two samples."""
         if len(self.time) < 2:

@@ -172,13 +172,14 @@ class Study:
         found = {"study.toml": self.path}
         if self.robot_file is not None:
             found["robot"] = self.robot_file
-        found.update({f"data/{p.relative_to(self.root.resolve())}": p for p in self.indices})
+        root = self.root.resolve()
+        found.update({f"data/{p.relative_to(root)}": p for p in self.indices})
         for trial in self.trials:
             for source in trial.sources.values():
                 for name in filter(None, (source.file, source.time_file)):
                     path = self.file(name, where=trial.where)
                     inner = sorted(p for p in path.rglob("*") if p.is_file()) if path.is_dir() else [path]
-                    found.update({f"data/{p.relative_to(self.root.resolve())}": p for p in inner})
+                    found.update({f"data/{p.relative_to(root)}": p for p in inner})
         return sorted(found.items())
 
 

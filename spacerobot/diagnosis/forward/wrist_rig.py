@@ -8,7 +8,7 @@ from typing import Self
 
 import numpy as np
 
-from spacerobot.diagnosis.admission import wrist_trial
+from spacerobot.diagnosis.admission import questions
 from spacerobot.diagnosis.data import TrialData, trial_data
 from spacerobot.diagnosis.forward.base import ForwardModel, TrialOverlay, Value, channels_of, overlaid, unit_of
 from spacerobot.diagnosis.rig_model import UNKNOWN_CENTRES, RigModel, readable
@@ -49,8 +49,9 @@ class WristRig(ForwardModel):
     @classmethod
     def of(cls, study: Study) -> Self:
         """The rig as believed."""
+        ask = questions(study)
         for trial in study.trials:
-            for refusal in wrist_trial(study, study.recording(trial)):
+            for refusal in ask(study.recording(trial)):
                 raise refusal
         trials = trial_data(study, readable(study))
         return cls(study, RigModel(study, trials), {t.id: t for t in trials}, _hand_mass(study))

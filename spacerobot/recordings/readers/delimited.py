@@ -11,7 +11,7 @@ import numpy as np
 
 from spacerobot.recordings.readers import limits
 from spacerobot.recordings.readers.base import Reader
-from spacerobot.recordings.readers.layout import Layout, column_names, find_layout, said, split
+from spacerobot.recordings.readers.layout import Layout, column_names, find_layout, split
 from spacerobot.recordings.readers.numbers import number, reason
 from spacerobot.recordings.readers.text import read_lines
 from spacerobot.recordings.table import Column, Floats, Options, RawTable
@@ -41,13 +41,12 @@ class DelimitedReader(Reader):
         except InputError as error:
             raise InputError(error.what, valid=error.valid, where=str(path)) from None
         names = column_names(lines, layout)
-        rows = said(lines, layout.first)
+        rows = layout.rows
         if options.rows is not None:
             rows = rows[options.rows[0] : options.rows[1]]
         if not rows:
-            raise InputError(
-                "the file has no rows of numbers", where=f"{path}:{min(layout.first + 1, len(lines)) or 1}"
-            )
+            line = layout.rows[0] if layout.rows else len(lines) - 1
+            raise InputError("the file has no rows of numbers", where=f"{path}:{max(line, 0) + 1}")
         if options.rows is not None:  # the chosen rows may be laid out unlike the rest of the file
             width = len(split(lines[rows[0]], layout.separator))
             names = names if width == layout.width else [()] * width
@@ -79,17 +78,14 @@ def _wanted(names: Sequence[tuple[str, ...]], options: Options) -> set[int] | No
 
 
 def _fast(lines: Sequence[str], rows: Sequence[int], layout: Layout, width: int) -> Floats | None:
-    """All cells at once by numpy's own parser, None where a cell needs a closer look."""
-    if layout.decimal != "." or not width:
+    """All cells at once where all are plain numbers, None where one needs a closer look."""
+    from spacerobot.recordings.readers.decimals import decimals  # takes a moment to load
+
+    if layout.decimal != ".":
         return None
-    delimiter = None if layout.separator == " " else layout.separator
-    try:
-        values = np.loadtxt((lines[i] for i in rows), delimiter=delimiter, comments=None, ndmin=2, dtype=np.float64)
-    except (ValueError, IndexError, OverflowError):
-        return None
-    if values.shape != (len(rows), width) or not np.isfinite(values).all():
-        return None
-    return values
+    whole = rows[-1] - rows[0] + 1 == len(rows)
+    chosen = lines[rows[0] : rows[-1] + 1] if whole else [lines[i] for i in rows]
+    return decimals(chosen, layout.separator, width)
 
 
 def _careful(
@@ -143,7 +139,8 @@ def _trim_and_reshape(
     path: Path, values: Floats, names: list[tuple[str, ...]], rows: Sequence[int], options: Options
 ) -> tuple[Floats, list[tuple[str, ...]], np.ndarray]:
     """Drop a last column that only a trailing separator made; fold interleaved values into rows."""
-    numbers = np.asarray(rows, dtype=np.int64) + 1
+    unbroken = rows[-1] - rows[0] + 1 == len(rows)
+    numbers = (np.arange(rows[0], rows[-1] + 1) if unbroken else np.array(rows, dtype=np.int64)) + 1
     if values.shape[1] > 1 and not names[-1] and np.isnan(values[:, -1]).all():
         values, names = values[:, :-1], names[:-1]
     count = options.reshape or 1

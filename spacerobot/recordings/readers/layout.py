@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import re
+from bisect import bisect_left
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import islice
+from operator import itemgetter
 
 from spacerobot.recordings.readers import limits
 from spacerobot.recordings.readers.numbers import number
 from spacerobot.support.errors import InputError
 
 COMMENTS = ("#", "%", "//")
+_SILENT = frozenset(mark[0] for mark in COMMENTS)
+_FIRST = itemgetter(0)
 
 _CANDIDATES = (
     (";", "."),
@@ -36,7 +42,7 @@ class Layout:
         separator: between cells; " " stands for any run of blanks.
         decimal: "." or ",".
         header: indices of the lines before the data that are not blank.
-        first: index of the first data line.
+        rows: indices of the data lines: all from the first on that are neither blank nor a comment.
         width: cells of a data line.
         numeric: per column, whether its cells are numbers.
     """
@@ -44,7 +50,7 @@ class Layout:
     separator: str
     decimal: str
     header: tuple[int, ...]
-    first: int
+    rows: Sequence[int]
     width: int
     numeric: tuple[bool, ...]
 
@@ -74,27 +80,24 @@ def find_layout(lines: Sequence[str], separator: str | None, decimal: str | None
     start = header_rows or 0
     body = said(lines, start)
     if not body:
-        return Layout(separator or ",", decimal or ".", (), len(lines), 0, ())
+        return Layout(separator or ",", decimal or ".", (), (), 0, ())
     half = len(body) // 2 if header_rows is None else 0
     sample = [lines[i] for i in body[half : half + _SAMPLE]]
     sample = [line for line in sample if not _WORD.search(line)] or sample
     best: tuple[tuple[bool, float, int], str, str, int, tuple[bool, ...]] | None = None
+    together = "".join(sample)
+    undivided = False
     for sep, mark in _CANDIDATES:
         if (separator is not None and sep != separator) or (decimal is not None and mark != decimal):
             continue
-        rows = [split(line, sep) for line in sample]
-        if max(map(len, rows)) > limits.TEXT_COLUMNS:
-            raise InputError("too many columns", valid=f"at most {limits.TEXT_COLUMNS}")
-        width, agreeing = Counter(map(len, rows)).most_common(1)[0]
+        absent = len(together.split()) < 2 if sep == " " else sep not in together
+        if absent and undivided:
+            continue  # one column again, as under the other absent separator
+        undivided = undivided or absent
+        width, agreeing, numeric = _cut(sample, sep, mark)
         if width == 1 and mark == "," and decimal is None:
             continue  # "1,5" alone is two columns, unless the study says otherwise
-        kept = [r for r in rows if len(r) == width]
-        numeric = tuple(
-            sum(number(r[j], mark) is not None for r in kept) >= 0.9 * len(kept)
-            and any(_plain(r[j], mark) for r in kept)
-            for j in range(width)
-        )
-        good = sum(numeric) / width * agreeing / len(rows)
+        good = sum(numeric) / width * agreeing / len(sample)
         key = (_headed(lines, body[:half], sep, width, sum(numeric)), round(good, 2), sum(numeric))
         if best is None or key > best[0]:
             best = (key, sep, mark, width, numeric)
@@ -103,7 +106,27 @@ def find_layout(lines: Sequence[str], separator: str | None, decimal: str | None
     _, sep, mark, width, numeric = best
     first = start if header_rows is not None else _first_data(lines, body, sep, mark, width, numeric)
     header = tuple(i for i in range(first) if lines[i].strip())
-    return Layout(sep, mark, header, first, width, numeric)
+    return Layout(sep, mark, header, body[bisect_left(body, first) :], width, numeric)
+
+
+def _cut(sample: Sequence[str], separator: str, decimal: str) -> tuple[int, int, tuple[bool, ...]]:
+    """The sample under one layout: its usual width, how many lines have it, and which columns of these are numbers.
+
+    Raises:
+        InputError: more columns than the limit.
+    """
+    from spacerobot.recordings.readers.decimals import decimals  # takes a moment to load
+
+    width = len(split(sample[0], separator))
+    if width <= limits.TEXT_COLUMNS and decimals(sample, separator, width) is not None:
+        return width, len(sample), (True,) * width
+    rows = [split(line, separator) for line in sample]
+    if max(map(len, rows)) > limits.TEXT_COLUMNS:
+        raise InputError("too many columns", valid=f"at most {limits.TEXT_COLUMNS}")
+    width, agreeing = Counter(map(len, rows)).most_common(1)[0]
+    columns = [[number(r[j], decimal) for r in rows if len(r) == width] for j in range(width)]
+    numeric = (len(c) - c.count(None) >= 0.9 * len(c) and any(v is not None and v == v for v in c) for c in columns)
+    return width, agreeing, tuple(numeric)
 
 
 def _headed(lines: Sequence[str], body: Sequence[int], separator: str, width: int, numbers: int) -> bool:
@@ -121,8 +144,12 @@ def _headed(lines: Sequence[str], body: Sequence[int], separator: str, width: in
     return False
 
 
-def said(lines: Sequence[str], first: int) -> list[int]:
+def said(lines: Sequence[str], first: int) -> Sequence[int]:
     """Indices from `first` of the lines that are neither blank nor a comment."""
+    with contextlib.suppress(IndexError):  # of an empty line
+        beginnings = set(map(_FIRST, islice(lines, first, None)))
+        if not any(c in _SILENT or c.isspace() for c in beginnings):
+            return range(first, len(lines))
     return [
         i for i, line in enumerate(lines[first:], first) if (text := line.lstrip()) and not text.startswith(COMMENTS)
     ]
@@ -131,11 +158,6 @@ def said(lines: Sequence[str], first: int) -> list[int]:
 def is_comment(line: str) -> bool:
     """Whether the line is a comment."""
     return line.lstrip().startswith(COMMENTS)
-
-
-def _plain(cell: str, decimal: str) -> bool:
-    value = number(cell, decimal)
-    return value is not None and value == value
 
 
 def _first_data(

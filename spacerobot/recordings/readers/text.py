@@ -72,7 +72,7 @@ def read_lines(path: Path, compression: str | None = None, encoding: str | None 
     lines = text.split("\n")
     if lines and not lines[-1]:
         lines.pop()
-    if max(map(len, lines), default=0) > limits.LINE_CHARACTERS:
+    if len(text) > limits.LINE_CHARACTERS < max(map(len, lines), default=0):
         number, line = next(found for found in enumerate(lines, start=1) if len(found[1]) > limits.LINE_CHARACTERS)
         raise InputError(
             "the line is too long",
