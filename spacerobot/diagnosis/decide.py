@@ -66,6 +66,17 @@ class Decided:
             withdrawn=withdrawn,
         )
 
+    def improved(self, workshop: Workshop, better: Fit) -> Decided:
+        """The decision with the set that was chosen at a better minimum."""
+        old = self.judgement.chosen
+        if better.hypothesis.sites:
+            self.found.keep(better)
+        freed = self.freed if better.hypothesis.sites else better
+        left_of = {key: left for key, left in self.left_of.items() if key != id(old)}
+        left_of[id(better)] = workshop.left_by(better)
+        said = judge(self.found, left_of, freed, (), self.withdrawn)
+        return replace(self, left_of=left_of, freed=freed, judgement=said)
+
 
 def decide(pool: Pool, sites: Sequence[Site], report: Report) -> Decided:
     """Search among these effects and places, and judge what was found.

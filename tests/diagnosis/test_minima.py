@@ -69,7 +69,7 @@ def _at(fit: Fit, cutoff: float) -> Any:
     return z
 
 
-def test_a_moment_is_looked_for_before_and_after_while_more_than_noise_is_left(
+def test_a_moment_is_looked_for_before_and_after_although_only_noise_is_left(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     label, when = (("external_impulse", "target"),), "external_impulse@target.time_s"
@@ -83,7 +83,8 @@ def test_a_moment_is_looked_for_before_and_after_while_more_than_noise_is_left(
     index = right.hypothesis.keys.index(when)
     z[index] = right.hypothesis.free[index].z(0.52)
     found = Found(base)
-    found.keep(replace(right, chi2=2.0 * right.chi2, z=z))
+    found.keep(replace(right, chi2=right.chi2 + 40.0, z=z))
+    assert found.explained  # forty in some thousands: no test of what is left shows it
     begun: list[list[float]] = []
 
     def run_tasks(pool: Pool, found: Found, tasks: Sequence[Task], *rest: Any) -> list[Task]:
@@ -94,8 +95,8 @@ def test_a_moment_is_looked_for_before_and_after_while_more_than_noise_is_left(
 
     monkeypatch.setattr(minima, "run_tasks", run_tasks)
     minima.other_minima(cast(Pool, None), found, lambda *a: None)
-    (first, *_) = begun
+    first, close = begun
     assert sorted(first) == pytest.approx([0.49, 0.505, 0.535, 0.55])  # 0.3 and 0.6 of the moment's scale, 0.05 s
     assert found.fits[label].values()[when] == pytest.approx(0.5, abs=2e-3)
     assert found.fits[label].cost < right.cost + 0.5
-    assert len(begun) == 1  # then it was explained
+    assert max(abs(b - 0.5) for b in close) < 0.02
