@@ -13,7 +13,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from spacerobot.support import runs
 from spacerobot.support.errors import InputError
+from spacerobot.support.run_record import KEY
 from spacerobot.support.runs import MARKER, RunFolder, combined_hash
 
 
@@ -69,6 +71,32 @@ def test_a_run_of_other_sources_is_not_taken_for_the_same(tmp_path: Path) -> Non
         RunFolder(tmp_path, "diagnose", "a", code="0123456789abcdef")
     with RunFolder(tmp_path, "diagnose", "a") as run:
         assert run.finished
+
+
+@pytest.mark.parametrize("ended", [True, False], ids=["finished", "interrupted"])
+@pytest.mark.parametrize("what", KEY)
+def test_a_run_that_differs_in_one_thing_is_another(
+    what: str, ended: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Command, input, version, and the package's sources where no other code is named: neither reused nor resumed."""
+    run = RunFolder(tmp_path, "diagnose", "a")
+    run.save("half", 1)
+    run.write("verdict.json", "{}")
+    if ended:
+        run.finish()
+    run.close()
+    asked = {"command": "diagnose", "input_hash": "a"}
+    if what in asked:
+        asked[what] = "another"
+    else:
+        name, value = {"version": ("__version__", "0"), "code": ("package_hash", lambda: "another")}[what]
+        monkeypatch.setattr(runs, name, value)
+    with pytest.raises(InputError, match="the folder holds"):
+        RunFolder(tmp_path, **asked)
+    monkeypatch.undo()
+    with RunFolder(tmp_path, "diagnose", "a") as again:
+        assert again.finished is ended
+        assert again.resumed is not ended
 
 
 def test_foreign_files_are_refused_and_survive_an_overwrite(tmp_path: Path) -> None:
