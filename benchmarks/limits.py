@@ -24,6 +24,7 @@ import numpy as np
 from spacerobot.diagnosis.diagnose import diagnose
 from spacerobot.effects.registry import effect
 from spacerobot.recordings.study import Study, load_study
+from spacerobot.recordings.synthetic import CAMERA, FORCE_NOISE, POSITION_NOISE, SAMPLER, study_head
 from spacerobot.simulation.reduced.run import simulate
 from spacerobot.simulation.rig import rig
 from spacerobot.simulation.sensors import read_channels
@@ -43,8 +44,8 @@ EFFECTS = (
 
 FACTORS = (0.5, 1.0, 2.0)
 MASSES, SPEEDS = (9.0, 23.2), (0.06, 0.11)
-SIGMA = {"target.x": 0.00015, "wrist.x": 0.00015, "contact.force": 0.25}
-RATES = {"mocap": (("target.x", "wrist.x"), 120.0), "force": (("contact.force",), 1000.0)}
+SIGMA = {"target.x": POSITION_NOISE, "wrist.x": POSITION_NOISE, "contact.force": FORCE_NOISE}
+RATES = {"mocap": (("target.x", "wrist.x"), CAMERA), "force": (("contact.force",), SAMPLER)}
 COLUMNS = {"target.x": "x_target_m", "wrist.x": "x_wrist_m", "contact.force": "f_contact_N"}
 RIG = {
     "wrist.mass": 0.7,
@@ -54,38 +55,14 @@ RIG = {
     "contact.stiffness": 68000.0,
     "contact.damping": 60.0,
 }
-HEAD = """format = 1
-title = "limits"
-[baseline]
-robot = "pa10_wrist"
-base = "fixed"
-joints = "locked"
-approach = [1, 0, 0]
-gravity = [0, 0, 0]
-[baseline.wrist]
-mass = 0.7
-stiffness = 1020.0
-damping = 2.1
-equivalent_damping = 5.0
-[baseline.contact]
-stiffness = 68000.0
-[baseline.sigma]
-"wrist.stiffness" = 0.01
-"wrist.mass" = 0.01
-"wrist.equivalent_damping" = 0.15
-"contact.stiffness" = 0.03
-"target.mass" = 0.002
-"""
 
 Label = tuple[str, str]
 
 
 def write_campaign(folder: Path, planted: tuple[Label, float] | None, seed: int) -> Study:
     """A study of the rig with an effect of this size in it, or with none, and noise of its own."""
-    random, text = np.random.default_rng(seed), HEAD
-    for stream, (channels, _) in RATES.items():
-        text += f'[streams.{stream}]\ntime = "time_s"\n[streams.{stream}.channels]\n'
-        text += "".join(f'{COLUMNS[c]} = {{ is = "{c}", sigma = {SIGMA[c]} }}\n' for c in channels)
+    believed = {n: v for n, v in RIG.items() if n != "contact.damping"}
+    random, text = np.random.default_rng(seed), study_head(believed, "limits")
     for number, (mass, speed) in enumerate((m, s) for m in MASSES for s in SPEEDS):
         mechanism = rig({**RIG, "target.mass": mass})
         if planted is not None:

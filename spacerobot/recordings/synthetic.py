@@ -99,7 +99,7 @@ def synthetic_study(
     if folder.exists() and any(folder.iterdir()):
         raise InputError("the folder is not empty", given=str(folder))
     random = np.random.default_rng(seed)
-    text = _STUDY.format(title=title, values=_tables(), position=POSITION_NOISE, force=FORCE_NOISE)
+    text = study_head(BELIEVED, title)
     for k, (mass, speed) in enumerate(hits):
         mechanism = rig({**BELIEVED, "contact.damping": 40.0, "target.mass": mass})
         for name, where, parameters in planted:
@@ -123,9 +123,14 @@ def synthetic_study(
     return load_study(folder)
 
 
-def _tables() -> str:
+def study_head(believed: Mapping[str, float], title: str) -> str:
+    """A study file but for its trials: the rig as believed, by dotted name, and the sensors of `synthetic_study`."""
+    return _STUDY.format(title=title, values=_tables(believed), position=POSITION_NOISE, force=FORCE_NOISE)
+
+
+def _tables(believed: Mapping[str, float]) -> str:
     groups: dict[str, list[str]] = {}
-    for name, value in BELIEVED.items():
+    for name, value in believed.items():
         group, key = name.split(".")
         groups.setdefault(group, []).append(f"{key} = {value!r}")
     return "".join(f"\n[baseline.{group}]\n" + "\n".join(lines) + "\n" for group, lines in groups.items())

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -10,43 +9,12 @@ import numpy as np
 
 from spacerobot.effects.registry import effect
 from spacerobot.recordings.study import Study, load_study
+from spacerobot.recordings.synthetic import CAMERA, FORCE_NOISE, POSITION_NOISE, SAMPLER, study_head
 from spacerobot.simulation.reduced.run import simulate
 from spacerobot.simulation.rig import rig
 from spacerobot.simulation.sensors import read_channels
 
 BELIEVED = {"wrist.mass": 0.7, "wrist.stiffness": 1020.0, "wrist.damping": 2.1, "contact.stiffness": 68000.0}
-
-HEADER = """format = 1
-title = "synthetic"
-[baseline]
-robot = "pa10_wrist"
-base = "fixed"
-joints = "locked"
-approach = [1, 0, 0]
-gravity = [0, 0, 0]
-[baseline.wrist]
-mass = 0.7
-stiffness = 1020
-damping = 2.1
-equivalent_damping = 5.0
-[baseline.contact]
-stiffness = 68000.0
-[baseline.sigma]
-"wrist.stiffness" = 0.01
-"wrist.mass" = 0.01
-"wrist.equivalent_damping" = 0.15
-"contact.stiffness" = 0.03
-"target.mass" = 0.002
-[streams.mocap]
-time = "time_s"
-[streams.mocap.channels]
-x_target_m = { is = "target.x", sigma = 0.00015 }
-x_wrist_m = { is = "wrist.x", sigma = 0.00015 }
-[streams.force]
-time = "time_s"
-[streams.force.channels]
-f_contact_N = { is = "contact.force", sigma = 0.25 }
-"""
 
 
 def write_study(
@@ -62,10 +30,8 @@ def write_study(
     """A study of len(masses) x len(speeds) trials with sensor noise; `truth` and `believed` set them apart."""
     random = np.random.default_rng(seed)
     values = {**BELIEVED, "wrist.equivalent_damping": 5.0, "contact.damping": 60.0, **(truth or {})}
-    text = HEADER
-    for name, value in (believed or {}).items():
-        last = name.rsplit(".", 1)[-1]
-        text = re.sub(rf"^{last} = .*$", f"{last} = {value!r}", text, count=1, flags=re.MULTILINE)
+    stated = {**BELIEVED, "wrist.equivalent_damping": 5.0, **(believed or {})}
+    text = study_head(stated, "synthetic")
     for m, mass in enumerate(masses):
         for s, speed in enumerate(speeds):
             name = f"{m}{s}"
@@ -74,16 +40,17 @@ def write_study(
                 mechanism = effect(label).apply(mechanism, where, parameters)
             end = 0.02 / speed + 1.4
             run = simulate(mechanism, position={"target": -0.02}, velocity={"target": speed}, end=end)
-            slow, fast = np.arange(0.0, end, 1 / 120), np.arange(0.0, end, 1e-3)
+            slow, fast = np.arange(0.0, end, 1 / CAMERA), np.arange(0.0, end, 1 / SAMPLER)
             seen = read_channels(run, mechanism, ("target.x", "wrist.x"), slow)
             force = read_channels(run, mechanism, ("contact.force",), fast)["contact.force"]
-            columns = [slow, *(v + 0.00015 * random.standard_normal(slow.size) for v in seen.values())]
+            columns = [slow, *(v + POSITION_NOISE * random.standard_normal(slow.size) for v in seen.values())]
             np.savetxt(
                 folder / f"{name}_mocap.csv", np.transpose(columns), "%.7f", ",",
                 header="time_s,x_target_m,x_wrist_m", comments="",
             )  # fmt: skip
             np.savetxt(
-                folder / f"{name}_force.csv", np.transpose([fast, force + 0.25 * random.standard_normal(fast.size)]),
+                folder / f"{name}_force.csv",
+                np.transpose([fast, force + FORCE_NOISE * random.standard_normal(fast.size)]),
                 "%.6f", ",", header="time_s,f_contact_N", comments="",
             )  # fmt: skip
             text += f'[[trials]]\nid = "{name}"\ntarget.mass = {mass}\n'
