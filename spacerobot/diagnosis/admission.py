@@ -9,6 +9,7 @@ import numpy as np
 
 from spacerobot.diagnosis.data import TrialData, one_trial
 from spacerobot.diagnosis.lately import MOST
+from spacerobot.diagnosis.models.model import Model
 from spacerobot.diagnosis.rig_model import LEAST, RigModel, readable
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.recordings.recording import Recording
@@ -45,11 +46,73 @@ def of_study(study: Study) -> Iterator[InputError]:
         from spacerobot.diagnosis.models.choose import some_models_for  # takes half a second to load
 
         try:
-            some_models_for(study)
+            for trial in study.trials:
+                enough(study, study.recording(trial))
+            moving(study)
+            models = some_models_for(study)
         except InputError as error:
             yield error
+        else:
+            for model in models:
+                yield from of_model(study, model)
     elif len(study.trials) < 2:
         yield InputError("a diagnosis needs at least two trials", given=len(study.trials), where=str(study.path))
+
+
+def enough(study: Study, recording: Recording) -> None:
+    """Refuse a trial in which a channel was hardly recorded.
+
+    Raises:
+        InputError: fewer readings than a line through them needs; of events, fewer than pieces to hold out in turn.
+    """
+    from spacerobot.diagnosis.models.impacts import PIECES
+
+    for series in recording.values():
+        least = PIECES if study.streams[series.stream].kind == "events" else LEAST
+        count = int(series.valid.sum())
+        if count < least and not series.name.startswith("aux."):
+            given = f"{count} in trial {recording.trial.id}"
+            where = recording.trial.where or str(study.path)
+            raise InputError(f"{series.name} has too few readings", given=given, valid=f"at least {least}", where=where)
+
+
+def moving(study: Study) -> None:
+    """Refuse a reading that is the same from the first sample of the first trial to the last of the last.
+
+    Raises:
+        InputError: with the channel's line.
+    """
+    specs = [
+        c for s in study.streams.values() for c in s.channels if c.use == "output" and not c.name.startswith("aux.")
+    ]
+    for spec in specs:
+        values = [study.recording(t)[spec.name].good()[1] for t in study.trials if spec.name in study.recording(t)]
+        if values and np.ptp(np.concatenate(values)) == 0.0:
+            what = f"{spec.name} is {values[0][0]:g} throughout every trial, so that nothing can be weighed by it"
+            raise InputError(
+                what, valid="a sensor that was at work, or the study without the channel", where=spec.where
+            )
+
+
+def of_model(study: Study, model: Model) -> Iterator[InputError]:
+    """Why a machine's model cannot be fitted and tried: but one piece of data, a channel that has no weight."""
+    from spacerobot.diagnosis.models.held_out import folds, parent
+
+    for piece in model.trials:
+        for block in piece.blocks:
+            for name, weight in zip(block.channels, block.weight, strict=True):
+                if not np.isfinite(weight).all():
+                    trial = study.trial(parent(piece))
+                    series = study.recording(trial).get(name)
+                    what = f"{name} does not change, so that its noise cannot be estimated, in trial {trial.id}"
+                    valid = f"its sigma in [streams.{block.stream if series is None else series.stream}]"
+                    yield InputError(what, valid=valid, where=trial.where or str(study.path))
+                    return
+    if len(folds(model.trials)) < 2:
+        trial = study.trial(parent(model.trials[0]))
+        what = f"{model.name} was recorded once, in one piece: nothing is left to try a fit on"
+        where = trial.where or str(study.path)
+        yield InputError(what, given=f"trial {trial.id}", valid="a second trial of it", where=where)
 
 
 Questions = Callable[[Recording], Iterator[InputError]]
