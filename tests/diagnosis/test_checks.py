@@ -150,8 +150,13 @@ def test_a_moment_is_sought_beyond_the_next_rise(shop: Workshop, chosen: Fit, mo
 
     def ends(second: int) -> float:
         low = {0, second}
-        monkeypatch.setattr(profile, "_rise", lambda f, g, i, at: 0.0 if round((at - best) / step) in low else 50.0)
-        return round(profile._further(fitter, chosen, index, 1.0, 0.1 * step, 1.0) / step, 3)
+        monkeypatch.setattr(
+            profile._Profiler, "_rise", lambda self, at: 0.0 if round((at - best) / step) in low else 50.0
+        )
+        made = profile._Profiler(fitter, chosen, index, 1.0)
+        assert made._moment_step == pytest.approx(step)
+        places = [0.1 * step + k * step for k in range(1, profile.FURTHER + 1)]
+        return round(made._further(1.0, 0.1 * step, places, profile.OUTSIDE) / step, 3)
 
     assert ends(4) == pytest.approx(4.1)
     assert ends(9) == pytest.approx(0.1)
