@@ -8,8 +8,7 @@ import importlib
 import json
 import os
 import sys
-from collections.abc import Mapping, Sequence
-from functools import partial
+from collections.abc import Mapping
 from typing import Any
 
 from spacerobot.cli.effect_files import load_effects, read_text
@@ -74,26 +73,15 @@ def run(args: argparse.Namespace) -> int:
             store=folder,
             workers=workers,
         )
-        verdict, evidence = plain(result.verdict), plain(result.evidence)
-        validate(verdict)
-        if folder is not None:
-            from spacerobot.view.report import write_plots, write_report
+        if folder is None:
+            verdict = plain(result.verdict)
+            validate(verdict)
+        else:
+            from spacerobot.view.report.save import write_diagnosis
 
-            folder.write("verdict.json", dumps(verdict))
-            if result.scene is not None:  # other machines than a wrist rig have a model instead
-                folder.write("scene.toml", result.scene.to_toml())
-            if result.model is not None:
-                folder.write("model.toml", result.model)
-            write_report(verdict, evidence, folder.path("report.html"))
-            noted = partial(_noted, folder)
-            write_plots(verdict, evidence, folder.folder / "plots", args.jobs or os.cpu_count() or 1, noted=noted)
+            verdict = write_diagnosis(result, folder, args.jobs or os.cpu_count() or 1)
             folder.finish()
         return _show(args, verdict, folder)
-
-
-def _noted(folder: RunFolder, names: Sequence[str]) -> None:
-    """The report's pictures as the run's own, before they are written."""
-    folder.paths(f"plots/{name}" for name in names)
 
 
 _IDLE = "single effects"

@@ -21,6 +21,7 @@ from spacerobot.dynamics.pose_limits import PoseLimitWarning
 from spacerobot.model.library import load
 from spacerobot.model.robot import Robot
 from spacerobot.model.wrist import aim
+from spacerobot.simulation.parts import Servo
 from spacerobot.support.errors import InputError
 from spacerobot.support.jsonio import dumps
 from spacerobot.support.numbers import parse_assignments, parse_numbers, to_radians
@@ -40,10 +41,7 @@ def run(args: argparse.Namespace) -> int:
         "base": args.base,
         "slider": args.slider,
     }
-    servo: dict[str, Any] = {
-        "stiffness": _list(args.servo_stiffness, "--servo-stiffness"),
-        "damping": _list(args.servo_damping, "--servo-damping"),
-    }
+    servo = _servo(args)
     frequency = _number(args.frequency, "--frequency")
     target = _number(args.target_mass, "--target-mass")
     stiffness = _number(args.wrist_stiffness, "--wrist-stiffness")
@@ -58,8 +56,8 @@ def run(args: argparse.Namespace) -> int:
             omega=None if frequency is None else 2.0 * math.pi * frequency,
             wrist_stiffness=stiffness,
             target_mass=target,
+            servo=servo,
             **options,
-            **servo,
         )
 
     with warnings.catch_warnings():
@@ -158,7 +156,7 @@ def _write(
     result: EffectiveMass,
     answer: dict[str, Any],
     options: dict[str, Any],
-    servo: dict[str, Any],
+    servo: Servo | None,
     pictures: Callable[[], dict[str, str | bytes]],
 ) -> None:
     shown = [args.to, args.deg, args.speed] if args.pictures else None
@@ -168,7 +166,7 @@ def _write(
         folder.write("mass.json", dumps(answer) + "\n")
         if result.omega_rad_s is not None:
             omega = result.omega_rad_s * np.logspace(-2.0, 2.0, 401)
-            response = apparent_mass(robot, q, direction, omega, **options, **servo)
+            response = apparent_mass(robot, q, direction, omega, servo=servo, **options)
             folder.write("apparent_mass.csv", response_table(response))
         for name, content in pictures().items():
             folder.write(name, content)
@@ -202,6 +200,14 @@ def _pictures(
     known = {key: value for key, value in given.items() if value is not None}
     asked = MassQuestion(robot, pose, np.array(direction), **known)
     return lambda: mass_files(asked)
+
+
+def _servo(args: argparse.Namespace) -> Servo | None:
+    stiffness = _list(args.servo_stiffness, "--servo-stiffness")
+    damping = _list(args.servo_damping, "--servo-damping")
+    if stiffness is None and damping is not None:
+        raise InputError("needs --servo-stiffness too", where="--servo-damping")
+    return None if stiffness is None else Servo(stiffness, [0.0] if damping is None else damping)
 
 
 def _list(tokens: list[str] | None, what: str) -> list[float] | None:

@@ -8,27 +8,18 @@ import hashlib
 import json
 import re
 import sys
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from spacerobot import __version__
-from spacerobot.diagnosis.forward.base import ForwardModel, TrialOverlay
-from spacerobot.diagnosis.forward.elsewhere import model_of, overlays
-from spacerobot.diagnosis.forward.residuals import by_channel, residuals
+from spacerobot.diagnosis.overlay import overlay
 from spacerobot.recordings.lacking import lacks
 from spacerobot.recordings.study import Study, load_study
 from spacerobot.support.errors import InputError
 from spacerobot.support.executors.choose import executor
-from spacerobot.support.jsonio import dumps, plain
+from spacerobot.support.jsonio import dumps
 from spacerobot.support.progress import Progress
 from spacerobot.support.runs import RunFolder, combined_hash
-
-DRAWN = 30
-"""Trials drawn at most: those with the largest residuals."""
 
 
 def run(args: argparse.Namespace) -> int:
@@ -80,82 +71,18 @@ def work(
 
     The baseline is simulated, or what a diagnosis found, by its model.toml; here, or on a Dask scheduler's workers.
     """
-    model = model_of(study, found)
-    by_id: dict[str, TrialOverlay] = {}
     with contextlib.ExitStack() as stack:
         progress = stack.enter_context(Progress("simulating", len(study.trials), unit="trial", verbose=verbose))
-        if dask is None:
-            coming: Iterator[TrialOverlay] = (model.simulate(trial) for trial in study.trials)
-        else:
-            coming = overlays(study, found, stack.enter_context(executor(dask=dask)))
-        for done in coming:
-            by_id[done.id] = done
-            progress.advance()
-    trials = [by_id[t.id] for t in study.trials]
-    answer = plain(as_json(study, model, trials))
+        workers = None if dask is None else stack.enter_context(executor(dask=dask))
+        made = overlay(study, model=found, workers=workers, report=progress.advance)
+    answer = made.as_json()
     if folder is not None:
-        _write(study, model, trials, folder, verbose)
-        folder.write("overlay.json", dumps(answer) + "\n")
+        from spacerobot.view.overlay.write import overlay_files
+
+        for name, content in overlay_files(made, verbose=verbose).items():
+            folder.write(name, content)
         folder.finish()
-    assert isinstance(answer, dict)
     return answer
-
-
-def as_json(study: Study, model: ForwardModel, trials: list[TrialOverlay]) -> dict[str, Any]:
-    """The answer; SI."""
-    return {
-        "format": 1,
-        "spacerobot": __version__,
-        "input_hash": study.input_hash,
-        "study": str(study.path),
-        "title": study.title,
-        "model": model.kind,
-        "assumptions": list(model.assumptions),
-        "values": {v.name: {"value": v.value, "unit": v.unit, "source": v.source} for v in model.values},
-        "channels": {name: found.as_json() for name, found in by_channel(trials).items()},
-        "not_predicted": not_predicted(study, trials),
-        "trials": [
-            {
-                "id": t.id,
-                "condition": t.condition,
-                "touches_s": list(t.touches),
-                "channels": {c.channel: residuals([c]).as_json() for c in t.channels if c.time.size},
-            }
-            for t in trials
-        ],
-    }
-
-
-def not_predicted(study: Study, trials: list[TrialOverlay]) -> list[str]:
-    """Recorded channels that no simulation shows, drives and notes apart."""
-    shown = {c.channel for t in trials for c in t.channels}
-    recorded = {s.name for t in study.trials for s in study.recording(t).outputs()}
-    return sorted(n for n in recorded - shown if not n.startswith("aux.") and not n.endswith(".reference"))
-
-
-def _write(study: Study, model: ForwardModel, trials: list[TrialOverlay], folder: RunFolder, verbose: bool) -> None:
-    from spacerobot.view.overlay.figures import glance, trial_figure
-    from spacerobot.view.overlay.page import page
-    from spacerobot.view.plotting import png
-
-    def size(trial: TrialOverlay) -> float:
-        return float(np.nan_to_num([residuals([c]).chi2_per_sample for c in trial.channels if c.time.size]).sum())
-
-    worst = {t.id for t in sorted(trials, key=size, reverse=True)[:DRAWN]}
-    figures = {}
-    with Progress("drawing", len(worst), unit="trial", verbose=verbose) as progress:
-        for trial in trials:
-            if trial.id in worst and any(c.time.size for c in trial.channels):
-                figures[trial.id] = trial_figure(trial)
-                folder.write(f"{_file_name(trial.id)}.png", png(figures[trial.id]))
-                progress.advance()
-    left = not_predicted(study, trials)
-    text = page(study, model, trials, by_channel(trials), figures, glance(trials), left)
-    folder.write("overlay.html", text)
-
-
-def _file_name(trial: str) -> str:
-    return "trial_" + re.sub(r"[^\w.+=-]+", "_", trial)
 
 
 def summary(answer: dict[str, Any]) -> str:

@@ -58,7 +58,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     target.add_argument("--speed", metavar="V", help="along the approach, m/s; default: 0.1")
     target.add_argument("--gap", metavar="X", help="to the wrist's tip at the start, m; default: 0")
     scene = parser.add_argument_group("scene")
-    scene.add_argument("--approach", nargs="+", metavar="X", help="unit vector, world axes; default: 1 0 0")
+    scene.add_argument("--approach", nargs="+", metavar="X", help="unit vector, world axes; default: along the hand")
     scene.add_argument("--gravity", nargs="+", metavar="X", help="m/s^2, world axes; default: 0 0 0")
     scene.add_argument(
         "--effect", action="append", default=[], metavar="NAME@WHERE:PARAMETER=VALUE,...", help="may be repeated"

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from spacerobot.simulation.restitution import POINT_NOTE
+
 
 def as_text(answer: dict[str, Any]) -> str:
     """A table of predicted and simulated numbers, and what took the energy."""
@@ -15,7 +17,7 @@ def as_text(answer: dict[str, Any]) -> str:
         "",
         f"{'':34}{'reduced model':>15}{'Eqs. 2 to 4':>15}{'simulated':>15}",
         _row("contact time [s]", reduced.get("contact_time"), exact.get("contact_time"), simulated["contact_time"]),
-        _row("  without pull (force to zero) [s]", reduced.get("contact_time_unilateral"), None, None),
+        _row("  until the force is zero [s]", reduced.get("contact_time_unilateral"), None, None),
         _row("  summed [s]", None, exact.get("contact_time_summed"), simulated["contact_time_summed"]),
         _row(
             "restitution, target against hand",
@@ -23,10 +25,11 @@ def as_text(answer: dict[str, Any]) -> str:
             exact.get("restitution_hand"),
             simulated["hand"],
         ),
-        _row("  without pull (force to zero)", reduced.get("restitution_unilateral"), None, None),
+        _row("  until the force is zero", reduced.get("restitution_unilateral"), None, None),
         _row("  without equivalent damping", reduced.get("restitution_without_equivalent"), None, None),
         _row("restitution, target alone", None, exact.get("restitution_target"), simulated["target"]),
         _row("restitution, at the contact point", None, None, simulated["point"]),
+        *([f"  ({POINT_NOTE})"] if _above_one(simulated["point"]) else []),
         _row("touches", None, exact.get("touches"), simulated["touches"]),
         "",
         _peak(answer),
@@ -37,6 +40,10 @@ def as_text(answer: dict[str, Any]) -> str:
         lines.append("wrist and target still touch at the end: a longer --duration shows the separation")
     lines += [f"note: {text}" for text in answer["notes"]]
     return "\n".join(lines)
+
+
+def _above_one(value: Any) -> bool:
+    return isinstance(value, int | float) and value > 1.0
 
 
 def _peak(answer: dict[str, Any]) -> str:

@@ -19,6 +19,7 @@ from spacerobot.dynamics.pose_limits import PoseLimitWarning
 from spacerobot.model.spacecraft import SpacecraftSpec
 from spacerobot.simulation.parts import EffectAt, Servo
 from spacerobot.simulation.prediction import predict, predict_exact
+from spacerobot.simulation.room import StartWarning, met_at_start
 from spacerobot.simulation.scene import Scene
 from spacerobot.simulation.scene_file import read_scene
 from spacerobot.simulation.simulate import default_duration, simulate
@@ -63,6 +64,8 @@ def run(args: argparse.Namespace) -> int:
         warnings.simplefilter("always", PoseLimitWarning)
         scene = _scene(args)
     said = list(dict.fromkeys(str(w.message) for w in caught if issubclass(w.category, PoseLimitWarning)))
+    if met := met_at_start(scene):
+        said.append(met)
     for text in said:
         print(f"spacerobot simulate: warning: {text}", file=sys.stderr)
     settings = {
@@ -181,7 +184,9 @@ def _effect(text: str) -> EffectAt:
 
 def _answer(scene: Scene, settings: dict[str, Any], said: list[str]) -> tuple[dict[str, Any], Trajectory]:
     end = scene.duration if scene.duration is not None else default_duration(scene)
-    trajectory = simulate(scene, duration=end, tolerance=settings["tolerance"], rate=settings["rate"])
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", StartWarning)  # said above, in the command's own words
+        trajectory = simulate(scene, duration=end, tolerance=settings["tolerance"], rate=settings["rate"])
     predicted = predict(scene)
     exact = predict_exact(scene, end)
     ledger = trajectory.ledger

@@ -7,15 +7,11 @@ import math
 import os
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from spacerobot.support.errors import InputError
 from spacerobot.support.files import may_write, write_text
 from spacerobot.support.jsonio import dumps
-
-if TYPE_CHECKING:
-    from spacerobot.recordings.ranges import Limits
-    from spacerobot.recordings.study import Study
 
 _MOST_SHOWN = 60
 """Channels that the table of a check has room for."""
@@ -114,45 +110,14 @@ def _new(args: argparse.Namespace) -> int:
 
 
 def _check(args: argparse.Namespace) -> int:
-    from spacerobot.diagnosis.admission import left_aside, of_study, questions
-    from spacerobot.recordings.check import check_study
+    from spacerobot.diagnosis.study_check import check_study
     from spacerobot.recordings.study import load_study
 
-    study = load_study(args.study, args.data)
-    limits, mended, fault = _robot(study)
-    if study.draft:  # which is not diagnosed before its author has finished it
-        report = check_study(study, limits)
-    else:
-        report = check_study(study, limits, questions(study))
-        report["errors"] = list(dict.fromkeys([*map(str, of_study(study)), *report["errors"]]))
-    report["warnings"] += mended
-    report["not_predicted"] = list(left_aside(study))
-    names = ", ".join([name for name in report["not_predicted"] if not name.startswith("aux.")][:12])
-    if names:
-        report["warnings"].append(f"recorded, but predicted by no model of this baseline, so left aside: {names}")
-    if fault:
-        report["errors"].append(f"robot: {fault}")
+    report = check_study(load_study(args.study, args.data))
     print(dumps(report) if args.json else _text(report))
     if args.json and report["errors"]:
         print("\n".join(report["errors"]), file=sys.stderr)
     return 2 if report["errors"] else 0
-
-
-def _robot(study: Study) -> tuple[dict[str, Limits], list[str], str]:
-    """What the study's robot says of its joints, what was mended in it, and why it cannot be read."""
-    from spacerobot.model.describe import joint_rows
-    from spacerobot.recordings.ranges import Limits
-    from spacerobot.recordings.rig_robot import mended_links, study_robot
-
-    if study.baseline.robot is None:
-        return {}, [], ""
-    try:
-        robot = study_robot(study)
-    except InputError as error:
-        return {}, [], str(error)
-    rows = {r["name"]: r for r in joint_rows(robot)}
-    found = {n: Limits(r["lower"], r["upper"], r["velocity_limit"], r["effort_limit"]) for n, r in rows.items()}
-    return {**{name: Limits() for name in list(robot.model.names)[1:]}, **found}, mended_links(robot), ""
 
 
 def _text(report: dict[str, Any]) -> str:

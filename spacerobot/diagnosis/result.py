@@ -10,13 +10,18 @@ from spacerobot.diagnosis.adequacy import Left
 from spacerobot.diagnosis.found import Found
 from spacerobot.diagnosis.judge import Judgement
 from spacerobot.simulation.scene import Scene
+from spacerobot.support.showing import Brief, brief, html_table
+from spacerobot.support.tables import data_frame
+
+if TYPE_CHECKING:
+    import pandas
 
 if TYPE_CHECKING:  # loads statistics that a wrist rig's diagnosis does without
     from spacerobot.diagnosis.models.part import Part
 
 
-@dataclass(frozen=True, eq=False)
-class Diagnosis:
+@dataclass(frozen=True, eq=False, repr=False)
+class Diagnosis(Brief):
     """Everything a diagnosis found.
 
     Attributes:
@@ -38,3 +43,42 @@ class Diagnosis:
     parts: tuple[Part, ...] = ()
     scene: Scene | None = None
     model: str | None = None
+
+    def __repr__(self) -> str:
+        named = " + ".join(f"{e['effect']} at {e['where']}" for e in self.verdict["effects"])
+        sure = f"confidence {self.verdict['confidence']:.2f}"
+        return f"Diagnosis({brief(self.verdict['study'])}, {self.verdict['verdict']}: {named or 'no effect'}, {sure})"
+
+    def to_frame(self) -> pandas.DataFrame:
+        """A row for each fitted parameter of what was found, and for each believed value that moved.
+
+        Columns: effect, where, parameter, value, low, high (95 %), unit, as a table of pandas.
+
+        Raises:
+            InputError: pandas is not installed.
+        """
+        names = ("effect", "where", "parameter", "value", "low", "high", "unit")
+        return data_frame(dict(zip(names, map(list, zip(*self._rows(), strict=True)), strict=False)))
+
+    def _rows(self) -> list[tuple[Any, ...]]:
+        found = [
+            (e["effect"], e["where"], name, p["value"], *p["ci95"], p["unit"])
+            for e in self.verdict["effects"]
+            for name, p in e["parameters"].items()
+        ]
+        moved = self.verdict["parameters"].items()
+        return found + [("", *name.rpartition(".")[::2], p["value"], *p["ci95"], p["unit"]) for name, p in moved]
+
+    def _repr_html_(self) -> str:
+        v = self.verdict
+        title = f"{v['study']}: {v['verdict']} (confidence {v['confidence']:.2f})"
+        overall, unit = v["held_out"]["overall"], v["held_out"].get("unit", "sigma")
+        notes = [*v.get("why", ())]
+        if overall["rms_before"] is not None and overall["rms_after"] is not None:
+            of = "sensor sigmas" if unit == "sigma" else "each channel's spread"
+            notes.append(
+                f"Held-out data, in {of}: {overall['rms_before']:.3g} before, {overall['rms_after']:.3g} after."
+            )
+        if v["next_experiment"]:
+            notes.append(f"Next: {v['next_experiment']['change']}. {v['next_experiment']['why']}")
+        return html_table(title, self._rows(), ("effect", "where", "parameter", "value", "95 %", "", "unit"), notes)

@@ -11,6 +11,7 @@ hence magnitude and phase.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,17 +20,23 @@ from spacerobot.dynamics.direction import unit_directions
 from spacerobot.dynamics.mobility import SINGULAR
 from spacerobot.dynamics.operational import along
 from spacerobot.dynamics.regime import regime_of
-from spacerobot.dynamics.servo import Servo, servo_of
+from spacerobot.dynamics.servo import HeldJoints, HoldsJoints, servo_or_its_numbers
 from spacerobot.dynamics.terms import Terms, terms_of
 from spacerobot.model.robot import Robot
 from spacerobot.support.errors import InputError
+from spacerobot.support.showing import Brief
+from spacerobot.support.tables import data_frame, data_set
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
 
 RESONANT = 1e-12
 """Smallest singular value of the scaled impedance below which an answer would be rounding error."""
 
 
-@dataclass(frozen=True, eq=False)
-class ApparentMass:
+@dataclass(frozen=True, eq=False, repr=False)
+class ApparentMass(Brief):
     """Frequency response of a frame along one direction.
 
     Attributes:
@@ -63,14 +70,37 @@ class ApparentMass:
         """Angle of m_app [rad], shape (F,): 0 acts as a mass, +-pi as a spring, -pi/2 as a damper."""
         return np.angle(self.mass)
 
+    def to_frame(self) -> pandas.DataFrame:
+        """Magnitude and phase over frequency, as a table of pandas.
+
+        Raises:
+            InputError: pandas is not installed.
+        """
+        return data_frame(
+            {"magnitude": self.magnitude, "phase": self.phase},
+            index=self.omega,
+            name="omega",
+            units={"omega": "rad/s", "magnitude": "kg", "phase": "rad"},
+        )
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Complex apparent mass and mobility over frequency, as a data set of xarray.
+
+        Raises:
+            InputError: xarray is not installed.
+        """
+        variables = {"mass": ("omega", self.mass, "kg"), "mobility": ("omega", self.mobility, "1/kg")}
+        return data_set(variables, {"omega": ("omega", self.omega, "rad/s")})
+
 
 def apparent_mass(
     robot: Robot,
-    configuration: np.ndarray,
+    pose: ArrayLike,
     direction: ArrayLike,
     omega: ArrayLike,
     *,
-    stiffness: ArrayLike,
+    servo: HoldsJoints | None = None,
+    stiffness: ArrayLike | None = None,
     damping: ArrayLike | None = None,
     frame: str | None = None,
     base: str | None = None,
@@ -80,11 +110,11 @@ def apparent_mass(
 
     Args:
         robot: the robot.
-        configuration: shape (nq,).
+        pose: shape (len(chain),) [rad or m], or the whole configuration, shape (nq,).
         direction: shape (3,), unit vector in world axes.
         omega: shape (F,) or scalar, angular frequency [rad/s], positive.
-        stiffness: K_p, scalar or shape (len(chain),) [N m/rad].
-        damping: D_p alike [N m s/rad]; none if None.
+        servo: K_p and D_p, as `Servo` has them.
+        stiffness, damping: deprecated, of the servo.
         frame: frame name; the wrist mount if None.
         base: "fixed" or "free".
         slider: "free" or "locked".
@@ -93,8 +123,8 @@ def apparent_mass(
         InputError: values out of range, or a frequency that is exactly an undamped resonance.
     """
     n = unit_directions(direction)
-    held = servo_of(robot, stiffness, damping)
-    terms = terms_of(robot, configuration, regime_of(robot, base, "servo", slider), frame)
+    held = servo_or_its_numbers(robot, servo, stiffness, damping)
+    terms = terms_of(robot, pose, regime_of(robot, base, "servo", slider), frame)
     frequencies = np.atleast_1d(np.asarray(omega, dtype=float))
     rows = terms.jacobian[:3]
     response = np.array([_along(rows @ servo_response(terms, held, w, rows.T), n) for w in frequencies])
@@ -108,7 +138,7 @@ def apparent_mass(
     )
 
 
-def servo_response(terms: Terms, servo: Servo, omega: float, force: np.ndarray) -> np.ndarray:
+def servo_response(terms: Terms, servo: HeldJoints, omega: float, force: np.ndarray) -> np.ndarray:
     """Complex accelerations (H - i D/w - K/w^2)^-1 f of the moving coordinates.
 
     Args:
@@ -141,7 +171,7 @@ def _along(block: np.ndarray, n: np.ndarray) -> complex:
     return value if abs(value) > SINGULAR * float(np.linalg.norm(block, 2)) else 0.0j
 
 
-def _tip_stiffness(terms: Terms, servo: Servo, row: np.ndarray) -> float:
+def _tip_stiffness(terms: Terms, servo: HeldJoints, row: np.ndarray) -> float:
     if np.any(row[terms.base] != 0.0) or np.any(row[terms.slider] != 0.0):
         return 0.0
     moved = row[terms.arm] != 0.0

@@ -13,7 +13,7 @@ from spacerobot.dynamics.batch import checked_poses
 from spacerobot.dynamics.direction import unit_directions
 from spacerobot.dynamics.mobility import SINGULAR
 from spacerobot.dynamics.regime import regime_of
-from spacerobot.dynamics.servo import servo_of
+from spacerobot.dynamics.servo import HoldsJoints, servo_or_its_numbers
 from spacerobot.dynamics.terms import moving_columns
 from spacerobot.model.robot import Robot
 from spacerobot.support.errors import InputError
@@ -53,7 +53,8 @@ def apparent_mass_batch(
     directions: ArrayLike,
     omega: float,
     *,
-    stiffness: ArrayLike,
+    servo: HoldsJoints | None = None,
+    stiffness: ArrayLike | None = None,
     damping: ArrayLike | None = None,
     frame: str | None = None,
     base: str | None = None,
@@ -67,8 +68,8 @@ def apparent_mass_batch(
         poses: shape (N, len(chain)), joint positions [rad or m].
         directions: shape (K, 3) or (3,), unit vectors in world axes.
         omega: [rad/s], positive.
-        stiffness: K_p, scalar or shape (len(chain),) [N m/rad].
-        damping: D_p alike [N m s/rad]; none if None.
+        servo: K_p and D_p, as `Servo` has them.
+        stiffness, damping: deprecated, of the servo.
         frame: frame name; the wrist mount if None.
         base: "fixed" or "free".
         slider: "free" or "locked".
@@ -81,7 +82,7 @@ def apparent_mass_batch(
     if not (np.isfinite(omega) and omega > 0.0):
         raise InputError("the frequency must be positive and finite", given=omega, valid="rad/s > 0")
     n = np.atleast_2d(unit_directions(directions))
-    held = servo_of(robot, stiffness, damping)
+    held = servo_or_its_numbers(robot, servo, stiffness, damping)
     columns, _, arm, _ = moving_columns(robot, regime_of(robot, base, "servo", slider))
     spring = np.zeros(len(columns), dtype=complex)
     spring[arm] = held.stiffness / omega**2 + 1j * held.damping / omega

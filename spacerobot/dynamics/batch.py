@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,10 +18,15 @@ from spacerobot.dynamics.mobility_kernel import mass_kernel, mobility_kernel
 from spacerobot.dynamics.regime import regime_of
 from spacerobot.model.robot import Robot
 from spacerobot.support.errors import InputError
+from spacerobot.support.showing import Brief
+from spacerobot.support.tables import data_frame
+
+if TYPE_CHECKING:
+    import pandas
 
 
-@dataclass(frozen=True, eq=False)
-class EffectiveMassBatch:
+@dataclass(frozen=True, eq=False, repr=False)
+class EffectiveMassBatch(Brief):
     """Effective masses of N poses in K directions.
 
     Attributes:
@@ -32,6 +38,15 @@ class EffectiveMassBatch:
     effective_mass_kg: np.ndarray
     mobility: np.ndarray
     directions: np.ndarray
+
+    def to_frame(self) -> pandas.DataFrame:
+        """A row for each pose, a column for each direction [kg], as a table of pandas.
+
+        Raises:
+            InputError: pandas is not installed.
+        """
+        names = [f"({', '.join(f'{x:.4g}' for x in n)})" for n in self.directions]
+        return data_frame(dict(zip(names, self.effective_mass_kg.T, strict=True)), units=dict.fromkeys(names, "kg"))
 
 
 def effective_mass_batch(

@@ -7,6 +7,7 @@ import math
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,12 +22,13 @@ from spacerobot.dynamics.mobility import SINGULAR, by_inverse
 from spacerobot.dynamics.operational import along, operational_inertia, rank, reciprocal
 from spacerobot.dynamics.pose_limits import PoseLimitWarning, pose_limit_warnings
 from spacerobot.dynamics.regime import Regime, regime_of
-from spacerobot.dynamics.servo import servo_of
+from spacerobot.dynamics.servo import HoldsJoints, servo_or_its_numbers
 from spacerobot.dynamics.split import MobilitySplit, split_mobility
 from spacerobot.dynamics.terms import Terms, checked_configuration, terms_of
 from spacerobot.model.describe import held_words
 from spacerobot.model.robot import Robot
 from spacerobot.support.errors import InputError
+from spacerobot.support.showing import html_table
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -88,6 +90,18 @@ class EffectiveMass:
             f"base {self.base}, joints {self.joints})"
         )
 
+    def _repr_html_(self) -> str:
+        along = ", ".join(f"{x:.4g}" for x in self.direction)
+        rows: list[tuple[str, Any, str]] = [
+            ("effective mass", self.effective_mass_kg, "kg"),
+            ("rotational inertia", self.rotational_inertia_kg_m2, "kg m²"),
+        ]
+        if self.omega_rad_s is not None:
+            rows += [("phase", self.phase_rad, "rad"), ("at", self.omega_rad_s, "rad/s")]
+        rows += [(f"mobility of the {name}", value, "1/kg") for name, value in self.share().items() if name != "free"]
+        title = f"{self.robot}: {self.frame} along ({along}), base {self.base}, joints {self.joints}"
+        return html_table(title, rows, ("", "value", "unit"), (*self.notes, *self.warnings))
+
     @property
     def mobility_per_kg(self) -> float:
         """1/effective mass [1/kg]; zero where it is infinite."""
@@ -116,6 +130,7 @@ def effective_mass(
     slider: str = "free",
     others: dict[str, float] | None = None,
     configuration: ArrayLike | None = None,
+    servo: HoldsJoints | None = None,
     stiffness: ArrayLike | None = None,
     damping: ArrayLike | None = None,
     omega: float | None = None,
@@ -129,17 +144,18 @@ def effective_mass(
 
     Args:
         robot: the robot.
-        pose: shape (len(chain),), joint positions from base to tip [rad or m]; neutral if None.
+        pose: shape (len(chain),), joint positions from base to tip [rad or m]; neutral if None. Or the whole
+            configuration, shape (nq,).
         direction: shape (3,), unit vector in world axes.
         frame: frame name; the wrist mount (or the arm's tip) if None.
         base: "fixed" or "free"; free where the robot floats if None.
-        joints: "free", "locked", or "servo" (held by `stiffness` and `damping`).
+        joints: "free", "locked", or "servo" (held by `servo`).
         slider: "free" or "locked", of the wrist.
         others: positions of joints outside the chain by name (fingers, the slider); they are locked, the
             slider not.
         configuration: shape (nq,), the whole configuration instead of `pose` and `others`.
-        stiffness: of servo joints, scalar or shape (len(chain),) [N m/rad].
-        damping: of servo joints alike [N m s/rad]; none if None.
+        servo: what holds servo joints.
+        stiffness, damping: deprecated, of the servo.
         omega: frequency of servo joints [rad/s]; sqrt(k_w/m~) from the next two if None.
         wrist_stiffness: k_w [N/m], for that frequency.
         target_mass: m_t [kg], for that frequency.
@@ -154,14 +170,17 @@ def effective_mass(
     regime = regime_of(robot, base, joints, slider)
     if configuration is None:
         given = None if pose is None else _numeric(pose, "pose")
-        q = robot.configuration(given, others=others)
+        whole = given is not None and given.shape == (robot.model.nq,) != (len(robot.chain),)
+        if whole and others:
+            raise InputError("a whole configuration says where the others are too", given=f"others {others}")
+        q = given if given is not None and whole else robot.configuration(given, others=others)
     elif pose is not None or others:
         raise InputError("give a pose or a whole configuration, not both")
     else:
         q = _numeric(configuration, "configuration")
     q = checked_configuration(robot, q)
-    if joints != "servo" and not all(v is None for v in (stiffness, damping, omega)):
-        raise InputError("servo stiffness, damping and frequency need servo joints", given=f"joints {joints}")
+    if joints != "servo" and not all(v is None for v in (servo, stiffness, damping, omega)):
+        raise InputError("a servo and a frequency need servo joints", given=f"joints {joints}", valid='joints="servo"')
 
     outside = pose_limit_warnings(robot, q)
     for text in outside:
@@ -171,7 +190,7 @@ def effective_mass(
     split = split_mobility(released)
     terms = released if joints != "locked" else terms_of(robot, q, regime, frame)
     if joints == "servo":
-        held = servo_of(robot, stiffness, damping)
+        held = servo_or_its_numbers(robot, servo, stiffness, damping)
 
         def response(w: float) -> np.ndarray:
             return terms.jacobian @ servo_response(terms, held, w, terms.jacobian.T)

@@ -13,10 +13,11 @@ import numpy as np
 from spacerobot.dynamics.direction import unit_directions
 from spacerobot.dynamics.mobility import SINGULAR
 from spacerobot.support.errors import InputError
+from spacerobot.support.showing import Brief
 
 
-@dataclass(frozen=True, eq=False)
-class BeltedEllipsoid:
+@dataclass(frozen=True, eq=False, repr=False)
+class BeltedEllipsoid(Brief):
     """Effective mass in every direction at one frame.
 
     Attributes:

@@ -14,6 +14,7 @@ from spacerobot.dynamics.regime import regime_of
 from spacerobot.dynamics.terms import Terms, terms_of
 from spacerobot.model.robot import Robot
 from spacerobot.support.errors import InputError
+from spacerobot.support.showing import Brief, html_table
 
 
 def velocity_jump(terms: Terms, direction: np.ndarray) -> np.ndarray:
@@ -64,8 +65,8 @@ def target_mobility(mass: float, inertia: ArrayLike | None = None, lever: ArrayL
     return linear - cross @ np.linalg.solve(matrix, cross)
 
 
-@dataclass(frozen=True, eq=False)
-class Impact:
+@dataclass(frozen=True, eq=False, repr=False)
+class Impact(Brief):
     """What one frictionless impact does.
 
     Attributes:
@@ -92,10 +93,22 @@ class Impact:
     target_linear_jump_m_s: np.ndarray
     target_angular_jump_rad_s: np.ndarray
 
+    def _repr_html_(self) -> str:
+        rows = [
+            ("impulse", self.impulse_Ns, "N s"),
+            ("reduced mass", self.reduced_mass_kg, "kg"),
+            ("approach speed", self.approach_speed_m_s, "m/s"),
+            ("restitution", self.restitution, "1"),
+            ("target's speed changes by", float(np.linalg.norm(self.target_linear_jump_m_s)), "m/s"),
+            ("base's speed changes by", float(np.linalg.norm(self.base_velocity_jump[:3])), "m/s"),
+            ("base's angular velocity changes by", float(np.linalg.norm(self.base_velocity_jump[3:])), "rad/s"),
+        ]
+        return html_table(f"Impact of {self.target_mass_kg:g} kg", rows, ("", "value", "unit"))
+
 
 def impact(
     robot: Robot,
-    configuration: np.ndarray,
+    pose: ArrayLike,
     direction: ArrayLike,
     *,
     approach_speed: float,
@@ -112,7 +125,7 @@ def impact(
 
     Args:
         robot: the robot.
-        configuration: shape (nq,).
+        pose: shape (len(chain),) [rad or m], or the whole configuration, shape (nq,).
         direction: shape (3,), unit vector along the target's approach, world axes.
         approach_speed: relative speed along the direction before [m/s], not negative.
         restitution: e, 0 to 1.
@@ -135,7 +148,7 @@ def impact(
     if joints == "servo":
         raise InputError("servo joints act over time, not in an impact", valid="joints free or locked")
     n = unit_directions(direction)
-    terms = terms_of(robot, configuration, regime_of(robot, base, joints, slider), frame)
+    terms = terms_of(robot, pose, regime_of(robot, base, joints, slider), frame)
     of_target = target_mobility(target_mass, target_inertia, target_lever)
     jump = velocity_jump(terms, n) if len(terms.columns) else np.zeros(0)
     frame_jump = terms.jacobian @ jump if len(jump) else np.zeros(6)

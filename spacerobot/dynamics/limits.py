@@ -17,6 +17,7 @@ from spacerobot.dynamics.regime import regime_of
 from spacerobot.dynamics.terms import terms_of
 from spacerobot.model.robot import Robot
 from spacerobot.support.errors import InputError
+from spacerobot.support.showing import Brief
 
 
 def scaled_base(robot: Robot, factor: float, *, inertia_too: bool = True) -> Robot:
@@ -42,8 +43,8 @@ def scaled_base(robot: Robot, factor: float, *, inertia_too: bool = True) -> Rob
     return replace(robot, model=model)
 
 
-@dataclass(frozen=True, eq=False)
-class WallLimit:
+@dataclass(frozen=True, eq=False, repr=False)
+class WallLimit(Brief):
     """Effective and reduced mass as the base grows.
 
     Attributes:
@@ -61,7 +62,7 @@ class WallLimit:
 
 def wall_limit(
     robot: Robot,
-    configuration: np.ndarray,
+    pose: ArrayLike,
     direction: ArrayLike,
     tip_mass: float,
     factors: Iterable[float],
@@ -74,7 +75,7 @@ def wall_limit(
 
     Args:
         robot: a floating robot.
-        configuration: shape (nq,).
+        pose: shape (len(chain),) [rad or m], or the whole configuration, shape (nq,).
         direction: shape (3,), unit vector in world axes.
         tip_mass: m_w + m_t [kg].
         factors: base scales.
@@ -92,7 +93,7 @@ def wall_limit(
     mobility = []
     for factor in scales:
         heavy = scaled_base(robot, float(factor), inertia_too=inertia_too)
-        terms = terms_of(heavy, configuration, regime_of(heavy, "free", joints), frame)
+        terms = terms_of(heavy, pose, regime_of(heavy, "free", joints), frame)
         mobility.append(along(by_inverse(terms)[:3, :3], n))
     masses = [reduced_mass(g, tip_mass) for g in mobility]
     return WallLimit(scales, np.array(mobility), np.array(masses), tip_mass)

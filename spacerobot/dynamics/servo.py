@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,8 +14,20 @@ from spacerobot.model.robot import Robot
 from spacerobot.support.errors import InputError
 
 
+class HoldsJoints(Protocol):
+    """What holds servo joints, as a scene's `Servo` does: one value for all, or one each, base to tip."""
+
+    @property
+    def stiffness(self) -> Any:
+        """[N m/rad or N/m]."""
+
+    @property
+    def damping(self) -> Any:
+        """[N m s/rad or N s/m]."""
+
+
 @dataclass(frozen=True, eq=False)
-class Servo:
+class HeldJoints:
     """Stiffness and damping of each chain joint.
 
     Attributes:
@@ -31,7 +45,7 @@ class Servo:
         return stiffness, damping
 
 
-def servo_of(robot: Robot, stiffness: ArrayLike | None, damping: ArrayLike | None = None) -> Servo:
+def servo_of(robot: Robot, stiffness: ArrayLike | None, damping: ArrayLike | None = None) -> HeldJoints:
     """One value for all chain joints or one each; no damping if None.
 
     Raises:
@@ -42,10 +56,27 @@ def servo_of(robot: Robot, stiffness: ArrayLike | None, damping: ArrayLike | Non
             "servo joints need a stiffness",
             valid=f"one value, or one for each of {', '.join(robot.chain)} [N m/rad]",
         )
-    return Servo(
+    return HeldJoints(
         _per_joint(robot, stiffness, "servo stiffness"),
         _per_joint(robot, 0.0 if damping is None else damping, "servo damping"),
     )
+
+
+def servo_or_its_numbers(
+    robot: Robot, servo: HoldsJoints | None, stiffness: ArrayLike | None, damping: ArrayLike | None
+) -> HeldJoints:
+    """What holds the joints: `servo`, or the two numbers that said so before there was a word for both.
+
+    Raises:
+        InputError: both are given, or values that no servo has.
+    """
+    if servo is None:
+        if stiffness is not None:
+            warnings.warn("say servo=Servo(stiffness, damping)", DeprecationWarning, stacklevel=3)
+        return servo_of(robot, stiffness, damping)
+    if stiffness is not None or damping is not None:
+        raise InputError("stiffness and damping are the servo's", valid="servo=Servo(stiffness, damping)")
+    return servo_of(robot, servo.stiffness, servo.damping)
 
 
 def _per_joint(robot: Robot, values: ArrayLike, what: str) -> np.ndarray:

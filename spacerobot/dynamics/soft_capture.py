@@ -17,10 +17,11 @@ from spacerobot.dynamics.batch import checked_poses, effective_mass_batch
 from spacerobot.dynamics.hand_pose import hand_aim
 from spacerobot.model.robot import Robot
 from spacerobot.support.errors import InputError
+from spacerobot.support.showing import Brief
 
 
-@dataclass(frozen=True, eq=False)
-class SoftCapture:
+@dataclass(frozen=True, eq=False, repr=False)
+class SoftCapture(Brief):
     """Poses with the hand at one place, from the softest to the hardest.
 
     Attributes:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from spacerobot.dynamics.inertia import joint_space_inertia
 from spacerobot.dynamics.jacobian import frame_jacobian
@@ -32,12 +33,12 @@ class Terms:
     columns: np.ndarray
 
 
-def terms_of(robot: Robot, configuration: np.ndarray, regime: Regime, frame: str | None = None) -> Terms:
+def terms_of(robot: Robot, configuration: ArrayLike, regime: Regime, frame: str | None = None) -> Terms:
     """H and J of the coordinates that `regime` lets move; servo joints count as moving.
 
     Args:
         robot: the robot.
-        configuration: shape (nq,).
+        configuration: shape (nq,), or a pose, shape (len(chain),).
         regime: what may move.
         frame: frame name; the wrist mount if None.
 
@@ -71,15 +72,25 @@ def moving_columns(robot: Robot, regime: Regime) -> tuple[np.ndarray, np.ndarray
     return columns, base, arm, slider
 
 
-def checked_configuration(robot: Robot, configuration: np.ndarray) -> np.ndarray:
-    """The configuration as floats, shape (nq,).
+def checked_configuration(robot: Robot, configuration: ArrayLike) -> np.ndarray:
+    """The configuration as floats, shape (nq,); a pose, shape (len(chain),), is filled up with neutral values.
 
     Raises:
         InputError: wrong length, not finite, or a base attitude that is not a unit quaternion.
     """
-    configuration = np.asarray(configuration, dtype=float)
+    try:
+        configuration = np.asarray(configuration, dtype=float)
+    except (TypeError, ValueError):
+        raise InputError("pose is not a list of numbers", given=configuration) from None
+    n = len(robot.chain)
+    if configuration.shape == (n,) and n != robot.model.nq:
+        configuration = robot.configuration(configuration)
     if configuration.shape != (robot.model.nq,):
-        raise InputError("configuration has the wrong length", given=configuration.shape, valid=f"({robot.model.nq},)")
+        raise InputError(
+            "pose has the wrong length",
+            given=configuration.shape,
+            valid=f"({n},): {', '.join(robot.chain)}; or a whole configuration, ({robot.model.nq},)",
+        )
     if not np.isfinite(configuration).all():
         raise InputError("configuration is not finite", given=configuration.tolist())
     if robot.floating:

@@ -4,21 +4,32 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spacerobot.dynamics.batch import checked_poses, effective_mass_batch
+from spacerobot.dynamics.batch import checked_poses
 from spacerobot.dynamics.hand_pose import hand_aim
+from spacerobot.dynamics.mobility import by_inverse
+from spacerobot.dynamics.operational import along, reciprocal
+from spacerobot.dynamics.regime import Regime, regime_of
+from spacerobot.dynamics.terms import terms_of
 from spacerobot.model.robot import Robot
 from spacerobot.support.errors import InputError
+from spacerobot.support.showing import Brief
+from spacerobot.support.tables import data_frame, data_set
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
 
 MOST = 60_000
 """Points of a grid; more would take minutes."""
 
 
-@dataclass(frozen=True, eq=False)
-class WorkspaceMap:
+@dataclass(frozen=True, eq=False, repr=False)
+class WorkspaceMap(Brief):
     """Effective mass on a grid of hand places.
 
     The poses are those that continuous motion leads to from the reference pose, each found from a neighbour's and drawn
@@ -67,6 +78,35 @@ class WorkspaceMap:
             index = int(self.came_from.flat[index])
         return np.array(way[::-1])
 
+    def to_frame(self) -> pandas.DataFrame:
+        """A row for each place that the hand gets to: x, y, z and the mass there, as a table of pandas.
+
+        Raises:
+            InputError: pandas is not installed.
+        """
+        there = self.reached.ravel()
+        columns = dict(zip("xyz", self.points().reshape(-1, 3)[there].T, strict=True))
+        columns["effective_mass"] = self.effective_mass_kg.ravel()[there]
+        return data_frame(columns, units={"x": "m", "y": "m", "z": "m", "effective_mass": "kg"})
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Mass and poses over x, y and z, as a data set of xarray.
+
+        Raises:
+            InputError: xarray is not installed.
+        """
+        grid = ("x", "y", "z")
+        return data_set(
+            {
+                "effective_mass": (grid, self.effective_mass_kg, "kg"),
+                "pose": ((*grid, "joint"), self.poses, "rad or m"),
+            },
+            {axis: (axis, values, "m") for axis, values in zip(grid, self.axes, strict=True)},
+            base=self.base,
+            joints=self.joints,
+            direction=self.direction,
+        )
+
 
 def workspace_map(
     robot: Robot,
@@ -97,6 +137,8 @@ def workspace_map(
     count = int(np.prod(shape))
     if len(grid) != 3 or not 0 < count <= MOST or not all(np.isfinite(a).all() for a in grid):
         raise InputError("the grid does not fit", given=f"{' x '.join(map(str, shape))} points", valid=f"1 to {MOST}")
+    if joints == "servo":
+        raise InputError("servo joints have no mass without a frequency", valid="joints free or locked")
     reference = checked_poses(robot, pose)[0]
     aim = hand_aim(robot, reference, direction, frame=frame)
     places = np.stack(np.meshgrid(*grid, indexing="ij"), axis=-1).reshape(-1, 3)
@@ -120,8 +162,9 @@ def workspace_map(
                     waiting.append(near)
     masses = np.full(count, np.nan)
     there = ~np.isnan(poses[:, 0])
-    batch = effective_mass_batch(robot, poses[there], aim.in_world, frame=frame, base=base, joints=joints)
-    masses[there] = batch.effective_mass_kg[:, 0]
+    regime = regime_of(robot, base, joints)
+    # one by one: a place takes some 3 ms to reach and 0.2 ms to weigh, and the batch's kernels 14 s to compile once
+    masses[there] = [_mass(robot, pose, regime, frame, aim.in_world) for pose in poses[there]]
     return WorkspaceMap(
         axes=(grid[0], grid[1], grid[2]),
         poses=poses.reshape(*shape, -1),
@@ -132,6 +175,10 @@ def workspace_map(
         base=base or ("free" if robot.floating else "fixed"),
         joints=joints,
     )
+
+
+def _mass(robot: Robot, pose: np.ndarray, regime: Regime, frame: str | None, direction: np.ndarray) -> float:
+    return reciprocal(along(by_inverse(terms_of(robot, pose, regime, frame))[:3, :3], direction))
 
 
 def _neighbours(index: int, shape: tuple[int, ...]) -> list[int]:

@@ -24,6 +24,11 @@ def bundled() -> list[str]:
     return sorted(path.stem for path in resources.folder("urdf").glob("*.urdf"))
 
 
+def robots() -> list[str]:
+    """Every name that `load` knows: bundled robots first, then those of example-robot-data."""
+    return [*bundled(), *examples.names()]
+
+
 def load(
     what: str | Path,
     *,

@@ -41,6 +41,16 @@ class Robot:
     armature: bool = True
     mended: tuple[str, ...] = ()
 
+    def __repr__(self) -> str:
+        wrist = f", wrist at {self.tip}" if self.slider else f", tip {self.tip}"
+        base = "floating" if self.floating else "fixed"
+        return f"Robot({self.name!r}, {len(self.chain)} joints{wrist}, {base} base, {self.mass:.4g} kg)"
+
+    @property
+    def mass(self) -> float:
+        """Mass of everything that moves [kg]."""
+        return float(pin.computeTotalMass(self.model))
+
     def frame_id(self, name: str) -> int:
         """Index of a frame; a link goes before a joint of the same name.
 

@@ -101,9 +101,17 @@ def _mass(trial: Trial) -> float | None:
     return found.pop() if len(found) == 1 else None
 
 
-def draft_study(folder: Path) -> str:
-    """The text of a first study.toml for the recordings in `folder`; see `draft`."""
-    return draft(folder).text()
+def draft_study(folder: str | Path, robot: str | None = None) -> str:
+    """The text of a first study.toml for the recordings in `folder`, as `spacerobot study new` writes it.
+
+    Args:
+        folder: with the recordings, and perhaps a URDF.
+        robot: name of the arm that was logged; the URDF among the files if None.
+
+    Raises:
+        InputError: the folder holds no recordings.
+    """
+    return draft(Path(folder), robot).text()
 
 
 def draft(folder: Path, robot: str | None = None) -> Draft:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,6 +19,11 @@ from spacerobot.recordings.stream import StreamSpec
 from spacerobot.recordings.table import Floats, Options, RawTable
 from spacerobot.recordings.trial import Source, Trial
 from spacerobot.support.errors import InputError, NotFoundError
+from spacerobot.support.tables import data_set, joined
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
 
 EPOCH = 1e8
 """Times beyond this many seconds count from an epoch (1973 and later), not from the start of a recording."""
@@ -38,6 +44,28 @@ class Recording(Mapping[str, Series]):
     series: Mapping[str, Series]
     notes: tuple[str, ...] = ()
     epoch: Mapping[str, float] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        return f"Recording(trial {self.trial.id}: {', '.join(self.series)})"
+
+    def to_frame(self) -> pandas.DataFrame:
+        """Every channel over all times of any, SI; NaN where a channel has no sample, as a table of pandas.
+
+        Raises:
+            InputError: pandas is not installed.
+        """
+        return joined([series.to_frame() for series in self.series.values()])
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Every channel over its own stream's times, `time_STREAM`, with units, as a data set of xarray.
+
+        Raises:
+            InputError: xarray is not installed.
+        """
+        times = {s.stream: f"time_{s.stream}" for s in self.series.values()}
+        coordinates = {times[s.stream]: (times[s.stream], s.time, "s") for s in self.series.values()}
+        variables = {name: (times[s.stream], s.value, s.unit) for name, s in self.series.items()}
+        return data_set(variables, coordinates, trial=self.trial.id)
 
     def __getitem__(self, name: str) -> Series:
         if name not in self.series:

@@ -4,15 +4,21 @@ from __future__ import annotations
 
 import functools
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spacerobot.recordings.table import Floats
+from spacerobot.support.showing import Brief
+from spacerobot.support.tables import data_frame
+
+if TYPE_CHECKING:
+    import pandas
 
 
-@dataclass(frozen=True)
-class Series:
+@dataclass(frozen=True, repr=False)
+class Series(Brief):
     """What one sensor said in one trial.
 
     Attributes:
@@ -49,6 +55,14 @@ class Series:
         if len(self.time) < 2:
             return float("nan")
         return float(1.0 / np.median(np.diff(self.time)))
+
+    def to_frame(self) -> pandas.DataFrame:
+        """The samples over time, SI, as a table of pandas with one column.
+
+        Raises:
+            InputError: pandas is not installed.
+        """
+        return data_frame({self.name: self.value}, index=self.time, name="time", units={self.name: self.unit})
 
     def good(self) -> tuple[Floats, Floats]:
         """Times and values of the valid samples."""

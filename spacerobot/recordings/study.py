@@ -7,6 +7,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from spacerobot.recordings.baseline import Baseline, read_baseline
 from spacerobot.recordings.dataroot import data_root, inside
@@ -14,8 +15,14 @@ from spacerobot.recordings.document import read_document
 from spacerobot.recordings.recording import Recording, load_trial
 from spacerobot.recordings.stream import StreamSpec, read_stream
 from spacerobot.recordings.trial import _GROUPS, _KEYS, Trial, index_file, read_trials
+from spacerobot.recordings.values import kind
 from spacerobot.support.errors import InputError, NotFoundError
 from spacerobot.support.resources import folder
+from spacerobot.support.showing import html_table
+from spacerobot.support.tables import data_frame
+
+if TYPE_CHECKING:
+    import pandas
 
 FORMAT = 1
 _TOP = ("format", "draft", "title", "data", "baseline", "streams", "trials")
@@ -47,6 +54,30 @@ class Study:
     draft_line: str | None = None
     indices: tuple[Path, ...] = ()
     _cache: dict[str, Recording] = field(default_factory=dict, repr=False, compare=False)
+
+    def __repr__(self) -> str:
+        draft = ", a draft" if self.draft else ""
+        return f"Study({self.title!r}, {len(self.trials)} trials, {len(self.channels())} channels{draft})"
+
+    def _repr_html_(self) -> str:
+        sigma = self.baseline.sigma
+        rows = [(name, value, kind(name).unit, sigma.get(name)) for name, value in self.baseline.values.items()]
+        notes = [
+            f"{len(self.trials)} trials in {len(self.conditions())} conditions; channels: {', '.join(self.channels())}",
+            *(["A draft: its author has not finished it."] if self.draft else []),
+        ]
+        return html_table(self.title, rows, ("believed", "value", "unit", "relative sigma"), notes)
+
+    def to_frame(self) -> pandas.DataFrame:
+        """A row for each trial: its condition and every value that it states itself, SI, as a table of pandas.
+
+        Raises:
+            InputError: pandas is not installed.
+        """
+        own = dict.fromkeys(name for trial in self.trials for name in trial.overrides)
+        columns: dict[str, list[object]] = {"condition": [self.condition(t) for t in self.trials]}
+        columns |= {name: [self.value(name, t) for t in self.trials] for name in own}
+        return data_frame(columns, index=[t.id for t in self.trials], name="trial")
 
     @property
     def sigma(self) -> Mapping[str, float]:

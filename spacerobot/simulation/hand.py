@@ -82,8 +82,7 @@ def hand_of(
                 robot,
                 pose,
                 joints="servo",
-                stiffness=stiffness,
-                damping=damping,
+                servo=servo,
                 wrist_stiffness=max(wrist_stiffness, 1e-6),
                 target_mass=target_mass,
                 **options,  # type: ignore[arg-type]

@@ -7,6 +7,12 @@ from dataclasses import dataclass
 
 from spacerobot.theory.restitution import measured
 
+POINT_NOTE = (
+    "restitution at the contact point may exceed 1: the point on the wrist is the slider's tip, which its spring "
+    "drives back at the separation; the energy balance is that of target and hand"
+)
+"""What a reader must know where target and tip part faster than they met."""
+
 
 @dataclass(frozen=True)
 class Speeds:

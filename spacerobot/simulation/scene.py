@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import MISSING, Field, dataclass, field, fields, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pinocchio as pin
 
 from spacerobot.dynamics.direction import unit_directions
 from spacerobot.dynamics.pose_limits import PoseLimitWarning, pose_limit_warnings
@@ -27,6 +28,7 @@ from spacerobot.simulation.parts import ContactLaw, EffectAt, Servo, Target, Wri
 from spacerobot.simulation.parts.checks import number, vector
 from spacerobot.simulation.scene_mechanism import baseline, edited
 from spacerobot.support.errors import InputError, NotFoundError
+from spacerobot.support.showing import brief
 
 BACKENDS = ("reduced", "multibody")
 PA10_POSE = tuple(math.radians(d) for d in (0.0, 45.0, 0.0, 90.0, 0.0, -45.0, 0.0))
@@ -57,6 +59,11 @@ def _default_pose(robot: Robot) -> tuple[float, ...]:
     return tuple(pose)
 
 
+def _is_default(scene: Scene, f: Field[Any]) -> bool:
+    default = f.default_factory() if f.default_factory is not MISSING else f.default
+    return bool(getattr(scene, f.name) == default)
+
+
 @dataclass(frozen=True)
 class Scene:
     """One meeting of wrist and target. SI, world axes; x of every result grows along `approach`.
@@ -70,7 +77,8 @@ class Scene:
             limit nearest to it, if None.
         tip: frame that carries the wrist, of a robot that has none; the arm's tip if None.
         others: positions of joints outside the chain by name (fingers) [rad or m]; they are locked, neutral if absent.
-        approach: unit vector, the target's direction of motion; the wrist is turned to point against it.
+        approach: unit vector, the target's direction of motion; the wrist is turned to point against it. Where none
+            is given the target comes along the hand: against the way in which the wrist points at the pose.
         gravity: acceleration [m/s^2].
         wrist, contact, target: see there.
         servo: what holds servo joints.
@@ -88,7 +96,7 @@ class Scene:
     pose: tuple[float, ...] | None = None
     tip: str | None = None
     others: Mapping[str, float] = field(default_factory=dict)
-    approach: tuple[float, ...] = (1.0, 0.0, 0.0)
+    approach: tuple[float, ...] = ()
     gravity: tuple[float, ...] = (0.0, 0.0, 0.0)
     wrist: Wrist = field(default_factory=Wrist)
     contact: ContactLaw = field(default_factory=ContactLaw)
@@ -113,7 +121,6 @@ class Scene:
                 raise NotFoundError(f"value of {name!r}", str(getattr(self, name)), known, where=name)
         if self.base is not None and self.base not in BASES:
             raise NotFoundError("value of 'base'", str(self.base), BASES, where="base")
-        put("approach", tuple(unit_directions(vector(self.approach, 3, "approach"), where="approach").tolist()))
         put("gravity", vector(self.gravity, 3, "gravity"))
         put("hand_speed", number(self.hand_speed, "hand_speed"))
         put("effects", tuple(self.effects))
@@ -140,11 +147,32 @@ class Scene:
             )
         if self.hand_speed and self.base != "free":
             raise InputError("only a free chaser has a speed of its own", given=self.hand_speed, where="hand_speed")
+        if self.approach is None or (isinstance(self.approach, tuple) and not self.approach):
+            put("approach", self._along_the_hand(loaded))
+        put("approach", tuple(unit_directions(vector(self.approach, 3, "approach"), where="approach").tolist()))
         for text in pose_limit_warnings(loaded, self._start(loaded)):
             warnings.warn(text, PoseLimitWarning, stacklevel=3)
         object.__setattr__(self, "_aimed", self._prepared(loaded))
         self.mechanism()
         self._require_arrival()
+
+    def __repr__(self) -> str:
+        kept = ("robot", "base", "joints", "approach", "backend", "title")
+        changed = [f.name for f in fields(self) if f.name not in kept and not _is_default(self, f)]
+        shown = ", ".join(f"{name}={brief(getattr(self, name))}" for name in (*kept[1:5], *changed))
+        return f"Scene({brief(self.robot)}, {shown})"
+
+    def _along_the_hand(self, robot: Robot) -> tuple[float, ...]:
+        """Against the way in which the robot's own wrist points at the pose; unit vector, world axes."""
+        data = robot.model.createData()
+        pin.framesForwardKinematics(robot.model, data, self._start(robot))
+        against = -data.oMf[robot.frame_id(robot.tip)].rotation[:, 2]
+        return tuple((np.round(against, 9) + 0.0).tolist())
+
+    @property
+    def along_the_hand(self) -> tuple[float, ...]:
+        """The approach of a scene that states none; unit vector, world axes."""
+        return self._along_the_hand(self._loaded())
 
     def _start(self, robot: Robot) -> np.ndarray:
         """The robot's whole configuration at the start, shape (nq,)."""
@@ -178,6 +206,8 @@ class Scene:
         slider = aimed.joint_id(str(aimed.slider))
         body = model.inertias[slider]
         object.__setattr__(self, "_slider_mass", float(body.mass))
+        kept = aimed.model.jointPlacements[slider].isApprox(robot.model.jointPlacements[slider], 1e-6)
+        object.__setattr__(self, "_turned", not kept)
         ratio = self.wrist.mass / body.mass
         model.inertias[slider] = type(body)(self.wrist.mass, body.lever, ratio * body.inertia)
         return replace(aimed, model=model)
@@ -217,7 +247,8 @@ class Scene:
     def notes(self) -> tuple[str, ...]:
         """What a reader should know of how the robot is used, a sentence each."""
         said = []
-        if self.base == "free" or self.joints != "locked":
+        turned: bool = self._turned  # type: ignore[attr-defined]
+        if turned and (self.base == "free" or self.joints != "locked"):
             said.append("the wrist is turned to point against the approach (`mass --aim` turns it alike)")
         own: float = self._slider_mass  # type: ignore[attr-defined]
         if own != self.wrist.mass:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from spacerobot.simulation.multibody.run import integrate_scene
 from spacerobot.simulation.prediction import expected_contact_time
 from spacerobot.simulation.reduced.run import simulate as simulate_reduced
 from spacerobot.simulation.result import of_multibody, of_reduced
+from spacerobot.simulation.room import StartWarning, met_at_start
 from spacerobot.simulation.scene import BACKENDS, Scene
 from spacerobot.simulation.trajectory import Trajectory
 from spacerobot.support.errors import InputError, NotFoundError
@@ -53,6 +55,8 @@ def simulate(
         InputError: a value that cannot be, or a target that never arrives.
         SimulationError: the integration could not be finished.
     """
+    if met := met_at_start(scene):
+        warnings.warn(met, StartWarning, stacklevel=2)
     backend = backend or scene.backend
     if backend not in BACKENDS:
         raise NotFoundError("backend", backend, BACKENDS)

@@ -6,6 +6,7 @@ import io
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,14 +14,20 @@ from spacerobot.simulation import saved
 from spacerobot.simulation.energy import Ledger
 from spacerobot.simulation.events import Event
 from spacerobot.simulation.peaks import UNKNOWN, Peak
-from spacerobot.simulation.restitution import Restitution
+from spacerobot.simulation.restitution import POINT_NOTE, Restitution
 from spacerobot.support.errors import InputError, NotFoundError
 from spacerobot.support.files import atomic
 from spacerobot.support.jsonio import dumps
+from spacerobot.support.showing import Brief, html_table
+from spacerobot.support.tables import data_frame, data_set
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
 
 
-@dataclass(frozen=True, eq=False)
-class Trajectory:
+@dataclass(frozen=True, eq=False, repr=False)
+class Trajectory(Brief):
     """One simulated meeting.
 
     Attributes:
@@ -70,6 +77,39 @@ class Trajectory:
     def angular_momentum(self) -> np.ndarray:
         """About the world's origin, shape (T, 3) [kg m^2/s]; of the multibody backend."""
         return np.column_stack([self["angular_momentum." + a] for a in "xyz"])
+
+    def _repr_html_(self) -> str:
+        r = self.restitution
+        rows = [
+            ("contact time, first touch to last separation", r.contact_time, "s"),
+            ("restitution, target against hand", r.hand, "1"),
+            ("restitution, target alone", r.target, "1"),
+            ("restitution, at the contact point", r.point, "1"),
+            ("touches", r.touches, ""),
+            ("largest contact force", self.peak_force.value, "N"),
+            ("wrist pushed in by", self.peak_deflection.value, "m"),
+            ("energy ledger closes to", self.ledger.closure, "of the initial"),
+        ]
+        title = f"{self.backend}: {float(self.time[-1]):.4g} s, {len(self.channels)} channels"
+        own = (POINT_NOTE,) if r.point > 1.0 else ()
+        return html_table(title, rows, ("", "value", "unit"), (*own, *self.notes))
+
+    def to_frame(self) -> pandas.DataFrame:
+        """The channels over time, as a table of pandas; its attrs have the units.
+
+        Raises:
+            InputError: pandas is not installed.
+        """
+        return data_frame(self.channels, index=self.time, name="time", units={"time": "s", **self.units})
+
+    def to_xarray(self) -> xarray.Dataset:
+        """The channels over time, as a data set of xarray with units.
+
+        Raises:
+            InputError: xarray is not installed.
+        """
+        variables = {name: ("time", values, self.units[name]) for name, values in self.channels.items()}
+        return data_set(variables, {"time": ("time", self.time, "s")}, backend=self.backend)
 
     def save(self, path: str | Path) -> Path:
         """Write a .npz file, whole or not at all; nothing in it is pickled."""

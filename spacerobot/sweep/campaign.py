@@ -59,7 +59,7 @@ def make_part(part: Part) -> dict[str, Any]:
     return write_part(path, engine.columns(first, last), _about(part.job, part.number, first, last))
 
 
-def run_sweep(run: RunFolder, job: Job, plan: Plan, executor: Executor, *, verbose: bool = False) -> dict[str, Any]:
+def make_parts(run: RunFolder, job: Job, plan: Plan, executor: Executor, *, verbose: bool = False) -> dict[str, Any]:
     """Make every part that is not there yet; returns the summary, also written as sweep.json.
 
     Raises:

@@ -61,10 +61,14 @@ def test_the_two_numbers_of_the_readme_s_pose(capsys: pytest.CaptureFixture[str]
     q = ["--q", "0", "45", "0", "90", "0", "-45", "0", "--deg"]
     assert answer(capsys, "mass", "pa10_wrist", *q)["effective_mass_kg"] == pytest.approx(7.841, abs=5e-4)
     turned = answer(capsys, "mass", "pa10_wrist", *q, "--aim")["effective_mass_kg"]
-    hit = answer(capsys, "simulate", "pa10_wrist", *q, "--joints", "free", "--backend", "reduced", "--duration", "0.2")
+    asked = ["simulate", "pa10_wrist", *q, "--joints", "free", "--backend", "reduced", "--duration", "0.2"]
+    hit = answer(capsys, *asked, "--approach", "1", "0", "0")
     assert hit["hand"]["effective_mass_kg"] == pytest.approx(turned, rel=1e-12)
     assert turned == pytest.approx(7.815, abs=5e-4)
     assert any("mass --aim" in n for n in hit["notes"])
+    along = answer(capsys, *asked)  # along the hand nothing is turned, and `mass` has the very mass
+    assert along["hand"]["effective_mass_kg"] == pytest.approx(7.841, abs=5e-4)
+    assert not any("mass --aim" in n for n in along["notes"])
 
 
 WHEEL = """

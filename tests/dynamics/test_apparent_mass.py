@@ -12,6 +12,7 @@ from spacerobot.dynamics.effective_mass import effective_mass
 from spacerobot.dynamics.inertia import joint_space_inertia
 from spacerobot.dynamics.jacobian import frame_jacobian
 from spacerobot.model.library import load
+from spacerobot.simulation.parts import Servo
 from spacerobot.support.errors import InputError
 from tests.dynamics.support import DEFAULT, ROD, directions, poses, robot
 
@@ -31,7 +32,7 @@ def test_the_formula_written_out(name: str) -> None:
         stiffness[model.velocity_index(joint)], damping[model.velocity_index(joint)] = k, d
     omega = np.array([3.0, 60.0, 900.0])
     for n in directions(2):
-        response = apparent_mass(model, q, n, omega, stiffness=K, damping=D)
+        response = apparent_mass(model, q, n, omega, servo=Servo(K, D))
         for w, found in zip(omega, response.mobility, strict=True):
             impedance = -(w**2) * h + 1j * w * np.diag(damping) + np.diag(stiffness)
             assert found == pytest.approx(-(w**2) * n @ j @ np.linalg.solve(impedance, j.T @ n), rel=1e-8)
@@ -42,7 +43,7 @@ def test_fast_forces_meet_free_joints(name: str) -> None:
     """The deviation falls with one over the frequency squared where nothing damps."""
     model = robot(name)
     for n in directions(2):
-        response = apparent_mass(model, model.configuration(DEFAULT), n, [1e6, 1e7], stiffness=K)
+        response = apparent_mass(model, model.configuration(DEFAULT), n, [1e6, 1e7], servo=Servo(K))
         free = effective_mass(model, DEFAULT, n).mobility_per_kg
         assert response.free_mobility == pytest.approx(free, rel=1e-10)
         away = np.abs(response.mobility - free)
@@ -52,7 +53,7 @@ def test_fast_forces_meet_free_joints(name: str) -> None:
 def test_slow_forces_meet_locked_joints_on_a_free_base() -> None:
     model = robot("chaser_pa10_wrist")
     for n in directions(2):
-        response = apparent_mass(model, model.configuration(DEFAULT), n, [1e-1, 1e-2], stiffness=K, damping=D)
+        response = apparent_mass(model, model.configuration(DEFAULT), n, [1e-1, 1e-2], servo=Servo(K, D))
         locked = effective_mass(model, DEFAULT, n, joints="locked").mobility_per_kg
         assert response.locked_mobility == pytest.approx(locked, rel=1e-10)
         assert abs(response.mobility[1] - locked) < 1e-6 * locked
@@ -66,7 +67,7 @@ def test_slow_forces_meet_a_spring_on_a_fixed_base() -> None:
     j = frame_jacobian(model, q)[:3, :7]
     omega = np.array([10.0, 1.0, 0.1])
     for n in directions(3):
-        response = apparent_mass(model, q, n, omega, stiffness=K)
+        response = apparent_mass(model, q, n, omega, servo=Servo(K))
         compliance = float(np.sum((n @ j) ** 2 / K))
         assert response.tip_stiffness == pytest.approx(1.0 / compliance, rel=1e-9)
         relative = np.abs(response.mobility / (-(omega**2) * compliance) - 1.0)
@@ -78,7 +79,7 @@ def test_slow_forces_meet_a_spring_on_a_fixed_base() -> None:
 
 
 def test_damping_turns_the_phase() -> None:
-    response = apparent_mass(robot("pa10"), DEFAULT, X, [1e-3, 1.0], stiffness=0.0, damping=D)
+    response = apparent_mass(robot("pa10"), DEFAULT, X, [1e-3, 1.0], servo=Servo(0.0, D))
     assert response.tip_stiffness == 0.0
     assert response.phase[0] == pytest.approx(-math.pi / 2.0, abs=1e-3)
 
@@ -92,7 +93,7 @@ def test_default_frequency_is_a_mode_of_arm_wrist_and_target(name: str) -> None:
     axis = frame_jacobian(model, q, model.contact)[:3, model.velocity_index(model.slider)]
     n = axis / np.linalg.norm(axis)
     k_w, m_t = 530.0, 9.0
-    m = effective_mass(model, DEFAULT, n, joints="servo", stiffness=K, wrist_stiffness=k_w, target_mass=m_t)
+    m = effective_mass(model, DEFAULT, n, joints="servo", servo=Servo(K), wrist_stiffness=k_w, target_mass=m_t)
     h = joint_space_inertia(model, q)
     row = n @ frame_jacobian(model, q, model.contact)[:3]
     springs = np.zeros(model.model.nv)
@@ -107,8 +108,8 @@ def test_default_frequency_is_a_mode_of_arm_wrist_and_target(name: str) -> None:
 
 
 def test_a_given_frequency_is_said_and_used() -> None:
-    m = effective_mass(robot("pa10"), DEFAULT, X, joints="servo", stiffness=K, damping=D, omega=50.0)
-    response = apparent_mass(robot("pa10"), DEFAULT, X, 50.0, stiffness=K, damping=D)
+    m = effective_mass(robot("pa10"), DEFAULT, X, joints="servo", servo=Servo(K, D), omega=50.0)
+    response = apparent_mass(robot("pa10"), DEFAULT, X, 50.0, servo=Servo(K, D))
     assert m.effective_mass_kg == pytest.approx(response.magnitude[0], rel=1e-10)
     assert m.phase_rad == pytest.approx(response.phase[0], rel=1e-10)
     assert m.apparent_mass_kg == pytest.approx(response.mass[0], rel=1e-10)
@@ -117,10 +118,10 @@ def test_a_given_frequency_is_said_and_used() -> None:
 
 
 def test_a_singular_direction_stays_infinite() -> None:
-    m = effective_mass(robot("pa10"), np.zeros(7), [0.0, 0.0, 1.0], joints="servo", stiffness=K, omega=5.0)
+    m = effective_mass(robot("pa10"), np.zeros(7), [0.0, 0.0, 1.0], joints="servo", servo=Servo(K), omega=5.0)
     assert math.isinf(m.effective_mass_kg)
     assert any("infinite" in note for note in m.notes)
-    response = apparent_mass(robot("pa10"), np.zeros(7), [0.0, 0.0, 1.0], 5.0, stiffness=K)
+    response = apparent_mass(robot("pa10"), np.zeros(7), [0.0, 0.0, 1.0], 5.0, servo=Servo(K))
     assert math.isinf(response.magnitude[0])
 
 
@@ -128,10 +129,10 @@ def test_a_singular_direction_stays_infinite() -> None:
 def test_many_poses_are_as_one(name: str) -> None:
     model = robot(name)
     q, n = poses(model, 4), directions(3)
-    batch = apparent_mass_batch(model, q, n, 40.0, stiffness=K, damping=D)
+    batch = apparent_mass_batch(model, q, n, 40.0, servo=Servo(K, D))
     for pose, values, sizes, angles in zip(q, batch.mobility, batch.magnitude, batch.phase, strict=True):
         for direction, value, size, angle in zip(n, values, sizes, angles, strict=True):
-            one = apparent_mass(model, model.configuration(pose), direction, 40.0, stiffness=K, damping=D)
+            one = apparent_mass(model, model.configuration(pose), direction, 40.0, servo=Servo(K, D))
             assert value == pytest.approx(one.mobility[0], rel=1e-9)
             assert size == pytest.approx(one.magnitude[0], rel=1e-9)
             assert angle == pytest.approx(one.phase[0], abs=1e-9)
@@ -139,20 +140,20 @@ def test_many_poses_are_as_one(name: str) -> None:
 
 def test_many_poses_singular_or_resonant() -> None:
     arm = robot("pa10")
-    stretched = apparent_mass_batch(arm, [np.zeros(7), np.full(7, 0.3)], np.eye(3), 5.0, stiffness=K)
+    stretched = apparent_mass_batch(arm, [np.zeros(7), np.full(7, 0.3)], np.eye(3), 5.0, servo=Servo(K))
     assert np.isinf(stretched.magnitude[0, 2])
     assert np.isfinite(stretched.magnitude[1]).all()
     rod = load(ROD, tip="tip")
     with pytest.raises(InputError, match="pose 0"):
-        apparent_mass_batch(rod, [[0.3]], X, 10.0, stiffness=18.0)
+        apparent_mass_batch(rod, [[0.3]], X, 10.0, servo=Servo(18.0))
     with pytest.raises(InputError, match="positive"):
-        apparent_mass_batch(rod, [[0.3]], X, 0.0, stiffness=18.0)
+        apparent_mass_batch(rod, [[0.3]], X, 0.0, servo=Servo(18.0))
 
 
 def test_an_undamped_resonance_is_an_error() -> None:
     rod = load(ROD, tip="tip")
     with pytest.raises(InputError, match="resonance"):
-        apparent_mass(rod, [0.0], [0.0, 1.0, 0.0], 10.0, stiffness=18.0)
+        apparent_mass(rod, [0.0], [0.0, 1.0, 0.0], 10.0, servo=Servo(18.0))
 
 
 def test_contact_frequency_gives_up_honestly() -> None:

@@ -19,6 +19,7 @@ from spacerobot.simulation.simulate import default_duration, simulate
 from spacerobot.support.errors import InputError
 
 FALLING = Scene(
+    approach=(1.0, 0.0, 0.0),
     wrist=Wrist(stiffness=2000.0, damping=150.0),
     contact=ContactLaw(damping=100.0),
     target=Target(mass=9.0, speed=0.0, gap=0.02),

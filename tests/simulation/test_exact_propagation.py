@@ -24,7 +24,7 @@ SCENES = {
     "adhesion": Scene(wrist=DAMPED, contact=ContactLaw(adhesion=2.0)),
     "bilateral": Scene(wrist=DAMPED, contact=ContactLaw(damping=60.0, bilateral=True)),
     "wrist in motion": Scene(wrist=Wrist(deflection=0.002, deflection_rate=0.01), target=Target(gap=0.03)),
-    "gravity": Scene(gravity=(0.2, 0.0, 0.0), duration=0.8),
+    "gravity": Scene(approach=(1.0, 0.0, 0.0), gravity=(0.2, 0.0, 0.0), duration=0.8),
     "servo": Scene(joints="servo", servo=Servo(stiffness=4000.0, damping=40.0), wrist=DAMPED),
     "slosh": Scene(wrist=DAMPED).with_effects(
         EffectAt("hidden_oscillator", "target", {"mass_kg": 2.0, "frequency_Hz": 3.0, "damping_ratio": 0.05})

@@ -114,6 +114,7 @@ def test_what_sticks_does_not_slip() -> None:
 
 GRAVITY, MASS, MU = 0.4, 6.0, 0.3
 BLOCK = Scene(
+    approach=(1.0, 0.0, 0.0),
     wrist=Wrist(stiffness=2e4, damping=200.0),
     contact=ContactLaw(stiffness=5e4, damping=300.0, mu=MU),
     target=Target(mass=MASS, speed=0.01),

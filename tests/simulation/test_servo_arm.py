@@ -75,7 +75,12 @@ def test_servos_stand_still_under_gravity_until_they_are_touched(gravity: tuple[
     """Payload and all; the wrist starts where its own weight puts it."""
     wrist = Wrist(stiffness=1020.0, damping=2.0, deflection=1.7 * gravity[0] / 1020.0)
     scene = Scene(
-        joints="servo", servo=Servo(1e3, 5.0), gravity=gravity, wrist=wrist, target=Target(gap=0.05, speed=0.2)
+        approach=(1.0, 0.0, 0.0),
+        joints="servo",
+        servo=Servo(1e3, 5.0),
+        gravity=gravity,
+        wrist=wrist,
+        target=Target(gap=0.05, speed=0.2),
     )
     scene = scene.with_effects(EffectAt("payload", "wrist", {"mass_kg": 1.0}))
     found = simulate(scene, duration=0.3, tolerance=1e-11)

@@ -40,6 +40,7 @@ def scenes(draw: st.DrawFn) -> Scene:
     along = 0.0 if joints == "free" and not free else draw(st.sampled_from(pulls))
     scene = Scene(
         "chaser_pa10_wrist" if free else "pa10_wrist",
+        approach=(1.0, 0.0, 0.0),
         joints=joints,
         servo=Servo(10.0 ** draw(st.floats(2.5, 4.5)), draw(st.floats(0.5, 50.0))) if joints == "servo" else None,
         gravity=(along, across, 0.2 if off == "gravity" else 0.0),

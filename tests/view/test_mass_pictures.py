@@ -12,6 +12,7 @@ import pytest
 from spacerobot.cli.main import main
 from spacerobot.dynamics.effective_mass import effective_mass
 from spacerobot.model.library import load
+from spacerobot.simulation.parts import Servo
 from spacerobot.view.mass.choose import mass_film
 from spacerobot.view.mass.films import map_film, path_film
 from spacerobot.view.mass.frequency_figure import responses, ringing
@@ -37,13 +38,13 @@ def test_a_path_has_the_mass_of_its_poses() -> None:
 
 
 def test_servos_let_go_at_high_frequency_and_hold_at_low() -> None:
-    found = responses(load("pa10_wrist"), POSE, X, stiffness=3e3, damping=5.0)
+    found = responses(load("pa10_wrist"), POSE, X, servo=Servo(3e3, 5.0))
     for response in found.values():
         assert response.magnitude[-1] == pytest.approx(1.0 / response.free_mobility, rel=0.02)
     floating, fixed = found["floating"], found["fixed"]
     assert floating.magnitude[0] == pytest.approx(1.0 / floating.locked_mobility, rel=0.02)
     assert abs(fixed.phase[0]) == pytest.approx(math.pi, abs=0.05), "a held arm on the ground is a spring"
-    stiff = responses(load("pa10_wrist"), POSE, X, stiffness=1e7, damping=5e3)["fixed"]
+    stiff = responses(load("pa10_wrist"), POSE, X, servo=Servo(1e7, 5e3))["fixed"]
     assert ringing(stiff, 530.0, 9.7) == pytest.approx(math.sqrt(530.0 / 9.7) / (2.0 * math.pi), rel=1e-3)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import ClassVar, Self
+from typing import TYPE_CHECKING, ClassVar, Self
 
 import numpy as np
 
@@ -12,10 +12,16 @@ from spacerobot.recordings.series import Series
 from spacerobot.recordings.study import Study
 from spacerobot.recordings.trial import Trial
 from spacerobot.recordings.values import kind
+from spacerobot.support.errors import NotFoundError
+from spacerobot.support.showing import Brief
+from spacerobot.support.tables import data_frame
+
+if TYPE_CHECKING:
+    import pandas
 
 
-@dataclass(frozen=True, eq=False)
-class ChannelOverlay:
+@dataclass(frozen=True, eq=False, repr=False)
+class ChannelOverlay(Brief):
     """One channel of one trial, measured and simulated. T samples, SI.
 
     Attributes:
@@ -44,9 +50,20 @@ class ChannelOverlay:
         """Predicted minus measured, shape (T,)."""
         return self.simulated - self.measured
 
+    def to_frame(self) -> pandas.DataFrame:
+        """Measured, simulated and residual over time, SI, as a table of pandas.
 
-@dataclass(frozen=True, eq=False)
-class TrialOverlay:
+        Raises:
+            InputError: pandas is not installed.
+        """
+        columns = {"measured": self.measured, "simulated": self.simulated, "residual": self.residual}
+        return data_frame(
+            columns, index=self.time, name="time", units={"time": "s", **dict.fromkeys(columns, self.unit)}
+        )
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class TrialOverlay(Brief):
     """One trial, measured and simulated.
 
     Attributes:
@@ -59,6 +76,17 @@ class TrialOverlay:
     condition: str
     channels: tuple[ChannelOverlay, ...]
     touches: tuple[float, ...] = ()
+
+    def __getitem__(self, channel: str) -> ChannelOverlay:
+        """The channel of this name.
+
+        Raises:
+            NotFoundError: the baseline does not predict it.
+        """
+        for found in self.channels:
+            if found.channel == channel:
+                return found
+        raise NotFoundError("channel", channel, (c.channel for c in self.channels), where=f"trial {self.id}")
 
 
 @dataclass(frozen=True)

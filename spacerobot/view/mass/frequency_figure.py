@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from numpy.typing import ArrayLike
 
 from spacerobot.dynamics.apparent_mass import ApparentMass, apparent_mass
 from spacerobot.dynamics.contact_frequency import contact_frequency
+from spacerobot.dynamics.direction import unit_directions
+from spacerobot.dynamics.servo import HoldsJoints
 from spacerobot.model.robot import Robot
 from spacerobot.model.spacecraft import float_base
 from spacerobot.support.errors import InputError
@@ -20,24 +22,22 @@ HERTZ = (0.1, 300.0)
 """Range of the figure."""
 
 
-def responses(
-    robot: Robot, pose: np.ndarray, direction: np.ndarray, *, stiffness: Any, damping: Any
-) -> dict[str, ApparentMass]:
+def responses(robot: Robot, pose: ArrayLike, direction: ArrayLike, *, servo: HoldsJoints) -> dict[str, ApparentMass]:
     """The response with the base fixed and floating, by these words.
 
     Args:
         robot: one with a fixed base is put on the default spacecraft for the second.
         pose: shape (len(chain),) [rad or m].
         direction: shape (3,), unit vector in world axes.
-        stiffness: of the servos [N m/rad], one or one for each joint.
-        damping: alike [N m s/rad].
+        servo: what holds the joints.
     """
+    pose = np.asarray(pose, dtype=float)
+    direction = unit_directions(direction)
     omega = 2.0 * np.pi * np.geomspace(*HERTZ, 481)
     floating = robot if robot.floating else float_base(robot)
-    servo = {"stiffness": stiffness, "damping": damping}
     return {
-        "fixed": apparent_mass(robot, robot.configuration(pose), direction, omega, base="fixed", **servo),
-        "floating": apparent_mass(floating, floating.configuration(pose), direction, omega, base="free", **servo),
+        "fixed": apparent_mass(robot, pose, direction, omega, base="fixed", servo=servo),
+        "floating": apparent_mass(floating, pose, direction, omega, base="free", servo=servo),
     }
 
 

@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
+from numpy.typing import ArrayLike
 
+from spacerobot.dynamics.direction import unit_directions
 from spacerobot.dynamics.hand_pose import hand_aim
 from spacerobot.dynamics.workspace import WorkspaceMap, workspace_map
 from spacerobot.model.robot import Robot
@@ -18,8 +20,8 @@ FINE = 60
 
 def slice_map(
     robot: Robot,
-    pose: np.ndarray,
-    direction: np.ndarray,
+    pose: ArrayLike,
+    direction: ArrayLike,
     *,
     base: str | None = None,
     joints: str = "free",
@@ -35,6 +37,8 @@ def slice_map(
         joints: "free" or "locked".
         fine: points across.
     """
+    pose = np.asarray(pose, dtype=float)
+    direction = unit_directions(direction)
     middle, reach = reach_of(robot)
     place = hand_aim(robot, pose, direction).place
     right = right_axis(direction)
@@ -49,7 +53,7 @@ def slice_map(
     return workspace_map(robot, pose, direction, axes=(axes[0], axes[1], axes[2]), base=base, joints=joints)
 
 
-def map_figure(robot: Robot, pose: np.ndarray, maps: dict[str, WorkspaceMap]) -> Figure:
+def map_figure(robot: Robot, pose: ArrayLike, maps: dict[str, WorkspaceMap]) -> Figure:
     """Maps of one plane beside one another, in one colour scale, the arm drawn over them.
 
     Args:
@@ -57,6 +61,7 @@ def map_figure(robot: Robot, pose: np.ndarray, maps: dict[str, WorkspaceMap]) ->
         pose: shape (len(chain),), the reference pose [rad or m].
         maps: by their titles.
     """
+    pose = np.asarray(pose, dtype=float)
     first = next(iter(maps.values()))
     right = right_axis(first.direction)
     finite = np.concatenate([m.effective_mass_kg[np.isfinite(m.effective_mass_kg)] for m in maps.values()])

@@ -4,17 +4,23 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from importlib.resources import files
+from pathlib import Path
 
 import numpy as np
 from jinja2 import Environment, StrictUndefined
 from matplotlib.figure import Figure
+from numpy.typing import ArrayLike
 
 from spacerobot import __version__
-from spacerobot.dynamics.batch import effective_mass_batch
+from spacerobot.dynamics.batch import checked_poses, effective_mass_batch
+from spacerobot.dynamics.direction import unit_directions
 from spacerobot.dynamics.soft_capture import SoftCapture, soft_capture
 from spacerobot.dynamics.workspace import WorkspaceMap
 from spacerobot.model.robot import Robot
 from spacerobot.model.spacecraft import float_base
+from spacerobot.simulation.parts import Servo
+from spacerobot.support.jsonio import plain
+from spacerobot.support.runs import RunFolder, combined_hash
 from spacerobot.view.mass.frequency_figure import frequency_figure, responses, ringing
 from spacerobot.view.mass.map_figure import map_figure, slice_map
 from spacerobot.view.mass.path_figure import path_figure, straight
@@ -63,7 +69,7 @@ def figures_of(asked: MassQuestion) -> tuple[dict[str, Figure], dict[str, float 
     softest = fixed.poses.reshape(-1, len(pose))[fixed.extreme(heaviest=False)]
     end = softest if asked.end is None else asked.end
     way = straight(pose, end) if asked.end is not None or not np.allclose(pose, end) else np.array([pose, pose])
-    found = responses(robot, pose, n, stiffness=asked.servo_stiffness, damping=asked.servo_damping)
+    found = responses(robot, pose, n, servo=Servo(asked.servo_stiffness, asked.servo_damping))
     soft = soft_capture(
         robot,
         pose,
@@ -81,6 +87,60 @@ def figures_of(asked: MassQuestion) -> tuple[dict[str, Figure], dict[str, float 
     numbers = _numbers(asked, floating, fixed, soft)
     numbers["ringing_Hz"] = ringing(found["fixed"], asked.wrist_stiffness, asked.target_mass)
     return figures, numbers
+
+
+def mass_pictures(
+    robot: Robot,
+    pose: ArrayLike,
+    direction: ArrayLike,
+    out: str | Path,
+    *,
+    end: ArrayLike | None = None,
+    servo: Servo | None = None,
+    target_mass: float = 9.7,
+    wrist_stiffness: float = 530.0,
+    speed: float = 0.1,
+    overwrite: bool = False,
+) -> Path:
+    """Write what `spacerobot mass --pictures` shows: mass.html and its pictures.
+
+    Args:
+        robot: the robot.
+        pose: shape (len(chain),) [rad or m].
+        direction: shape (3,), unit vector in world axes.
+        out: the folder.
+        end: shape (len(chain),), where a path ends; the softest place of the map if None.
+        servo: what holds the joints; 1e5 N m/rad and 50 N m s/rad if None.
+        target_mass: target and slider [kg].
+        wrist_stiffness: [N/m].
+        speed: of approach [m/s].
+        overwrite: replace another run that is there.
+
+    Returns:
+        the page.
+
+    Raises:
+        InputError: the folder holds something else, or a value that cannot be.
+    """
+    held = servo or Servo(**WIRED)
+    asked = MassQuestion(
+        robot,
+        checked_poses(robot, pose)[0],
+        unit_directions(direction),
+        None if end is None else checked_poses(robot, end)[0],
+        held.stiffness,
+        held.damping,
+        target_mass,
+        wrist_stiffness,
+        speed,
+    )
+    key = combined_hash("mass pictures", robot.urdf, plain([v for k, v in vars(asked).items() if k != "robot"]))
+    with RunFolder(out, "mass", key, overwrite=overwrite) as folder:
+        if not folder.finished:
+            for name, content in mass_files(asked).items():
+                folder.write(name, content)
+            folder.finish()
+        return folder.folder / "mass.html"
 
 
 def mass_files(asked: MassQuestion) -> dict[str, str | bytes]:

@@ -6,8 +6,10 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from numpy.typing import ArrayLike
 
 from spacerobot.dynamics.batch import effective_mass_batch, mobility_batch
+from spacerobot.dynamics.direction import unit_directions
 from spacerobot.model.robot import Robot
 from spacerobot.model.spacecraft import float_base
 from spacerobot.view.mass.side import chain_points, draw_ellipsoid, draw_robot, plain_log, right_axis
@@ -19,15 +21,19 @@ SHOWN = 4
 _COLOURS = (BLUE, GREEN, ORANGE, PURPLE)
 
 
-def path_figure(robot: Robot, poses: np.ndarray, direction: np.ndarray) -> Figure:
+def path_figure(robot: Robot, poses: ArrayLike, direction: ArrayLike) -> Figure:
     """Arm and ellipsoids at a few poses; the effective mass at all of them.
 
     Args:
         robot: with a fixed base, or floating.
-        poses: shape (N, len(chain)), N > 1 [rad or m].
+        poses: shape (N, len(chain)), N > 1 [rad or m]; two are joined by a straight path.
         direction: shape (3,), unit vector in world axes.
     """
-    right = right_axis(direction)
+    n = unit_directions(direction)
+    right = right_axis(n)
+    poses = np.asarray(poses, dtype=float)
+    if len(poses) == 2:
+        poses = straight(*poses)
     with style():
         figure = canvas(11.0, 4.6)
         side, curve = figure.subplots(1, 2, width_ratios=(1.15, 1.0))
@@ -46,13 +52,13 @@ def path_figure(robot: Robot, poses: np.ndarray, direction: np.ndarray) -> Figur
         side.set(xlabel=f"{'xy'[right]} [m]", ylabel="z [m]")
         side.set_title(f"M(n) n: 10 cm are {0.1 / scale:.2g} kg, cut at {cut:.2g} kg", loc="left")
         along = np.linspace(0.0, 100.0, len(poses))
-        for name, mass, colour, dash in masses_along(robot, poses, direction):
+        for name, mass, colour, dash in masses_along(robot, poses, n):
             curve.plot(along, mass, color=colour, linestyle=dash, label=name)
         for k, index in enumerate(chosen):
             curve.axvline(along[index], color=_COLOURS[k], linewidth=5, alpha=0.25)
         curve.set(xlabel="along the path [%]", ylabel="effective mass [kg]", yscale="log")
         plain_log(curve.yaxis)
-        curve.set_title(f"along ({', '.join(f'{x:.2g}' for x in direction)})", loc="left")
+        curve.set_title(f"along ({', '.join(f'{x:.2g}' for x in n)})", loc="left")
         curve.legend()
         return figure
 

@@ -7,7 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 from matplotlib.figure import Figure
+from numpy.typing import ArrayLike
 
+from spacerobot.dynamics.direction import unit_directions
 from spacerobot.dynamics.effective_mass import effective_mass
 from spacerobot.dynamics.hand_pose import chain_limits
 from spacerobot.model.robot import Robot
@@ -20,7 +22,7 @@ from spacerobot.view.notebook.explorer import Explorer, Slide
 from spacerobot.view.plotting import BLUE, canvas, style
 
 
-def mass_explorer(robot: Robot, pose: np.ndarray, direction: np.ndarray, *, joints: str = "free") -> Explorer:
+def mass_explorer(robot: Robot, pose: ArrayLike, direction: ArrayLike, *, joints: str = "free") -> Explorer:
     """A slider for each joint; arm, belted ellipsoid and effective mass follow.
 
     Args:
@@ -29,6 +31,8 @@ def mass_explorer(robot: Robot, pose: np.ndarray, direction: np.ndarray, *, join
         direction: shape (3,), unit vector in world axes.
         joints: "free" or "locked".
     """
+    pose = np.asarray(pose, dtype=float)
+    direction = unit_directions(direction)
     low, high = chain_limits(robot)
     low, high = np.maximum(low, -math.pi), np.minimum(high, math.pi)
     slides = {

@@ -7,7 +7,14 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
+from spacerobot.diagnosis.forward.base import TrialOverlay
+from spacerobot.model.robot import Robot
+from spacerobot.recordings.study import Study
+from spacerobot.simulation.scene import Scene
+from spacerobot.simulation.trajectory import Trajectory
+from spacerobot.view.overlay.figures import trial_figure
 from spacerobot.view.plotting import png
+from spacerobot.view.scene3d.choose import film
 from spacerobot.view.scene3d.film import Film
 from spacerobot.view.scene3d.page import page
 
@@ -39,14 +46,21 @@ class Shown:
         return found
 
 
-def show(what: Figure | Film, *, title: str = "", height: int = 520) -> Shown:
-    """A figure or a film to end a cell with.
+def show(
+    what: Figure | Film | Robot | Scene | Trajectory | Study | TrialOverlay, *, title: str = "", height: int = 520
+) -> Shown:
+    """A picture or a scene to end a cell with.
 
     Args:
-        what: a figure of this package, or a film (its whole page goes into the notebook's output, 1 to 4 MB).
+        what: a figure of this package; a trial of an overlay; or a film, or what one can be made of: a robot, a scene,
+            a trajectory, a study (its whole page goes into the notebook's output, 1 to 4 MB).
         title: for those who cannot see it; a film brings its own.
         height: of a film's frame [px].
     """
+    if isinstance(what, TrialOverlay):
+        return Shown(png(trial_figure(what)), title=title or f"trial {what.id}, simulated and recorded")
+    if isinstance(what, Robot | Scene | Trajectory | Study):
+        what = film(what)
     if isinstance(what, Film):
         return Shown(None, page(what), height, title or what.description)
     return Shown(png(what), title=title)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from spacerobot.dynamics.apparent_mass import ApparentMass, apparent_mass
 from spacerobot.dynamics.contact_frequency import contact_frequency
 from spacerobot.model.library import load
+from spacerobot.simulation.parts import Servo
 from spacerobot.theory import coulomb_slider, frequencies, reduction, response, restitution, table1
 from spacerobot.theory.equations_of_motion import ThreeMasses
 from spacerobot.theory.exact import solve
@@ -160,13 +161,13 @@ def servo_check() -> ServoCheck:
     """Servo-held joints on the ground: 1/m_app -> 0 and m~ -> m_w + m_t as they stiffen, at 530 N/m and 9 kg."""
     spring, lumped = table1.SPRINGS[0], table1.WRIST_MASS + table1.TARGET_MASSES[0]
     robot, pose_deg = load("pa10_wrist"), (0.0, 45.0, 0.0, 90.0, 0.0, -45.0, 0.0)
-    configuration = robot.configuration(np.radians(pose_deg))
+    pose = np.radians(pose_deg)
     stiffness = np.logspace(4.0, 8.0, 33)
     tip, mobility, expected = [], [], []
     for k in stiffness:
 
         def response(omega: float, k: float = float(k)) -> ApparentMass:
-            return apparent_mass(robot, configuration, (1.0, 0.0, 0.0), omega, stiffness=k, base="fixed")
+            return apparent_mass(robot, pose, (1.0, 0.0, 0.0), omega, servo=Servo(k), base="fixed")
 
         def at(omega: float, response: Callable[[float], ApparentMass] = response) -> complex:
             return complex(response(omega).mobility[0])

@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from spacerobot.diagnosis.result import Diagnosis
 from spacerobot.view import plotting
-from spacerobot.view.report.evidence import Evidence, Surface, Trace
+from spacerobot.view.report.evidence import Evidence, Surface, Trace, read_evidence
 from spacerobot.view.report.words import effects_phrase, finite, unit_text
 
 
@@ -19,6 +20,15 @@ def figures(verdict: Mapping[str, Any], evidence: Evidence) -> dict[str, Figure]
     """Name of the file, without its ending -> figure; only those for which there is something to show."""
     drawn = {name: draw() for name, draw in drawings(verdict, evidence).items()}
     return {name: figure for name, figure in drawn.items() if figure is not None}
+
+
+def report_figures(diagnosis: Diagnosis) -> dict[str, Figure]:
+    """The pictures of a diagnosis's report: held-out data, located residuals, rivals.
+
+    Returns:
+        name -> figure; only those for which there is something to show.
+    """
+    return figures(dict(diagnosis.verdict), read_evidence(dict(diagnosis.evidence)))
 
 
 def drawings(verdict: Mapping[str, Any], evidence: Evidence) -> dict[str, Callable[[], Figure | None]]:

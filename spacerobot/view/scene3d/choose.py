@@ -6,9 +6,12 @@ import tomllib
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from spacerobot.model.library import load
-from spacerobot.recordings.study import bundled_studies, load_study
+from spacerobot.model.robot import Robot
+from spacerobot.recordings.study import Study, bundled_studies, load_study
+from spacerobot.simulation.scene import Scene
 from spacerobot.simulation.scene_file import read_scene
 from spacerobot.simulation.simulate import simulate
 from spacerobot.simulation.trajectory import Trajectory
@@ -18,6 +21,43 @@ from spacerobot.view.scene3d.robot_film import robot_film
 from spacerobot.view.scene3d.study_film import study_film
 from spacerobot.view.scene3d.trajectory_film import trajectory_film
 from spacerobot.view.scene3d.verdict_film import verdict_film
+
+
+def film(
+    what: str | Path | Robot | Scene | Trajectory | Study | tuple[Trajectory, Scene],
+    *,
+    trial: str | None = None,
+    pose: ArrayLike | None = None,
+) -> Film:
+    """What `spacerobot view` shows, of a thing or of its name; `show` and `write_page` take it from there.
+
+    Args:
+        what: a robot, a scene (it is simulated), a trajectory (with its scene, or it is read from the trajectory's own
+            text), a study; or whatever `spacerobot view` takes: a name or a path.
+        trial: of a study; the first if None.
+        pose: of a robot, shape (len(chain),) [rad or m].
+
+    Raises:
+        InputError: it is none of these, or an option does not go with it.
+    """
+    if isinstance(what, str | Path):
+        given = None if pose is None else np.asarray(pose, dtype=float).tolist()
+        return film_of(str(what), trial=trial, pose=given)
+    for option, value, kind in (("trial", trial, Study), ("pose", pose, Robot)):
+        if value is not None and not isinstance(what, kind):
+            raise InputError(f"goes with a {kind.__name__}", given=type(what).__name__, where=option)
+    if isinstance(what, Robot):
+        return robot_film(what, None if pose is None else np.asarray(pose, dtype=float))
+    if isinstance(what, Study):
+        return study_film(what, trial)
+    if isinstance(what, Scene):
+        return trajectory_film(simulate(what), what)
+    if isinstance(what, Trajectory):
+        return trajectory_film(what)
+    if isinstance(what, tuple) and len(what) == 2:
+        return trajectory_film(*what)
+    valid = "a robot, scene, trajectory or study, or its name"
+    raise InputError("no film can be made of this", given=type(what).__name__, valid=valid)
 
 
 def film_of(what: str, *, trial: str | None = None, data: str | None = None, pose: list[float] | None = None) -> Film:

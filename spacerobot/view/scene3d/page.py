@@ -17,11 +17,18 @@ from markupsafe import Markup
 
 from spacerobot import __version__
 from spacerobot.support.errors import SpacerobotError
+from spacerobot.support.files import write_text
 from spacerobot.support.jsonio import plain
 from spacerobot.view.scene3d.film import Film, Readout
 from spacerobot.view.scene3d.messages import messages, path_of
 
 _SCRIPTS = ("stage.js", "mass.js", "player.js")
+
+
+def write_page(film: Film, path: str | Path) -> Path:
+    """Write a film as one HTML file that opens offline, whole or not at all; returns its path."""
+    write_text(Path(path), page(film))
+    return Path(path)
 
 
 def page(film: Film) -> str:

@@ -5,12 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from spacerobot.model.target import TargetSpec, target_body
+from spacerobot.simulation.parts.target import TARGET_EDGE as EDGE
+from spacerobot.simulation.room import cube_centre
 from spacerobot.view.scene3d.film import Array, Body, Look, Piece
 from spacerobot.view.scene3d.robot_body import urdf_pieces
 from spacerobot.view.scene3d.solids import Solid, cylinder
-
-EDGE = 0.30
-"""Edge of the drawn bus [m]; no scene says how large its target is."""
 
 _PROBE = Look((0.55, 0.57, 0.6), metal=0.8, rough=0.35)
 _PUCK = Look((0.2, 0.22, 0.26), metal=0.5, rough=0.4)
@@ -25,8 +24,7 @@ def target_pieces(point: Array, *, panels: bool) -> tuple[Piece, ...]:
         panels: with solar panels (a satellite), or without (a body on an air bed).
     """
     spec = TargetSpec(panels=panels, size=(EDGE, EDGE, EDGE))
-    shift = np.array([min(0.0, point[0] - EDGE / 2.0), 0.0, 0.0])
-    shift[1:] = np.sign(point[1:]) * np.maximum(np.abs(point[1:]) - EDGE / 2.0, 0.0)
+    shift = cube_centre(point)
     place = np.eye(4)
     place[:3, 3] = shift
     pieces = [
