@@ -30,6 +30,7 @@ from spacerobot.diagnosis.next_experiment import next_experiment
 from spacerobot.diagnosis.not_predicted import not_predicted
 from spacerobot.diagnosis.pool import Pool
 from spacerobot.diagnosis.result import Diagnosis
+from spacerobot.diagnosis.rig_model import ABSORBING
 from spacerobot.diagnosis.scene_out import scene_of
 from spacerobot.diagnosis.verdict import labels_of, verdict_dict
 from spacerobot.diagnosis.workshop import Workshop
@@ -137,6 +138,8 @@ def diagnose(
         next_experiment=further,
         profiled=profiled,
     )
+    verdict["exact"] = ev.exact(study, judgement.chosen)
+    verdict["moved"] = ev.moved(judgement.chosen, ABSORBING)
     verdict["not_predicted"] = not_predicted(study, {c for t in workshop.trials for c in t.channels})
     verdict["why"] = [*why_not(checks), *_not_shown(decided.withdrawn)]
     shown_before = held.before.residuals if held else {k: t.residual for k, t in base.trials.items()}
@@ -152,7 +155,6 @@ def diagnose(
         "formulas": ev.formulas(labels_of(judgement)),
         "checks": checks,
         "timing": {"seconds": verdict["seconds"]},
-        "removed_by_fit": ev.removed_by_fit(judgement.chosen),
     }
     scene = scene_of(study, workshop.model, judgement.chosen)
     return Diagnosis(verdict, evidence, found, judgement, left, scene=scene)

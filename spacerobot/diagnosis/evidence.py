@@ -88,6 +88,7 @@ def traces(
 def hypotheses(found: Found, judgement: Judgement) -> list[dict[str, Any]]:
     """Every rival with its score and why it lost; then what was only screened."""
     lost = {r.fit.hypothesis.label: r.lost for r in judgement.rivals}
+    above = {r.fit.hypothesis.label: r.score for r in judgement.rivals}
     rows = []
     for fit in sorted([found.baseline, *found.fits.values()], key=lambda f: f.cost):
         label = fit.hypothesis.label
@@ -99,6 +100,8 @@ def hypotheses(found: Found, judgement: Judgement) -> list[dict[str, Any]]:
                 "chi2": fit.chi2,
                 "chi2_per_sample": fit.chi2 / max(fit.samples, 1),
                 "held_out": None,
+                "above": None if chosen else above.get(label),
+                "chosen": chosen,
                 "parameters": {k: v for k, v in fit.values().items() if "@" in k},
                 "lost": "" if chosen else lost.get(label, "its sign makes no physical sense"),
             }
@@ -145,14 +148,26 @@ def formulas(labels: Sequence[Label]) -> list[dict[str, str]]:
     return out
 
 
-def removed_by_fit(fit: Fit) -> list[dict[str, Any]]:
-    """Believed values that the fit moves, in their sigmas."""
+def moved(fit: Fit, absorbing: Sequence[str] = ()) -> dict[str, dict[str, float | None]]:
+    """How far the fit moves every believed value: those that are there to absorb first, then by their stated sigmas.
+
+    Args:
+        fit: what is reported.
+        absorbing: believed values whose job is to stand for what is not modelled (`rig_model.ABSORBING`).
+    """
     sigmas = fit.hypothesis.sigmas(fit.z)
-    return [
-        {"parameter": f.key, "believed": f.centre, "value": f.value(float(z)), "sigma_shift": sigmas[f.key]}
+    found: dict[str, dict[str, float | None]] = {
+        f.key: {"value": f.value(float(z)), "believed": f.centre, "in_sigmas": sigmas.get(f.key)}
         for f, z in zip(fit.hypothesis.free, fit.z, strict=True)
-        if abs(sigmas.get(f.key, 0.0)) > 1.0
-    ]
+        if f.kind in ("believed", "absorbing")
+    }
+    return dict(sorted(found.items(), key=lambda item: (item[0] not in absorbing, -abs(item[1]["in_sigmas"] or 0.0))))
+
+
+def exact(study: Study, fit: Fit) -> list[str]:
+    """Believed values that the fit holds as they are stated: those without a sigma."""
+    free = {f.key for f in fit.hypothesis.free}
+    return [name for name in study.values() if name not in free]
 
 
 def _names(label: Label) -> list[dict[str, str]]:

@@ -15,6 +15,20 @@ from spacerobot.support.jsonio import plain
 VERDICTS = ("named", "ambiguous", "unknown", "nothing_missing", "wrong_parameter", "not_trusted")
 """Every kind of verdict."""
 
+FORMAT = 1
+"""Of verdict.json. A new kind of verdict, and a key that no format promises yet, raise it."""
+
+PROMISED: dict[int, tuple[frozenset[str], frozenset[str]]] = {
+    1: (
+        frozenset({"named", "learned", "ambiguous", "unknown", "nothing_missing", "wrong_parameter", "not_trusted"}),
+        frozenset({"format", "spacerobot", "input_hash", "seed", "study", "seconds", "verdict", "confidence"})
+        | {"effects", "alternatives", "parameters", "located", "held_out", "detectable", "next_experiment"}
+        | {"parts", "learned", "exact", "moved", "covariance", "why", "not_predicted", "not_located"}
+        | {"events", "clocks", "model"},
+    ),
+}
+"""Format -> kinds of verdict and keys of the whole that its readers have been told of, some of them to come."""
+
 _SLOW = "rfc3987_syntax"
 
 
@@ -40,6 +54,15 @@ def _validator() -> Any:
     return Draft202012Validator(schema())
 
 
+def other_format(number: Any) -> str | None:
+    """What to tell whoever gives a file of another format, in one line; None for our own, or where none is stated."""
+    if number is None or number == FORMAT or not isinstance(number, int) or isinstance(number, bool):
+        return None
+    if number > FORMAT:
+        return "the verdict was written by a newer spacerobot: it may hold kinds and keys that this one does not know"
+    return "the verdict was written by an older spacerobot: diagnose the study again"
+
+
 def validate(verdict: Mapping[str, Any], where: str = "verdict") -> None:
     """Check a verdict, a dict as read from verdict.json or about to be written there.
 
@@ -50,6 +73,9 @@ def validate(verdict: Mapping[str, Any], where: str = "verdict") -> None:
     Raises:
         InputError: the first breach, with the path to it.
     """
+    told = other_format(verdict.get("format"))
+    if told:
+        raise InputError(told, given=verdict["format"], valid=str(FORMAT), where=f"{where}.format")
     breaches = _validator().iter_errors(plain(dict(verdict)))
     breach = min(breaches, key=_rank, default=None)
     if breach is None:

@@ -116,7 +116,8 @@ def test_a_sweep_may_begin_at_rest() -> None:
     from spacerobot.sweep.sweep_file import plan_from_text
 
     text = (
-        "format = 1\n[scene]\ngravity = [0.5, 0.0, 0.0]\n[scene.wrist]\nstiffness = 2000.0\ndamping = 150.0\n"
+        "format = 1\n[scene]\napproach = [1, 0, 0]\n"
+        "gravity = [0.5, 0.0, 0.0]\n[scene.wrist]\nstiffness = 2000.0\ndamping = 150.0\n"
         "[scene.contact]\ndamping = 100.0\n[scene.target]\ngap = 0.02\n"
         "[grid]\n'target.speed' = [0.0, 0.05]\n"
     )

@@ -34,7 +34,7 @@ def turned(angle: float, across: float, spin: tuple[float, float, float], mu: fl
         spin=(spin[0], c * spin[1] - s * spin[2], s * spin[1] + c * spin[2]),
         gap=0.002,
     )
-    return Scene(wrist=WRIST, contact=ContactLaw(damping=30.0, mu=mu), target=target)
+    return Scene(approach=(1.0, 0.0, 0.0), wrist=WRIST, contact=ContactLaw(damping=30.0, mu=mu), target=target)
 
 
 def across(found: Trajectory, name: str) -> np.ndarray:

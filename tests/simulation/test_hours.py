@@ -45,7 +45,7 @@ def test_a_tumbling_body_drifts_towards_a_chaser_for_hours() -> None:
     end = 2.0 * HOUR
     target = Target(mass=9.0, speed=SPEED, gap=2.0 * SPEED * end, spin=(0.05, 0.01, 0.02),
                     inertia=((0.1, 0.0, 0.0), (0.0, 0.2, 0.0), (0.0, 0.0, 0.25)))  # fmt: skip
-    scene = Scene("chaser_pa10_wrist", joints="locked", target=target, backend="multibody")
+    scene = Scene("chaser_pa10_wrist", approach=(1, 0, 0), joints="locked", target=target, backend="multibody")
     found = simulate(scene, duration=end, rate=0.05, must_touch=False)
     kept(found, 1e-9)
     start = found["target.position.x"][0]

@@ -191,9 +191,6 @@ def evidence() -> dict[str, Any]:
             {"name": "starts agree", "passed": False, "detail": "two of five starts ended 12 % higher"},
         ],
         "timing": {"seconds": 41.7, "fits": 63, "jobs": 2},
-        "removed_by_fit": [
-            {"parameter": "wrist.equivalent_damping", "believed": 9.69, "value": 13.1, "sigma_shift": 2.3},
-        ],
     }  # fmt: skip
 
 

@@ -19,6 +19,7 @@ from helpers_report import DELAY, KINDS, SIGMA, STIFFNESS, evidence, verdict
 from spacerobot.support.errors import InputError
 from spacerobot.view.report import write_plots, write_report
 from spacerobot.view.report.evidence import read_evidence
+from spacerobot.view.report.page import page
 from spacerobot.view.report.story import tell
 from spacerobot.view.report.traces_json import embedded
 
@@ -293,3 +294,38 @@ def test_no_text_decides_where_a_plot_goes_or_breaks_it(tmp_path: Path) -> None:
 def test_same_input_same_page(tmp_path: Path) -> None:
     (tmp_path / "a").mkdir()
     assert report(tmp_path / "a", verdict("named")) == report(tmp_path / "a", verdict("named"))
+
+
+def test_the_winner_s_row_is_first_and_marked() -> None:
+    """Wherever its fit stands among the others, with the held-out errors of the two that were predicted unseen."""
+    rivals = [{**h, "held_out": None} for h in evidence()["hypotheses"]]
+    backwards = {**evidence(), "hypotheses": rivals[::-1]}
+    text = page(verdict("named"), read_evidence(backwards))
+    table = text[text.index("Fitted in full") :]
+    first = table[table.index("<tbody>") : table.index("</tr>", table.index("<tbody>"))]
+    assert 'class="won"' in first
+    assert "Coulomb friction in the wrist" in first
+    assert "1.02" in first
+    assert table.count('class="won"') == 1
+    assert "8.31" in table, "the baseline's"
+
+
+def test_unknown_shows_the_baseline_alone() -> None:
+    text = page(verdict("unknown"), read_evidence(evidence()))
+    assert "line after" not in text[: text.index('id="rivals"')]
+    assert 'class="won"' not in text
+    assert "8.3 times the sensor noise" in text
+
+
+def test_values_that_moved_and_those_held_exact_are_listed() -> None:
+    found = {
+        **verdict("named"),
+        "exact": ["target.mass"],
+        "moved": {
+            "wrist.equivalent_damping": {"value": 2.0, "believed": 9.7, "in_sigmas": -2.3},
+            "wrist.stiffness": {"value": 531.0, "believed": 530.0, "in_sigmas": 0.2},
+        },
+    }
+    text = page(found, read_evidence(evidence()))
+    assert text.index("wrist.equivalent_damping") < text.index("wrist.stiffness</code>")
+    assert "Held exactly as stated: target.mass" in text

@@ -12,9 +12,10 @@ from hypothesis import strategies as st
 from spacerobot.effects.registry import all_effects
 from spacerobot.view.report import svg
 from spacerobot.view.report.formula import mathml
-from spacerobot.view.report.story import improvement
+from spacerobot.view.report.story import few_trials, improvement
 from spacerobot.view.report.unseen import unseen
 from spacerobot.view.report.words import (
+    beyond,
     number,
     parameter_label,
     parameters_text,
@@ -23,6 +24,7 @@ from spacerobot.view.report.words import (
     quantity,
     unit_of_name,
     with_article,
+    with_own_units,
 )
 
 
@@ -170,3 +172,28 @@ def test_what_was_done_with_the_trials_kept_aside_is_said() -> None:
     assert "each trial's own start" in said[3]
     assert "it would not" in said[4]
     assert unseen({"held_out": {"overall": {}}}) == unseen({}) == []
+
+
+def test_few_trials_are_told_what_they_can_show() -> None:
+    said = [few_trials(n) for n in (1, 2, 3)]
+    assert len(set(said)) == 3
+    assert all(said)
+    assert few_trials(0) is None
+    assert few_trials(4) is None
+
+
+def test_a_channel_s_own_unit_is_looked_up() -> None:
+    bias = {"effect": "bias", "where": "drive", "parameter": "value", "smallest": 0.2, "unit": "channel unit"}
+    verdict = {"effects": [], "alternatives": [], "detectable": [bias, {**bias, "where": "force_sensor"}]}
+    channels = {"joint.axis.torque": {"unit": "N m", "stream": "drive"}}
+    drive, force = with_own_units(verdict, channels)["detectable"]
+    assert (drive["unit"], force["unit"]) == ("N m", "N")
+    assert "channel" not in quantity(0.2, with_own_units(verdict, {})["detectable"][0]["unit"])
+
+
+def test_no_size_beyond_what_the_catalogue_allows_is_a_limit() -> None:
+    late = {"effect": "time_offset", "where": "mocap", "parameter": "delay_s", "unit": "s"}
+    assert beyond({**late, "smallest": 6e12})
+    assert beyond({**late, "smallest": "inf"})
+    assert beyond({**late, "smallest": None})
+    assert not beyond({**late, "smallest": 1e-4})

@@ -11,7 +11,7 @@ import pytest
 from helpers_report import FRICTION, KINDS, verdict
 from jsonschema import Draft202012Validator
 
-from spacerobot.diagnosis.schema import VERDICTS, schema, validate
+from spacerobot.diagnosis.schema import FORMAT, PROMISED, VERDICTS, schema, validate
 from spacerobot.support.errors import InputError
 
 
@@ -69,3 +69,28 @@ def test_no_seconds_for_a_checker_of_what_the_schema_does_not_have() -> None:
     done = subprocess.run([sys.executable, "-c", words], capture_output=True, text=True, check=True)
     assert done.stdout == "[]\n"
     assert "iri" not in str(schema())
+
+
+def test_what_no_format_promised_raises_its_number() -> None:
+    """A new key or kind must be promised under a new number: old readers were never told of it."""
+    kinds, keys = PROMISED[FORMAT]
+    assert set(VERDICTS) <= kinds
+    assert set(schema()["properties"]) <= keys
+    assert schema()["properties"]["format"]["const"] == FORMAT
+    assert max(PROMISED) == FORMAT
+
+
+@pytest.mark.parametrize(("number", "word"), [(FORMAT + 1, "newer"), (FORMAT - 1, "older")])
+def test_readers_of_another_format_are_told_in_one_line(number: int, word: str) -> None:
+    with pytest.raises(InputError, match=word) as told:
+        validate({**verdict("named"), "format": number})
+    assert "\n" not in str(told.value)
+
+
+def test_every_number_of_the_schema_has_a_unit() -> None:
+    """Stated beside it, or in the words of what holds it."""
+    found = schema()
+    for name in ("seconds", "confidence", "located", "held_out", "detectable", "parameters", "moved"):
+        said = found["properties"][name]["description"]
+        assert any(word in said for word in ("[s]", "[1]", "SI", "unit", "sigma")), name
+    assert "SI" in found["description"]

@@ -56,7 +56,6 @@ def evidence_of(study: Study, parts: Sequence[Part], verdict: Mapping[str, Any])
         "formulas": formulas([p.fit.hypothesis.label for p in parts]),
         "checks": [c for p in parts for c in p.checks],
         "timing": {"seconds": verdict["seconds"]},
-        "removed_by_fit": [],
         "parts": verdict["parts"],
     }
 

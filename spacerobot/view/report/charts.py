@@ -137,13 +137,14 @@ def rivals_chart(hypotheses: Sequence[Mapping[str, Any]], limit: int = 12) -> Ma
     rows = scored[:limit]
     worst = max(max(-score for score, _ in rows), 1e-12)
     said = "; ".join(f"{name} {number(score, 3)}" for score, name in rows)
-    root = svg.drawing(WIDTH, 26.0 * len(rows) + 6, f"Held-out log score below the best: {said}.")
+    root = svg.drawing(WIDTH, 40.0 * len(rows) + 6, f"Held-out log score below the best: {said}.")
     for i, (score, name) in enumerate(rows):
-        y, text = 4.0 + 26.0 * i, name if len(name) <= 44 else name[:43] + "…"
-        svg.add(root, "text", text, klass="label", x=312, y=y + 14, text_anchor="end")
+        y = 4.0 + 40.0 * i
+        svg.add(root, "text", name, klass="label", x=4, y=y + 12)
+        y += 16.0
         # A logarithmic length, since scores run from hundredths to hundreds.
-        length = max(170.0 * math.log10(1.0 + 99.0 * max(-score, 0.0) / worst), 2.0)
+        length = max(600.0 * math.log10(1.0 + 99.0 * max(-score, 0.0) / worst), 2.0)
         klass, value = ("bar after", "best") if i == 0 else ("bar rival", number(score, 3))
-        svg.add(root, "rect", klass=klass, x=322, y=y, width=length, height=18, rx=3)
-        svg.add(root, "text", value, klass="value", x=330 + length, y=y + 14)
+        svg.add(root, "rect", klass=klass, x=4, y=y, width=length, height=18, rx=3)
+        svg.add(root, "text", value, klass="value", x=12 + length, y=y + 14)
     return svg.markup(root)

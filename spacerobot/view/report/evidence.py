@@ -108,7 +108,6 @@ class Evidence:
     formulas: tuple[Mapping[str, Any], ...] = ()
     checks: tuple[Mapping[str, Any], ...] = ()
     timing: Mapping[str, Any] = field(default_factory=dict)
-    removed_by_fit: tuple[Mapping[str, Any], ...] = ()
     body: str = "target"  # what the study calls what floats
 
     def with_body(self) -> Evidence:
@@ -128,6 +127,10 @@ class Evidence:
             surfaces=tuple(replace(s, balance=floating(s.balance, self.body)) for s in self.surfaces),
             formulas=tuple(renamed(f, "where") for f in self.formulas),
         )
+
+    def without_after(self) -> Evidence:
+        """The same without a second model's predictions: where none is named, the baseline's are what there is."""
+        return replace(self, traces=tuple(replace(t, after=np.zeros(0)) for t in self.traces))
 
     @property
     def shown(self) -> tuple[Trace, ...]:
@@ -155,7 +158,6 @@ def read_evidence(data: Mapping[str, Any]) -> Evidence:
         formulas=_dicts(data.get("formulas")),
         checks=_dicts(data.get("checks")),
         timing=dict(data.get("timing") or {}),
-        removed_by_fit=_dicts(data.get("removed_by_fit")),
         body=str(study.get("body") or "target"),
     )
 

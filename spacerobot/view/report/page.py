@@ -16,13 +16,16 @@ from markupsafe import Markup
 from spacerobot.view.report import charts, words
 from spacerobot.view.report.evidence import Evidence, Trace
 from spacerobot.view.report.formula import mathml
-from spacerobot.view.report.story import capital, change_text, confidence_text, improvement, tell
+from spacerobot.view.report.story import capital, change_text, confidence_text, few_trials, improvement, tell
 from spacerobot.view.report.traces_json import embedded
 from spacerobot.view.report.unseen import unseen
-from spacerobot.view.report.words import finite, of_body
+from spacerobot.view.report.words import finite, of_body, with_own_units
 
 RIVALS = 200
 """Screened hypotheses listed one by one; the others are counted."""
+
+UNEXPLAINED = ("unknown", "not_trusted")
+"""Verdicts with no model to show: only what the baseline leaves over."""
 
 _SCRIPTS = ("uplot/uPlot.iife.min.js", "page.js", "explorer.js")
 _STYLES = ("uplot/uPlot.min.css", "page.css")
@@ -35,11 +38,13 @@ def page(verdict: Mapping[str, Any], evidence: Evidence) -> str:
         verdict: as in verdict.json, plain JSON values.
         evidence: the rest, read.
     """
-    verdict, evidence = of_body(verdict, evidence.body), evidence.with_body()
+    verdict, evidence = with_own_units(of_body(verdict, evidence.body), evidence.channels), evidence.with_body()
+    if verdict["verdict"] in UNEXPLAINED:
+        evidence = evidence.without_after()
     data, kept = embedded(evidence.traces)
     scripts, styles = _assets()
     hero = _hero(verdict, evidence)
-    fitted, screened, more = _rivals(evidence.hypotheses)
+    fitted, screened, more = _rivals(_with_held_out(verdict, evidence.hypotheses))
     unit = " σ" if (verdict.get("held_out") or {}).get("unit", "sigma") == "sigma" else ""
     surfaces = [(s, charts.surface_chart(s)) for s in evidence.surfaces[:24]]
     template = _environment().get_template("page.html")
@@ -47,6 +52,8 @@ def page(verdict: Mapping[str, Any], evidence: Evidence) -> str:
         v=verdict,
         e=evidence,
         story=tell(verdict, evidence),
+        few=few_trials(len(evidence.trials)),
+        nothing_chosen=verdict["verdict"] in UNEXPLAINED,
         gained=improvement(verdict),
         confidence=confidence_text(verdict),
         overall=(verdict.get("held_out") or {}).get("overall") or {},
@@ -65,6 +72,7 @@ def page(verdict: Mapping[str, Any], evidence: Evidence) -> str:
         fitted=fitted,
         screened=screened,
         more_screened=more,
+        scored=any(finite(h.get("held_out")) is not None for h in evidence.hypotheses),
         best=_best(evidence.hypotheses),
         parameter_charts={k: charts.parameter_chart(k, p) for k, p in verdict["parameters"].items()},
         data=Markup(data),  # noqa: S704 - JSON with every bracket escaped
@@ -87,6 +95,7 @@ def _environment() -> Environment:
     for function in (
         words.number, words.quantity, words.percent, words.probability, words.effects_phrase, words.effect_phrase,
         words.parameter_label, words.parameters_text, words.unit_text, words.effect_title, words.place, words.finite,
+        words.unit_of_value, words.beyond,
         change_text, capital,
     ):  # fmt: skip
         environment.filters[function.__name__] = function
@@ -171,14 +180,29 @@ def _best(hypotheses: Sequence[Mapping[str, Any]]) -> float | None:
     return min(known) if known else None
 
 
+def _with_held_out(verdict: Mapping[str, Any], hypotheses: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """The hypotheses, the winner marked, with the held-out error of those two that were predicted on unseen trials."""
+    overall = (verdict.get("held_out") or {}).get("overall") or {}
+    named = sorted((str(e["effect"]), str(e["where"])) for e in verdict["effects"])
+    out = []
+    for h in hypotheses:
+        effects = sorted((str(e["effect"]), str(e["where"])) for e in h.get("effects") or ())
+        fitted = h.get("stage") == "fitted"
+        won = bool(h["chosen"]) if "chosen" in h else fitted and effects == named and not h.get("lost")
+        error = overall.get("rms_after") if won else overall.get("rms_before") if fitted and not effects else None
+        out.append({**h, "chosen": won and verdict["verdict"] not in UNEXPLAINED, "unseen": error})
+    return out
+
+
 def _rivals(
     hypotheses: Sequence[Mapping[str, Any]],
 ) -> tuple[list[Mapping[str, Any]], list[Mapping[str, Any]], int]:
     """Fitted and screened hypotheses, best first, and how many screened ones are only counted."""
 
-    def rank(item: Mapping[str, Any]) -> tuple[float, float]:
+    def rank(item: Mapping[str, Any]) -> tuple[bool, float, float]:
         score, chi2 = finite(item.get("held_out")), finite(item.get("chi2"))
-        return (-score if score is not None else math.inf, chi2 if chi2 is not None else math.inf)
+        kept = not item.get("chosen")
+        return (kept, -score if score is not None else math.inf, chi2 if chi2 is not None else math.inf)
 
     fitted = sorted((h for h in hypotheses if h.get("stage") == "fitted"), key=rank)
     screened = sorted((h for h in hypotheses if h.get("stage") != "fitted"), key=rank)

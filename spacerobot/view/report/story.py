@@ -10,6 +10,7 @@ from typing import Any
 from spacerobot.view.report.evidence import Evidence
 from spacerobot.view.report.when import happened
 from spacerobot.view.report.words import (
+    beyond,
     effect_phrase,
     effect_title,
     effects_phrase,
@@ -158,11 +159,12 @@ def _ambiguous(verdict: Mapping[str, Any], evidence: Evidence) -> Story:
 
 
 def _unknown(verdict: Mapping[str, Any], evidence: Evidence) -> Story:
-    after = finite((verdict.get("held_out") or {}).get("overall", {}).get("rms_after"))
+    overall = (verdict.get("held_out") or {}).get("overall") or {}
+    off = finite(overall.get("rms_before"))
     counted = "times the sensor noise"
     if (verdict.get("held_out") or {}).get("unit", "sigma") == "spread":
         counted = "of each channel's own spread"
-    size = f": what remains is {number(after)} {counted} on held-out data" if after is not None else ""
+    size = f": the baseline, refitted, is off by {number(off)} {counted} on held-out data" if off is not None else ""
     places = [f"{p['balance']} during {p['phase']}" for p in verdict["located"][:1]]
     where = f" It shows first in {places[0]}." if places else ""
     sentence = f"Something real is missing that no effect of the catalogue explains{size}; nothing is named."
@@ -184,7 +186,7 @@ def _nothing_missing(verdict: Mapping[str, Any], evidence: Evidence) -> Story:
     limits = [
         f"{effect_phrase(d)} of {quantity(d.get('smallest'), d.get('unit'))}"
         for d in verdict["detectable"]
-        if finite(d.get("smallest")) is not None and math.isfinite(finite(d.get("smallest")) or math.inf)
+        if not beyond(d)
     ][:3]
     unseen = (
         f"That is no proof of absence: anything smaller than, say, {joined(limits, 'or')} would have stayed unseen."
@@ -254,6 +256,26 @@ def change_text(change: Mapping[str, Any]) -> str:
             text = quantity(value, unit_of_name(str(name))) if numeric else str(value)
         parts.append(f"{parameter_label(str(name))} {text}")
     return joined(parts) or "a different trial"
+
+
+def few_trials(count: int) -> str | None:
+    """What so few trials can and cannot show; None where there are more than three, or none is listed."""
+    if count == 1:
+        return (
+            "One trial: the fit and its residual can be seen, and an effect that works in it. Nothing can be predicted "
+            "that was not fitted, nor told apart what changes with speed or mass from what does not."
+        )
+    if count == 2:
+        return (
+            "Two trials: each can be predicted from the other. What differs between them is told only where their "
+            "speeds or masses differ, and a third that disagrees would not be noticed as the odd one."
+        )
+    if count == 3:
+        return (
+            "Three trials: each can be predicted from the other two, and one that disagrees stands out. Two effects "
+            "that differ only in how they grow with speed or mass need as many different speeds or masses."
+        )
+    return None
 
 
 def confidence_text(verdict: Mapping[str, Any]) -> str:

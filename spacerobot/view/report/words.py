@@ -8,6 +8,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from spacerobot.effects.registry import all_effects
+from spacerobot.recordings.values import kind
+from spacerobot.support.errors import InputError
 
 _PLACES = {
     "wrist": "in the wrist's guide",
@@ -27,6 +29,9 @@ _UNIT_TOKENS = {"N", "Ns", "Ns2", "Nm", "Nms", "Nms2", "m", "m2", "m3", "s", "s2
 _SUPERSCRIPT = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 
 _SMALL = {"m": (("mm", 1e-3), ("µm", 1e-6)), "s": (("ms", 1e-3), ("µs", 1e-6)), "rad": (("mrad", 1e-3), ("µrad", 1e-6))}
+
+OWN = "channel unit"
+"""What the catalogue says of a parameter that is counted as its channel is."""
 
 MISSING = "–"
 """Printed where there is no value."""
@@ -140,9 +145,17 @@ def unit_of_name(name: str) -> str:
     return "/".join(units)
 
 
+def unit_of_value(name: str) -> str:
+    """Unit of a believed value by its dotted name; none for one that nobody knows."""
+    try:
+        return kind(name).unit
+    except InputError:
+        return ""
+
+
 def unit_text(unit: str | None) -> str:
     """A unit as printed: N/m^3 is N/m³; none for pure numbers."""
-    if not unit or unit == "1":
+    if not unit or unit in ("1", OWN):
         return ""
     return re.sub(r"\^(-?\d+)", lambda m: m.group(1).translate(_SUPERSCRIPT), unit)
 
@@ -254,3 +267,44 @@ def parameters_text(parameters: Mapping[str, Any]) -> str:
 def _owner(key: str) -> str:
     effect, _, where = key.partition("@")
     return f"{effect_title(effect)} {place(where)}: " if where else ""
+
+
+def with_own_units(verdict: Mapping[str, Any], channels: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
+    """The verdict with the channels' own units where the catalogue only says that there is one.
+
+    Args:
+        verdict: as in verdict.json.
+        channels: of the study, with unit and stream; as evidence has them.
+    """
+
+    def unit(where: str) -> str:
+        here = {str(c.get("unit") or "") for c in channels.values() if c.get("stream") == where}
+        kinds = {"force_sensor": "N", "mocap": "m"}
+        return kinds.get(where) or (here.pop() if len(here) == 1 else "")
+
+    def own(item: Mapping[str, Any], where: str) -> dict[str, Any]:
+        out = dict(item)
+        if out.get("unit") == OWN:
+            out["unit"] = unit(where)
+        if "parameters" in out:
+            values = out["parameters"].items()
+            out["parameters"] = {k: own(p, where) if isinstance(p, Mapping) else p for k, p in values}
+        return out
+
+    return {
+        **verdict,
+        "effects": [own(e, str(e["where"])) for e in verdict["effects"]],
+        "detectable": [own(d, str(d["where"])) for d in verdict["detectable"]],
+        "alternatives": [
+            {**a, "effects": [own(e, str(e["where"])) for e in a["effects"]]} for a in verdict["alternatives"]
+        ],
+    }
+
+
+def beyond(item: Mapping[str, Any]) -> bool:
+    """Whether a smallest detectable size is larger than any the catalogue allows: such data do not show the effect."""
+    size, known = finite(item.get("smallest")), all_effects().get(str(item.get("effect")))
+    if size is None or math.isinf(size):
+        return True
+    bounds = [(p.lower, p.upper) for p in known.parameters if p.name == item.get("parameter")] if known else []
+    return any(abs(size) >= max(abs(low), abs(high)) for low, high in bounds)
