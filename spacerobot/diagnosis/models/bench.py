@@ -12,7 +12,7 @@ from spacerobot.diagnosis.data import TrialData
 from spacerobot.diagnosis.fit import Fitter
 from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.hypothesis import Site, hypothesis
-from spacerobot.diagnosis.models.held_out import HeldOut, folds, predict_held_out
+from spacerobot.diagnosis.models.held_out import MOST, HeldOut, folds, predict_held_out
 from spacerobot.diagnosis.models.kept import Kept, of_fit
 from spacerobot.diagnosis.models.model import Model
 from spacerobot.diagnosis.models.noise import floor_of, reweighted, rms_of
@@ -40,12 +40,12 @@ class Promise:
 class Bench:
     """A model, its trials under the present weights, and what is left out of them in turn."""
 
-    def __init__(self, model: Model, threads: int = 1, kept: Kept | None = None) -> None:
-        """`kept` holds what an earlier run, that was stopped, had found."""
+    def __init__(self, model: Model, threads: int = 1, kept: Kept | None = None, most: int = MOST) -> None:
+        """`kept` holds what a run that was stopped had found; candidates are tried in at most `most` folds."""
         self.model, self.threads = model, threads
         self.kept = kept or Kept(None, model.name)
         self.trials: tuple[TrialData, ...] = model.trials
-        self.left_out = tuple(folds(model.trials))
+        self.left_out = tuple(folds(model.trials, most))
         self._factor: dict[str, float] = {}
 
     def fitter(self) -> Fitter:

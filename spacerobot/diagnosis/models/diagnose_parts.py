@@ -18,6 +18,7 @@ from spacerobot.diagnosis.models.model_out import model_text
 from spacerobot.diagnosis.models.part import Part
 from spacerobot.diagnosis.models.part_checks import checks_of
 from spacerobot.diagnosis.models.part_evidence import evidence_of
+from spacerobot.diagnosis.models.part_fold import keep_aside
 from spacerobot.diagnosis.models.part_verdict import verdict_of
 from spacerobot.diagnosis.result import Diagnosis
 from spacerobot.effects.registry import all_effects
@@ -61,7 +62,11 @@ def diagnose_parts(
         report("locating and checking", place, len(parts))
         # the flips of signs are a quadrature: the same for every seed, as no answer shall hang on them
         located = locate_model(part.model, trials=part.trials) if has_balance(part.model) else None
-        done.append(replace(part, located=located, checks=checks_of(part)))
+        unseen = keep_aside(part.growth)
+        checks = checks_of(part)
+        if part.fit.hypothesis.sites:
+            checks = (*checks, unseen.check(part.name))
+        done.append(replace(part, located=located, checks=checks, unseen=unseen))
     report("judging", 0, 1)
     verdict = verdict_of(study, done, version=__version__, seed=seed, seconds=time.perf_counter() - began)
     evidence = evidence_of(study, done, verdict)

@@ -19,7 +19,7 @@ import numpy as np
 
 from spacerobot.diagnosis.candidates import contains
 from spacerobot.diagnosis.fitted import Fit
-from spacerobot.diagnosis.hypothesis import Label
+from spacerobot.diagnosis.hypothesis import Label, Site
 from spacerobot.diagnosis.models.bench import Bench, Promise
 from spacerobot.diagnosis.models.candidate import Candidate, words
 from spacerobot.diagnosis.models.chance import by_chance
@@ -98,22 +98,51 @@ def grow(
         SimulationError: the baseline cannot be fitted.
     """
     catalogue = None if effects is None else list(effects)
-    search = _Search(Bench(model, threads, kept), catalogue, say or (lambda text: None))
+    bench = Bench(model, threads, kept)
+    search = _Search(bench, bench.model.sites(catalogue), say or (lambda text: None))
     return search.run(most, reached or (lambda size: None))
 
 
+def among(bench: Bench, chosen: Sequence[Site], rivals: Sequence[Sequence[Site]]) -> tuple[Growth, Fit | None]:
+    """What a bench's trials alone lead to among some sets, and one of these sets fitted to them, under its weights.
+
+    Args:
+        bench: of the trials.
+        chosen: the set that is fitted whatever is led to.
+        rivals: further sets; all are grown effect by effect from the baseline, the most promising one first, and what
+            is met on the way takes part.
+
+    Raises:
+        SimulationError: the baseline cannot be fitted, or not be tried.
+    """
+    search = _Search(bench, list({s.label: s for one in (chosen, *rivals) for s in one}.values()), lambda text: None)
+    baseline = search.begun()
+    tested = [baseline]
+    for sites in (chosen, *rivals):
+        search.grown(sites, tested)
+    weights = bench.weights
+    growth = search.concluded(tested, baseline)
+    label = tuple(sorted(s.label for s in chosen))
+    if growth.after.label == label:
+        return growth, growth.after.fit
+    met = next((c for c in tested if c.label == label), None)
+    if met is None:
+        return growth, None
+    bench.weights = weights
+    bench.weigh(met.fit)
+    return growth, bench.again(met.fit)
+
+
 class _Search:
-    def __init__(self, bench: Bench, effects: list[Effect] | None, say: Callable[[str], None]) -> None:
+    def __init__(self, bench: Bench, sites: Sequence[Site], say: Callable[[str], None]) -> None:
         self.bench = bench
-        self.sites = {s.label: s for s in bench.model.sites(effects)}
+        self.sites = {s.label: s for s in sites}
         self.say = say
         self.screened: dict[Label, float] = {}
         self.reached = np.inf
 
     def run(self, most: int, reached: Callable[[int], None]) -> Growth:
-        fit = self.bench.baseline()
-        self.bench.sharpen(fit)
-        baseline = self.tested(Candidate(self.bench.again(fit)))
+        baseline = self.begun()
         tested = [baseline]
         self.reached = baseline.cost
         ahead: dict[int, dict[Label, Ahead]] = {}
@@ -132,6 +161,24 @@ class _Search:
                 self.look_ahead(one, most, ahead)
         tested += self.reworded(choice(tested, baseline, self.bench.trials), tested)
         return self.concluded(tested, baseline)
+
+    def begun(self) -> Candidate:
+        """The baseline, under the weights of a search."""
+        fit = self.bench.baseline()
+        self.bench.sharpen(fit)
+        return self.tested(Candidate(self.bench.again(fit)))
+
+    def grown(self, sites: Sequence[Site], tested: list[Candidate]) -> None:
+        """A set, one effect after the other from the largest part of it that was met; all that is met is tried."""
+        label = {s.label for s in sites}
+        here = max((c for c in tested if set(c.label) <= label), key=lambda c: (len(c.sites), -c.error))
+        while left := [s for s in sites if s.label not in here.label]:
+            promises = sorted(self.bench.promises(here.fit, left), key=lambda p: p.cost)
+            fit = next((f for p in promises if (f := self.bench.fitted(here.fit, p)) is not None), None)
+            if fit is None:
+                return
+            here = self.tested(Candidate(fit))
+            tested.append(here)
 
     def concluded(self, tested: list[Candidate], baseline: Candidate) -> Growth:
         """The simplest as good as the best that stands: of each that does not, the reason is kept."""

@@ -32,28 +32,30 @@ def parent(trial: TrialData) -> str:
     return trial.id.split("@")[0]
 
 
-def folds(trials: Sequence[TrialData]) -> list[tuple[str, tuple[str, ...]]]:
+def folds(trials: Sequence[TrialData], most: int = MOST) -> list[tuple[str, tuple[str, ...]]]:
     """What is left out in turn: conditions; where there is but one, its trials; where there is but one, parts of it.
+
+    Of more than `most` of them, so many groups.
 
     Returns:
         (label, trial ids) each; at least two, unless there is but one trial in one piece.
     """
     for label in (lambda t: t.condition, parent):
         names = list(dict.fromkeys(label(t) for t in trials))
-        if len(names) > MOST:
-            groups = [set(names[k::MOST]) for k in range(MOST)]
-            return [(f"every {MOST}th", tuple(t.id for t in trials if label(t) in g)) for g in groups]
+        if len(names) > most:
+            groups = [set(names[k::most]) for k in range(most)]
+            return [(f"every {most}th", tuple(t.id for t in trials if label(t) in g)) for g in groups]
         if len(names) > 1:
             return [(n, tuple(t.id for t in trials if label(t) == n)) for n in names]
     parts = np.array_split(np.array([t.id for t in trials]), min(FOLDS, len(trials)))
     return [(f"part {i + 1}", tuple(str(x) for x in p)) for i, p in enumerate(parts)]
 
 
-def scheme_of(trials: Sequence[TrialData]) -> str:
+def scheme_of(trials: Sequence[TrialData], most: int = MOST) -> str:
     """What `folds` leaves out in turn, in words."""
     for what, count in (("condition", len({t.condition for t in trials})), ("trial", len({parent(t) for t in trials}))):
-        if count > MOST:
-            return f"leave every {MOST}th {what} out"
+        if count > most:
+            return f"leave every {most}th {what} out"
         if count > 1:
             return f"leave one {what} out"
     return f"leave one part of {FOLDS} out"

@@ -25,6 +25,10 @@ class Kept:
         """`model` tells this model from the study's others; without a store everything is computed."""
         self.store, self.model = store, model
 
+    def within(self, what: str) -> Kept:
+        """The same store, for a search of a part of the model's trials."""
+        return Kept(self.store, f"{self.model} {what}")
+
     def fit(
         self, made: Hypothesis, fitter: Fitter, about: Sequence[Any], compute: Callable[[], Fit | None]
     ) -> Fit | None:

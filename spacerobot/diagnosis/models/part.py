@@ -16,6 +16,7 @@ from spacerobot.diagnosis.models.growth import Growth
 from spacerobot.diagnosis.models.held_out import HeldOut
 from spacerobot.diagnosis.models.model import Model
 from spacerobot.diagnosis.models.noise import squares_of
+from spacerobot.diagnosis.models.part_fold import Unseen
 from spacerobot.diagnosis.models.worth import TIE, agreeing, ratio
 
 STRIKING = 0.2
@@ -38,11 +39,13 @@ class Part:
         growth: the search.
         located: its balances; None where it has none of its own.
         checks: of the fit itself, with "name", "passed" and "detail".
+        unseen: what was decided and predicted without each trial; None before that was asked.
     """
 
     growth: Growth
     located: Located | None = None
     checks: tuple[dict[str, Any], ...] = field(default=())
+    unseen: Unseen | None = None
 
     @property
     def model(self) -> Model:
@@ -72,12 +75,12 @@ class Part:
     @property
     def before(self) -> HeldOut:
         """The baseline on unseen trials."""
-        return tried(self.growth.before)
+        return tried(self.growth.before) if self.unseen is None else self.unseen.before
 
     @property
     def after(self) -> HeldOut:
         """The chosen candidate on unseen trials."""
-        return tried(self.chosen)
+        return tried(self.chosen) if self.unseen is None else self.unseen.after
 
     @property
     def turning(self) -> frozenset[str]:
@@ -138,8 +141,13 @@ class Part:
         share = agreeing(self.chosen, self.growth.before)
         return float(np.clip(clear * share, 0.05, 0.99))
 
-    def errors(self) -> dict[str, tuple[float, float, int]]:
-        """By channel: sums of squares of the held-out residual before and after [SI squared], and their number."""
+    @property
+    def selected(self) -> HeldOut:
+        """What each fold has itself chosen, on unseen trials."""
+        return self.after if self.unseen is None else self.unseen.selected
+
+    def errors(self) -> dict[str, tuple[float, float, float, int]]:
+        """By channel: sums of squares of what is held out before, after and as selected [SI squared], and readings."""
         both = [t for t in self.trials if t.id in self.before.residual and t.id in self.after.residual]
-        before, after = (squares_of(h.residual, both, self.after.counted) for h in (self.before, self.after))
-        return {c: (square, *after[c]) for c, (square, _) in before.items()}
+        told = [squares_of(h.residual, both, self.after.counted) for h in (self.before, self.after, self.selected)]
+        return {c: (told[0][c][0], told[1][c][0], *told[2][c]) for c in told[0]}

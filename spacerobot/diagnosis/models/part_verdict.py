@@ -10,14 +10,16 @@ from typing import Any
 import numpy as np
 
 from spacerobot.diagnosis.agreed import why_not
+from spacerobot.diagnosis.fold import SAME
 from spacerobot.diagnosis.judge import AMBIGUOUS, NAMED, NOT_TRUSTED, NOTHING_MISSING, UNKNOWN, WRONG_PARAMETER
 from spacerobot.diagnosis.locate.located import LEVEL
 from spacerobot.diagnosis.models.alternatives import alternatives
 from spacerobot.diagnosis.models.events import clocks, touches
-from spacerobot.diagnosis.models.held_out import parent, scheme_of
+from spacerobot.diagnosis.models.held_out import HeldOut, parent, scheme_of
 from spacerobot.diagnosis.models.model_out import FILE, RUNS
 from spacerobot.diagnosis.models.next_trial import next_trial
 from spacerobot.diagnosis.models.part import Part
+from spacerobot.diagnosis.models.part_fold import MOST_FOLDS, TOLD
 from spacerobot.diagnosis.models.part_limits import PartLimits
 from spacerobot.diagnosis.not_predicted import not_predicted
 from spacerobot.diagnosis.verdict import effect_entries, moved_values
@@ -179,33 +181,49 @@ def _weights(trial: Any) -> list[tuple[str, np.ndarray]]:
 
 def held_out(parts: Sequence[Part]) -> dict[str, Any]:
     """Held-out errors by channel in SI, and over all in "unit": "sigma" where the noise is stated, else "spread"."""
-    sums: dict[str, tuple[float, float, int]] = {}
+    sums: dict[str, np.ndarray] = {}
     for part in parts:
-        for channel, (a, b, n) in part.errors().items():
-            old = sums.get(channel, (0.0, 0.0, 0))
-            sums[channel] = (old[0] + a, old[1] + b, old[2] + n)
+        for channel, row in part.errors().items():
+            sums[channel] = sums.get(channel, np.zeros(len(TOLD) + 1)) + np.array(row, dtype=float)
     scale = sizes(parts)
     stated = all(c in p.model.stated for p in parts for t in p.trials for c in t.channels)
-    before = sum(a / scale[c] ** 2 for c, (a, _, _) in sums.items())
-    after = sum(b / scale[c] ** 2 for c, (_, b, _) in sums.items())
-    count = max(sum(n for _, _, n in sums.values()), 1)
+    total = sum((row[:-1] / scale[c] ** 2 for c, row in sums.items()), np.zeros(len(TOLD)))
+    count = max(sum(row[-1] for row in sums.values()), 1.0)
+    said = [(p, f) for p in parts if p.unseen is not None for f in p.unseen.folds]
     return {
-        "scheme": scheme_of(parts[0].trials),
+        "scheme": scheme_of(parts[0].trials, MOST_FOLDS),
         "unit": "sigma" if stated else "spread",
         "channels": {
-            c: {"rms_before": math.sqrt(a / max(n, 1)), "rms_after": math.sqrt(b / max(n, 1))}
-            for c, (a, b, n) in sums.items()
+            c: {f"rms_{n}": math.sqrt(x / max(row[-1], 1.0)) for n, x in zip(TOLD, row[:-1], strict=True)}
+            for c, row in sums.items()
         },
         "overall": {
-            "rms_before": math.sqrt(before / count),
-            "rms_after": math.sqrt(after / count),
+            **{f"rms_{n}": math.sqrt(x / count) for n, x in zip(TOLD, total, strict=True)},
             "noise_floor": 1.0 if stated else None,
-            "chi2_before": before if stated else None,
-            "chi2_after": after if stated else None,
+            **{f"chi2_{n}": float(x) if stated else None for n, x in zip(TOLD, total, strict=True)},
         },
-        "decided": "all values fitted without the trials that are predicted, from the fit to all of them on; "
-        "effects chosen by these very errors" + ("" if stated else "; weights from what the fit to all leaves over"),
+        "decided": "effects chosen among those in play, weights and all values, without the trials that are predicted",
         "taken_from_unseen": ["each piece's own start, from its readings and the sensor's noise"],
+        "same_set": sum(f.leads_to == SAME for _, f in said),
+        "folds": [
+            {
+                "part": p.name,
+                "left_out": list(f.out),
+                "selected": [{"effect": e, "where": w} for e, w in f.selected],
+                "leads_to": f.leads_to,
+                **_fold_rms(p, f.out),
+            }
+            for p, f in said
+        ],
+        "failed": [{"part": p.name, "trial": t, "model": n, "why": w} for p, f in said for t, n, w in f.failed],
+    }
+
+
+def _fold_rms(part: Part, out: Sequence[str]) -> dict[str, float]:
+    """Weighted rms of a fold's trials, in the part's own weights."""
+    return {
+        f"rms_{n}": HeldOut({t: h.residual[t] for t in out}, {t: h.counted[t] for t in out}).mean_square ** 0.5
+        for n, h in zip(TOLD, (part.before, part.after, part.selected), strict=True)
     }
 
 

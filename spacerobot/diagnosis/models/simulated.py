@@ -99,28 +99,30 @@ class Simulated(Model):
 
     def _start(self, mechanism: Mechanism, trial: TrialData) -> list[Nuisance]:
         whole = self.recorded[trial.id.split("@")[0]]
+        own = replace(whole, start=trial.start, end=trial.end)  # every reading of the window, and no other
         reach = NEAR * self.sizes[""].time
         found = []
         for coordinate in mechanism.coordinates:
             known = [r for r in mechanism.readouts.values() if r.of == coordinate and r.channel in whole.channels]
             shown = {r.kind: r for r in known}
             if "position" in shown:
-                time, value = self._seen(whole, shown["position"])
+                time, value = self._seen(own, shown["position"])
                 near = local(time, value, trial.start, reach)
                 found.append(Nuisance(coordinate, False, near.value, max(near.value_sigma, 1e-12)))
                 if not (self.at_rest and trial.start <= whole.start) and "velocity" not in shown:
                     found.append(Nuisance(coordinate, True, near.slope, max(near.slope_sigma, 1e-12)))
             if "velocity" in shown:
-                time, value = self._seen(whole, shown["velocity"])
+                time, value = self._seen(own, shown["velocity"])
                 near = local(time, value, trial.start, reach)
                 found.append(Nuisance(coordinate, True, near.value, max(near.value_sigma, 1e-12)))
         return found
 
     @staticmethod
     def _seen(trial: TrialData, readout: Readout) -> tuple[np.ndarray, np.ndarray]:
-        """Times and values of a channel, counted as its coordinate is."""
+        """Times and values of a channel between the trial's ends, counted as its coordinate is."""
         time, value, _ = trial.channel(readout.channel)
-        return time, readout.sign * value
+        within = (time >= trial.start - 1e-9) & (time <= trial.end + 1e-9)
+        return time[within], readout.sign * value[within]
 
     def predict(self, mechanism: Mechanism, trial: TrialData, initial: np.ndarray) -> Predicted:
         """Simulate the window from its initial values and read its channels."""

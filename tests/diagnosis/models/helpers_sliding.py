@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -35,14 +36,21 @@ DECELERATIONS = {
 
 
 def sliding(
-    folder: Path, effect: str = "", size: float = 0.0, *, seed: int = 0, stated: bool = True, noise: float = NOISE
+    folder: Path,
+    effect: str = "",
+    size: float = 0.0,
+    *,
+    seed: int = 0,
+    stated: bool = True,
+    noise: float = NOISE,
+    speeds: Sequence[float] = SPEEDS,
 ) -> Study:
-    """One slide at each of SPEEDS, with an effect of this size in all of them and noise of its own."""
+    """One slide at each of these speeds, with an effect of this size in all of them and noise of its own."""
     folder.mkdir(exist_ok=True, parents=True)
     random = np.random.default_rng(seed)
     text = [HEAD.format(mass=MASS, noise=f", sigma = {noise}" if stated else "")]
     time = np.linspace(0.0, SECONDS, READINGS)
-    for number, speed in enumerate(SPEEDS):
+    for number, speed in enumerate(speeds):
         path = speed * time
         if size:
             law = DECELERATIONS[effect]

@@ -1,0 +1,166 @@
+"""Trials of a part that are kept aside: nothing that is fitted or chosen knows them, and a set that fails them goes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from copy import copy
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from helpers_sliding import sliding
+from hypothesis import given
+from hypothesis import strategies as st
+
+from spacerobot.diagnosis.data import Block, TrialData
+from spacerobot.diagnosis.diagnose import diagnose
+from spacerobot.diagnosis.fold import OPEN, OTHER, PART, SAME
+from spacerobot.diagnosis.models import part_fold
+from spacerobot.diagnosis.models.bench import Bench
+from spacerobot.diagnosis.models.choose import models_for
+from spacerobot.diagnosis.models.grow import grow
+from spacerobot.diagnosis.models.growth import Growth
+from spacerobot.diagnosis.models.held_out import HeldOut
+from spacerobot.diagnosis.models.model import Model
+from spacerobot.diagnosis.models.part_fold import PartFold, Unseen, decided, decided_without, keep_aside
+from spacerobot.diagnosis.models.simulated import Simulated
+from spacerobot.effects.registry import all_effects, effect
+from spacerobot.support.errors import SimulationError
+
+CATALOGUE = ("viscous_drag", "quadratic_drag", "coulomb_friction")
+
+
+@pytest.fixture(scope="module")
+def growth(tmp_path_factory: pytest.TempPathFactory) -> Growth:
+    """A sliding body with drag that is plain to see, its noise unstated: weights come from what is left over."""
+    study = sliding(tmp_path_factory.mktemp("study"), "viscous_drag", 0.4, stated=False)
+    (model,) = models_for(study)
+    return grow(model, effects=[effect(name) for name in CATALOGUE])
+
+
+def other(block: Block) -> Block:
+    """Readings about as large as the true ones."""
+    noise = np.random.default_rng(3).standard_normal(block.value.shape)
+    return replace(block, value=1.3 * block.value + 20.0 / block.weight * noise)
+
+
+def corrupted(growth: Growth, out: Sequence[str]) -> Growth:
+    """The same search with other readings in some trials, wherever its model keeps them."""
+
+    def changed(trial: TrialData) -> TrialData:
+        return replace(trial, blocks=tuple(other(b) for b in trial.blocks)) if trial.id in out else trial
+
+    bench, model = copy(growth.bench), copy(growth.bench.model)
+    assert isinstance(model, Simulated)
+    model.trials = tuple(changed(t) for t in model.trials)
+    model.recorded = {k: changed(t) for k, t in model.recorded.items()}
+    model._starts = {}
+    bench.model, bench.trials = model, tuple(changed(t) for t in bench.trials)
+    return replace(growth, bench=bench)
+
+
+def known_before(growth: Growth, out: Sequence[str]) -> Any:
+    """All that is fitted and chosen in a fold, to the last bit."""
+    said = decided(growth, out)
+    fits = {k: None if f is None else (f.hypothesis.label, f.z.tobytes(), f.cost) for k, f in said.fits.items()}
+    return fits, dict(said.weights), said.growth.after.label, [r.label for r in said.growth.rivals]
+
+
+def test_readings_that_are_kept_aside_change_nothing_that_is_fitted_or_chosen(growth: Growth) -> None:
+    out = ("s1",)
+    assert growth.after.label == (("viscous_drag", "target"),)
+    bad = corrupted(growth, out)
+    assert known_before(growth, out) == known_before(bad, out)
+    true, false = (decided_without(g, out)[1]["after"]["s1"][0] for g in (growth, bad))
+    assert np.abs(true - false).max() > 1.0  # what is predicted wrong are these readings
+
+
+@pytest.mark.parametrize("leak", ["trials", "weights"])
+def test_a_leak_would_be_seen(growth: Growth, monkeypatch: pytest.MonkeyPatch, leak: str) -> None:
+    def all_of_it(model: Model, out: Sequence[str]) -> Model:
+        return model
+
+    if leak == "trials":
+        monkeypatch.setattr(part_fold, "but_for", all_of_it)
+    else:
+        whole = part_fold.among
+
+        def leaking(bench: Any, *rest: Any) -> Any:
+            every = Bench(growth_now.bench.model)  # weights from what the baseline leaves over of all trials
+            every.sharpen(every.baseline())
+            bench.sharpen = lambda fit: setattr(bench, "weights", every.weights)
+            return whole(bench, *rest)
+
+        monkeypatch.setattr(part_fold, "among", leaking)
+    found = []
+    for growth_now in (growth, corrupted(growth, ("s1",))):
+        found.append(known_before(growth_now, ("s1",)))
+    assert found[0] != found[1]
+
+
+def test_a_window_begins_by_its_own_readings(tmp_path: Path) -> None:
+    """Of one slide cut into windows: other readings in one of them change no other's start."""
+    (model,) = models_for(sliding(tmp_path, "viscous_drag", 0.4, speeds=(0.4,)))
+    assert isinstance(model, Simulated)
+    assert len(model.trials) == 4
+    before = {t.id: model.nuisances(t) for t in model.trials}
+    first, second = model.trials[:2]
+    (whole,) = model.recorded.values()
+    (block,) = whole.blocks
+    value = np.where((block.time >= second.start) & (block.time < second.end), block.value + 1.0, block.value)
+    again = copy(model)
+    again.recorded, again._starts = {whole.id: replace(whole, blocks=(replace(block, value=value),))}, {}
+    after = {t.id: again.nuisances(t) for t in again.trials}
+    assert [k for k in before if before[k] != after[k]] == [second.id]
+    assert first.id in before
+
+
+def test_every_trial_is_predicted_once_and_better(growth: Growth) -> None:
+    unseen = keep_aside(growth)
+    ids = [t.id for t in growth.bench.model.trials]
+    assert sorted(t for f in unseen.folds for t in f.out) == sorted(ids) == sorted(unseen.after.residual)
+    assert unseen.count(SAME) == len(unseen.folds)
+    assert unseen.check("body")["passed"]
+    assert unseen.after.mean_square < 0.1 * unseen.before.mean_square
+    for id in ids:
+        assert np.array_equal(unseen.after.residual[id], unseen.selected.residual[id])
+
+
+def test_what_cannot_be_fitted_counts_as_its_mean_and_is_listed(
+    growth: Growth, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def none(*args: Any) -> Any:
+        raise SimulationError("made to fail")
+
+    monkeypatch.setattr(part_fold, "among", none)
+    fold, rows = decided_without(growth, ("s1",))
+    assert fold.leads_to == OTHER
+    assert {why for _, _, why in fold.failed} == {"made to fail"}
+    (trial,) = [t for t in growth.bench.trials if t.id == "s1"]
+    (block,) = trial.blocks
+    assert np.allclose(rows["after"]["s1"][0], ((block.value.mean() - block.value) * block.weight).ravel())
+
+
+@given(st.lists(st.tuples(st.sampled_from([SAME, OPEN, PART, OTHER]), st.floats(0.1, 2.0)), min_size=1, max_size=6))
+def test_what_predicts_no_better_or_is_not_found_again_is_not_named(folds: list[tuple[str, float]]) -> None:
+    """Each fold one trial, which the baseline leaves one sigma of; edges too: half of the folds, and the same error."""
+    ids = [f"t{k}" for k in range(len(folds))]
+    counted = {i: np.ones(1, dtype=bool) for i in ids}
+    before = HeldOut({i: np.ones(1) for i in ids}, counted)
+    after = HeldOut({i: np.array([x]) for i, (_, x) in zip(ids, folds, strict=True)}, counted)
+    unseen = Unseen(tuple(PartFold((i,), (), w) for i, (w, _) in zip(ids, folds, strict=True)), before, after, after)
+    others = sum(what == OTHER for what, _ in folds)
+    telling = [x for what, x in folds if what in (SAME, OPEN)] or [x for _, x in folds]
+    better = sum(x**2 for x in telling) < len(telling)
+    assert unseen.check("body")["passed"] == (2 * others <= len(folds) and better)
+
+
+def test_the_verdict_says_what_was_decided_without_what_it_predicts(tmp_path: Path) -> None:
+    study = sliding(tmp_path, "viscous_drag", 0.4)
+    held = diagnose(study, jobs=1, without=[n for n in all_effects() if n not in CATALOGUE]).verdict["held_out"]
+    assert [f["leads_to"] for f in held["folds"]] == [SAME] * 4
+    assert held["same_set"] == 4
+    assert held["overall"]["rms_selected"] == held["overall"]["rms_after"] < 1.3
+    assert held["failed"] == []
