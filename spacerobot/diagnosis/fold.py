@@ -1,7 +1,8 @@
 """One fold: everything decided again without some trials, and these predicted.
 
 Nothing here knows the trials that are left out before they are predicted: the rig as believed is fitted to the others,
-the sets in play are fitted from starts that these lead to, and the same judge decides.
+the sets in play are fitted from starts that these lead to, and the same judge decides. What is not shown is taken
+back, by the curvature of the fold's fits.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from typing import Any
 from spacerobot.diagnosis.candidates import contains
 from spacerobot.diagnosis.decide import conclude
 from spacerobot.diagnosis.hypothesis import Site
+from spacerobot.diagnosis.intervals import curved
 from spacerobot.diagnosis.pool import Pool
 from spacerobot.diagnosis.refit import refit
 from spacerobot.diagnosis.unseen import Foretold, foretell, seen_sites
@@ -71,7 +73,7 @@ def folded(
     try:
         with Pool(workshop.but_for(out), 1) as pool:
             found = refit(pool, sites, [seen_sites(r, out) for r in rivals], thorough)
-            decided = conclude(pool, found, lambda what, done, total: None)
+            decided = curved(pool.workshop, conclude(pool, found, lambda what, done, total: None))
     except SimulationError as error:
         none = Foretold((), failed={t.id: str(error) for t in unseen})
         return Fold(out, none, none, none, OTHER).as_json()

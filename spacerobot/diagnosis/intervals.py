@@ -18,6 +18,7 @@ from spacerobot.diagnosis.judge import NAMED, Judgement
 from spacerobot.diagnosis.pool import Pool
 from spacerobot.diagnosis.profile import LEVEL_95, Profile, profile
 from spacerobot.diagnosis.shown import not_shown
+from spacerobot.diagnosis.verdict import interval
 from spacerobot.diagnosis.weigh import STAND_IN
 from spacerobot.diagnosis.workshop import Task, Workshop
 
@@ -49,6 +50,19 @@ def with_intervals(pool: Pool, decided: Decided) -> tuple[Decided, dict[str, tup
         if not why:
             return decided, profiled
         decided = decided.withdrawing(pool.workshop, why)
+
+
+def curved(workshop: Workshop, decided: Decided) -> Decided:
+    """As `with_intervals`, by the curvature of the fits instead of their profiles: no further fit is asked for."""
+    while True:
+        chosen, inflation = decided.judgement.chosen, decided.inflation
+        if chosen.covariance is None:
+            return decided
+        keys = [f.key for f in chosen.hypothesis.free if f.kind == "effect"]
+        why = _not_shown(decided.judgement, {key: interval(chosen, key, inflation)[1] for key in keys})
+        if not why:
+            return decided
+        decided = decided.withdrawing(workshop, why)
 
 
 def stated(judgement: Judgement) -> list[str]:

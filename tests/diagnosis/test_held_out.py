@@ -14,8 +14,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from spacerobot.diagnosis import unseen
+from spacerobot.diagnosis import intervals, unseen
 from spacerobot.diagnosis.data import Block, TrialData
+from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.fold import OPEN, OTHER, PART, SAME, Fold, folded
 from spacerobot.diagnosis.held_out import MOST_FOLDS, Errors, HeldOut, folds, held_out_entry, hold_out, taken
 from spacerobot.diagnosis.hypothesis import Site
@@ -68,6 +69,20 @@ def known_before(fold: dict[str, Any]) -> dict[str, Any]:
     """All of a fold but what is taken from the trials that are predicted."""
     told = {k: {n: fold[k][n] for n in ("label", "freed", "only", "values")} for k in TOLD}
     return {**told, "leads_to": fold["leads_to"]}
+
+
+def test_a_fold_takes_back_what_it_does_not_show(workshop: Workshop, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As all trials do: an effect whose interval there holds nothing is not what the fold leads to."""
+    _, (out, _) = folds(workshop.trials)
+
+    def holds_nothing(fit: Fit, key: str, inflation: float) -> tuple[float, tuple[float, float]]:
+        return 0.0, (-1.0, 1.0)
+
+    monkeypatch.setattr(intervals, "interval", holds_nothing)
+    said = folded(workshop, out, [RUB], [], False)
+    assert said["leads_to"] == PART
+    assert list(said["selected"]["label"]) == []
+    assert said["after"]["label"]  # the chosen set predicts all the same
 
 
 def test_readings_that_are_kept_aside_change_nothing_that_is_fitted_or_chosen(workshop: Workshop) -> None:
