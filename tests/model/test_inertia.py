@@ -91,3 +91,16 @@ def test_rotor_inertia_does_not_excuse_an_impossible_body() -> None:
       <d:rotor_inertia xmlns:d="http://drake.mit.edu" value="1"/></actuator></transmission>"""
     with pytest.raises(InputError, match="link 'hub'"):
         load(_robot(MASSLESS.format("base"), MASSLESS.format("hub"), TURN.format("j", "base", "hub"), rotor))
+
+
+def test_rotors_of_one_joint_add_up() -> None:
+    """Two motors on a joint both turn with it; each counts with the square of its own gear."""
+    from lxml import etree
+
+    from spacerobot.model.armature import read_armature
+
+    motor = """<transmission name="t{0}"><joint name="j"/><actuator name="m{0}"><d:gear_ratio
+      xmlns:d="http://drake.mit.edu" value="{1}"/><d:rotor_inertia xmlns:d="http://drake.mit.edu" value="{2}"/>
+      </actuator></transmission>"""
+    robot = f'<robot name="r"><joint name="j"/>{motor.format(1, 3, 0.5)}{motor.format(2, 10, 0.01)}</robot>'
+    assert read_armature(etree.fromstring(robot), "r") == {"j": pytest.approx(9 * 0.5 + 100 * 0.01)}

@@ -78,6 +78,18 @@ yaw = { is = "body.yaw" }"""
     np.testing.assert_allclose(world, (A + 1j * B) * np.exp(1j * turn), atol=1e-9)
 
 
+def test_a_yaw_that_wraps_is_followed_through_a_gap(tmp_path: Path) -> None:
+    """Between a reading just below half a turn and one just above, the body points backwards, not forwards."""
+    lines = 'a = { is = "body.force.x", frame = "body", use = "input" }\nyaw = { is = "body.yaw" }'
+    turn = np.pi + 0.5 * (T - T.mean())
+    wrapped = np.angle(np.exp(1j * turn))
+    wrapped[np.abs(turn - np.pi) < 0.1] = np.nan
+    assert np.isnan(wrapped).any()
+    (recording,) = read(tmp_path, lines, columns(t=T, a=A, yaw=wrapped))
+    np.testing.assert_allclose(recording["body.force.x"].value, A * np.cos(turn), atol=1e-9)
+    np.testing.assert_allclose(recording["body.force.y"].value, A * np.sin(turn), atol=1e-9)
+
+
 def test_one_axis_of_the_body_pushes_along_both_of_the_world(tmp_path: Path) -> None:
     lines = 'a = { is = "body.force.x", frame = "body", use = "input" }\nyaw = { is = "body.yaw" }'
     (recording,) = read(tmp_path, lines, columns(t=T, a=A, yaw=0 * T + np.pi / 2))

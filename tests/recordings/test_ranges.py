@@ -9,7 +9,7 @@ import pytest
 
 from spacerobot.cli.main import main
 from spacerobot.recordings.check import check_study
-from spacerobot.recordings.ranges import Limits
+from spacerobot.recordings.ranges import Limits, _reach
 from spacerobot.recordings.study import load_study
 
 RIG = """format = 1
@@ -80,3 +80,13 @@ def test_the_table_is_shown(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
     line = next(x for x in capsys.readouterr().out.splitlines() if x.startswith("wrist.x"))
     assert "up to 0.0062" in line
     assert " 100 " in line
+
+
+@pytest.mark.parametrize("mass", [0.2, 9.0])
+def test_what_a_target_is_expected_to_push_is_the_closed_form(mass: float) -> None:
+    """A mass against a spring gives v sqrt(m / k), against a slider through a spring v sqrt(k m m_w / (m + m_w))."""
+    values = {"target.mass": mass, "wrist.stiffness": 500.0, "wrist.mass": 0.7, "contact.stiffness": 6e4}
+    pushed, force = _reach(values, 0.1)
+    assert 500.0 * pushed**2 == pytest.approx(mass * 0.1**2), "all the energy in the wrist's spring"
+    shared = 0.5 * mass * 0.1**2 - 0.5 * (mass * 0.1) ** 2 / (mass + 0.7)
+    assert 0.5 * force**2 / 6e4 == pytest.approx(shared), "in the contact's, what the common motion does not keep"

@@ -175,3 +175,18 @@ def test_lines_are_found_in_arrays_of_tables() -> None:
     assert lines["trials.1.id"] == 5
     assert lines["trials.1.target.mass"] == 6
     assert lines["trials.1.wrist.mass"] == 8
+
+
+def test_the_hash_tells_where_one_file_ends_and_the_next_begins(tmp_path: Path) -> None:
+    """The same bytes in all, dealt to the files in another way, or under other names, are other inputs."""
+    text = HEAD + STREAM + TRIAL + TRIAL.replace("01", "02")
+    found = set()
+    for number, (one, other) in enumerate(
+        [("t,x\n0,1\n", "t,x\n0,2\n"), ("t,x\n0,2\n", "t,x\n0,1\n"), ("t,x\n0,1\nt", ",x\n0,2\n")]
+    ):
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        write_study(folder, text, one)
+        (folder / "02.csv").write_text(other)
+        found.add(load_study(folder).input_hash)
+    assert len(found) == 3

@@ -192,3 +192,23 @@ def test_values_come_back_scaled_and_in_place(tmp_path: Path, values: list[float
     expected = np.array([np.nan if v is None else v * scale * 0.01 for v in values])
     np.testing.assert_allclose(series.value, expected, rtol=1e-14)
     np.testing.assert_array_equal(series.valid, np.isfinite(expected))
+
+
+def test_rows_are_chosen_of_the_times_in_their_own_file_too(tmp_path: Path) -> None:
+    text = (
+        HEAD
+        + STREAM.replace('time = "t"', 'time = "t"\nrows = [1, 4]')
+        + TRIAL.replace('mocap = "01.csv"', 'mocap = { file = "01.csv", time_file = "clock.csv" }')
+    )
+    write_study(tmp_path, text, "x\n1\n2\n4\n8\n16\n")
+    (tmp_path / "clock.csv").write_text("t\n0\n0.1\n0.3\n0.6\n1\n")
+    series = load_study(tmp_path).recording("01")["target.x"]
+    assert series.time.tolist() == [0.1, 0.3, 0.6]
+    assert series.value.tolist() == [2.0, 4.0, 8.0]
+
+
+@pytest.mark.parametrize(("step", "remarked"), [(3.4, False), (3.6, True)])
+def test_a_gap_is_remarked_upon_from_three_and_a_half_steps(step: float, remarked: bool, tmp_path: Path) -> None:
+    times = [0.0, 1.0, 2.0, 3.0, 3.0 + step, 4.0 + step, 5.0 + step]
+    write_study(tmp_path, csv="t,x\n" + "".join(f"{t},{k}\n" for k, t in enumerate(times)))
+    assert any("gaps" in note for note in load_study(tmp_path).recording("01").notes) is remarked

@@ -75,3 +75,14 @@ def test_rejects_unknown_end_and_restitution() -> None:
         kv.contact_time(M, K, 1.0, "never")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="restitution"):
         kv.damping_for_restitution(0.0, M, K)
+
+
+@pytest.mark.parametrize("gap", [9e-7, -9e-7, 1.1e-6, -1.1e-6, 1e-9])
+def test_near_critical_damping_the_duration_keeps_all_its_digits(gap: float) -> None:
+    """acos(z) = 2 asin sqrt((1 - z) / 2) and 1 - z^2 = (1 - z)(1 + z), which lose none."""
+    zeta = 1.0 - gap
+    exact = 1.0 - zeta
+    half = math.sqrt(abs(exact) / 2.0)
+    angle = 2.0 * (math.asin(half) if exact > 0.0 else math.asinh(half))
+    expected = 2.0 * angle / math.sqrt(abs(exact) * (2.0 - exact))
+    assert kv.contact_time(1.0, 1.0, 2.0 * zeta, "force_zero") == pytest.approx(expected, rel=1e-9)
