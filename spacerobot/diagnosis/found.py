@@ -65,11 +65,6 @@ class Found:
         """The fit of least cost, the baseline included."""
         return min([self.baseline, *self.fits.values()], key=lambda f: f.cost)
 
-    @property
-    def best_nameable(self) -> Fit:
-        """The fit of least cost that a verdict could name, or of all where there is none."""
-        return min([f for f in self.fits.values() if nameable(f)] or [self.best], key=lambda f: f.cost)
-
     def explains(self, fit: Fit) -> bool:
         """Whether a fit leaves so little over that others need not begin afresh."""
         return fit.chi2 < EXPLAINED * fit.samples and self.noise(fit)

@@ -12,10 +12,15 @@ def means(fit: Fit) -> bool:
     return plausible(fit.hypothesis.label, fit.values())
 
 
+def held_labels(fit: Fit) -> set[tuple[str, str]]:
+    """The effects of a fit that a bound holds."""
+    values, errors = fit.values(), fit.errors()
+    return {site.label for site in fit.hypothesis.sites if held_by_bounds(site, values, errors)}
+
+
 def held(fit: Fit) -> bool:
     """Whether a bound holds one of a fit's effects."""
-    values, errors = fit.values(), fit.errors()
-    return any(held_by_bounds(site, values, errors) for site in fit.hypothesis.sites)
+    return bool(held_labels(fit))
 
 
 def nameable(fit: Fit) -> bool:

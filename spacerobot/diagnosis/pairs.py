@@ -19,6 +19,7 @@ from spacerobot.diagnosis.found import (
     share_of,
 )
 from spacerobot.diagnosis.hypothesis import Label, Site
+from spacerobot.diagnosis.nameable import held_labels
 from spacerobot.diagnosis.pool import Pool
 from spacerobot.diagnosis.screen import Screen, faint
 from spacerobot.diagnosis.starts import effect_starts
@@ -157,7 +158,8 @@ def _twins(found: Found, first: Screen) -> list[Task]:
 
     Which of the two has led the pairs may be a matter of the last digits: a late stream and a smoothed one.
     """
-    best, known = found.best_nameable, first.best()
+    best, known = found.best, first.best()
+    bound = held_labels(best)
     here = [s.label for s in best.hypothesis.sites]
     tasks = []
     for own in here if len(here) > 1 else ():
@@ -167,7 +169,7 @@ def _twins(found: Found, first: Screen) -> list[Task]:
             label = tuple(sorted([*(one for one in here if one != own), other]))
             alone = found.fits.get((other,))
             start = item.start if alone is None else effect_values(alone)
-            if label not in found.fits:
+            if label not in found.fits and not bound.intersection(label):
                 tasks.append(Task(label, {**start, **effect_values(best)}, near=best, max_iterations=20))
     return tasks
 
@@ -181,13 +183,16 @@ def simplify(pool: Pool, found: Found, report: Report) -> None:
     """What the best sets could do without: their special cases and subsets, from where they ended.
 
     Both the one that a verdict would prefer and the one of least cost, whose further effect may have taken the place
-    of the first. Those that were fitted already too: contact makes many minima, and what is left out may have led to
-    a better one.
+    of the first; what a bound holds is left out of what is tried. Those that were fitted already too: contact makes
+    many minima, and what is left out may have led to a better one.
     """
     tasks, known = [], {s.label for s in found.singles}
-    for best in {id(f): f for f in (found.preferred([*found.fits.values()]), found.best_nameable)}.values():
+    for best in {id(f): f for f in (found.preferred([*found.fits.values()]), found.best)}.values():
+        bound = held_labels(best)
         for label in simpler(best.hypothesis.label):
             if not known.issuperset(label):  # a special case that the catalogue was to do without
+                continue
+            if bound.intersection(label):  # it would be held there too
                 continue
             sites = [Site(effect(name), where) for name, where in label]
             starts = effect_starts(sites, effect_values(best))[: 1 if label in found.fits else 2]
