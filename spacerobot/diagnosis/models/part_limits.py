@@ -92,8 +92,11 @@ class PartLimits(Limits):
 
     def _size(self, item: Column, column: np.ndarray, rivals: Sequence[Column]) -> tuple[float, Label | None]:
         """The size, in units of the start, from which the effect is named; and the rival that asks most there."""
+        norm = math.sqrt(float(column @ column))
+        if norm == 0.0:  # at this size the free parameters do all of it
+            return math.inf, None
         drawn = _Drawn(self, item, column, rivals)
-        low, high = 0.0, 1.0 / math.sqrt(float(column @ column))
+        low, high = 0.0, 1.0 / norm
         if self.bounded:
             high = max(high, self._told_from_general(item))
         while not drawn.share(high) >= POWER:
