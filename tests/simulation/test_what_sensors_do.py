@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -99,3 +101,10 @@ def test_measured_motion_is_late_in_the_same_sense(delay: float) -> None:
 def test_measured_motion_is_scaled_before_it_is_shifted() -> None:
     maps = (ChannelMap("x", "offset", 1.0), ChannelMap("x", "gain", 2.0))
     np.testing.assert_allclose(through_sensor(maps, np.arange(5.0), 0.1), 2.0 * np.arange(5.0) + 1.0)
+
+
+def test_delays_of_one_channel_add_up(run: ReducedRun) -> None:
+    """A sensor's own and that of the whole stream, for instance: what is late twice is late by both."""
+    maps = tuple(ChannelMap("contact.force", "delay", value) for value in (0.003, 0.002))
+    seen = read_channels(run, replace(RIG, maps=maps), ("contact.force",), TIMES)["contact.force"]
+    np.testing.assert_allclose(seen, plain(run, "force_sensor", TIMES - 0.005)["contact.force"], atol=1e-12)
