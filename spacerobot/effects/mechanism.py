@@ -151,6 +151,11 @@ class Mechanism:
         found = f"{own.carrier}.yaw" if own.angular else own.carrier
         return found if found in self.coordinates else None
 
+    def rides_on(self, rider: str, name: str) -> bool:
+        """Whether a coordinate is that one, or moves along with it."""
+        carrier = self.carrier_of(rider)
+        return rider == name or (carrier is not None and self.rides_on(carrier, name))
+
     def at_start(self, values: Mapping[str, float]) -> dict[str, float]:
         """Positions (or velocities) of all coordinates at the start, by name.
 

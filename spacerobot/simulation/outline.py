@@ -8,7 +8,7 @@ import numpy as np
 
 from spacerobot.model.robot import Robot
 from spacerobot.simulation.hand import Hand
-from spacerobot.simulation.parts import ContactLaw, EffectAt, Servo, Target, Wrist
+from spacerobot.simulation.parts import ContactLaw, EffectAt, Motion, Servo, Target, Wrist
 
 
 class Outline(Protocol):
@@ -40,6 +40,8 @@ class Outline(Protocol):
     def target(self) -> Target: ...  # noqa: D102
     @property
     def servo(self) -> Servo | None: ...  # noqa: D102
+    @property
+    def motion(self) -> Motion: ...  # noqa: D102
     @property
     def hand(self) -> Hand: ...  # noqa: D102
     @property

@@ -39,6 +39,8 @@ def require_planar(scene: Outline, mechanism: Mechanism) -> None:
         )
     if rubs and pulled[2]:
         _refuse("friction meets a fall out of its plane", scene.gravity, "gravity")
+    if scene.motion.moves_robot:
+        _refuse("it knows the arm and its base at rest in the pose alone", scene.motion, "motion")
     turned = scene.axes.T @ scene.level
     target = scene.target
     point = turned @ np.array(target.contact_point)

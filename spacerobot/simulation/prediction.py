@@ -90,6 +90,7 @@ def predict_exact(scene: Scene, duration: float) -> ThreeMassPrediction | None:
     plain = contact.law == "kelvin_voigt" and not contact.bilateral and not contact.adhesion and not contact.mu
     turned = any(target.spin) or any(target.contact_point[1:]) or any(target.attitude)
     rest = any(scene.gravity) or turned or bool(target.drift or wrist.deflection or wrist.deflection_rate)
+    rest = rest or scene.motion.moves_robot
     if not plain or rest or scene.effects or scene.hand.stiffness > 0.0 or wrist.stiffness <= 0.0:
         return None
     system = ThreeMasses(

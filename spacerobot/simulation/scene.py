@@ -24,7 +24,7 @@ from spacerobot.model.spacecraft import SpacecraftSpec, float_base
 from spacerobot.model.wrist import WristSpec, aim, attach_wrist
 from spacerobot.simulation.arrival import arrival_time
 from spacerobot.simulation.hand import Hand, hand_of
-from spacerobot.simulation.parts import ContactLaw, EffectAt, Servo, Target, Wrist
+from spacerobot.simulation.parts import ContactLaw, EffectAt, Motion, Servo, Target, Wrist
 from spacerobot.simulation.parts.checks import number, vector
 from spacerobot.simulation.scene_mechanism import baseline, edited
 from spacerobot.support.errors import InputError, NotFoundError
@@ -83,6 +83,7 @@ class Scene:
         wrist, contact, target: see there.
         servo: what holds servo joints.
         hand_speed: of a free chaser as a whole, against `approach`, toward the target [m/s].
+        motion: what else moves at the start: base, joints, carried bodies.
         spacecraft: put under the arm to let its base float, or None.
         duration: of the simulation [s]; from arrival and predicted contact time if None.
         effects: of the catalogue, applied in order.
@@ -103,6 +104,7 @@ class Scene:
     target: Target = field(default_factory=Target)
     servo: Servo | None = None
     hand_speed: float = 0.0
+    motion: Motion = field(default_factory=Motion)
     spacecraft: SpacecraftSpec | None = None
     duration: float | None = None
     effects: tuple[EffectAt, ...] = ()
@@ -113,7 +115,7 @@ class Scene:
         def put(name: str, value: Any) -> None:
             object.__setattr__(self, name, value)
 
-        for name, kind in (("wrist", Wrist), ("contact", ContactLaw), ("target", Target)):
+        for name, kind in (("wrist", Wrist), ("contact", ContactLaw), ("target", Target), ("motion", Motion)):
             if not isinstance(getattr(self, name), kind):
                 raise InputError(f"must be a {kind.__name__}", given=getattr(self, name), where=name)
         for name, known in (("joints", JOINTS), ("backend", BACKENDS)):
@@ -150,10 +152,11 @@ class Scene:
         if self.approach is None or (isinstance(self.approach, tuple) and not self.approach):
             put("approach", self._along_the_hand(loaded))
         put("approach", tuple(unit_directions(vector(self.approach, 3, "approach"), where="approach").tolist()))
+        self._require_movable(loaded)
         for text in pose_limit_warnings(loaded, self._start(loaded)):
             warnings.warn(text, PoseLimitWarning, stacklevel=3)
         object.__setattr__(self, "_aimed", self._prepared(loaded))
-        self.mechanism()
+        self._require_carried()
         self._require_arrival()
 
     def __repr__(self) -> str:
@@ -284,7 +287,22 @@ class Scene:
         """Speed at which contact point and tip near each other at the start [m/s]."""
         point = np.cross(np.array(self.target.spin), self.lever)
         along = float(point @ np.array(self.approach))
-        return self.target.speed + along + self.hand_speed - self.wrist.deflection_rate
+        tip = float(self.tip_velocity @ np.array(self.approach))
+        return self.target.speed + along + self.hand_speed - tip - self.wrist.deflection_rate
+
+    @cached_property
+    def tip_velocity(self) -> np.ndarray:
+        """What spin of the base and rates of the joints give the tip at the start, world axes, shape (3,) [m/s]."""
+        robot, v = self.prepared, np.zeros(self.prepared.model.nv)
+        if self.base == "free":
+            v[3:6] = self.motion.base_spin  # the base stands unturned
+        for name, rate in self.motion.joint_rates.items():
+            v[robot.velocity_index(name)] = rate
+        data = robot.model.createData()
+        pin.forwardKinematics(robot.model, data, self.start, v)
+        frame = robot.frame_id(str(robot.contact))
+        world = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+        return np.array(pin.getFrameVelocity(robot.model, data, frame, world).linear)
 
     @cached_property
     def level(self) -> np.ndarray:
@@ -332,9 +350,33 @@ class Scene:
 
     @property
     def _pushed(self) -> bool:
-        """Whether an effect may set the target or the hand in motion."""
+        """Whether an effect, the base's spin or the joints may bring target and hand together."""
         mechanism = self.mechanism()
-        return bool(mechanism.impulses) or any(f.port.startswith("target") for f in mechanism.forces)
+        return (
+            self.motion.moves_robot
+            or bool(mechanism.impulses)
+            or any(f.port.startswith("target") for f in mechanism.forces)
+        )
+
+    def _require_movable(self, robot: Robot) -> None:
+        """Refuse motion of what the scene holds."""
+        motion = self.motion
+        if any(motion.base_spin) and self.base != "free":
+            where = "motion.base_spin"
+            raise InputError("only a free base spins", given=motion.base_spin, valid="base free", where=where)
+        for name in motion.joint_rates:
+            if name not in robot.chain:
+                raise NotFoundError("joint", name, robot.chain, where="motion.joint_rates")
+        if motion.joint_rates and self.joints == "locked":
+            given, valid = ", ".join(motion.joint_rates), "joints free or servo"
+            raise InputError("locked joints do not move", given=given, valid=valid, where="motion.joint_rates")
+
+    def _require_carried(self) -> None:
+        mechanism = self.mechanism()
+        riders = [n for n in mechanism.coordinates if mechanism.carrier_of(n) is not None]
+        for name in self.motion.carried:
+            if name not in riders:
+                raise NotFoundError("carried body", name, riders, where="motion.carried")
 
     def _require_arrival(self) -> None:
         if self.target.gap + self.wrist.deflection < 0.0:

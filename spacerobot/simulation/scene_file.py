@@ -16,9 +16,9 @@
     where = "wrist"
     parameters = { force_N = 0.4 }
 
-Tables: wrist, contact, target, servo, chaser (hand_speed), spacecraft, others (JOINT = position), [[effects]].
+Tables: wrist, contact, target, servo, motion, chaser (hand_speed), spacecraft, others (JOINT = position), [[effects]].
 Keys are the fields of `Wrist`,
-`ContactLaw`, `Target`, `Servo` and `SpacecraftSpec`.
+`ContactLaw`, `Target`, `Servo`, `Motion` and `SpacecraftSpec`.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ import numpy as np
 
 from spacerobot.model.robot import Robot
 from spacerobot.model.spacecraft import SpacecraftSpec
-from spacerobot.simulation.parts import ContactLaw, EffectAt, Servo, Target, Wrist
+from spacerobot.simulation.parts import ContactLaw, EffectAt, Motion, Servo, Target, Wrist
 from spacerobot.simulation.parts.checks import number, vector
 from spacerobot.simulation.scene import Scene
 from spacerobot.support.errors import InputError, NotFoundError
@@ -47,6 +47,7 @@ _TABLES: dict[str, type] = {
     "contact": ContactLaw,
     "target": Target,
     "servo": Servo,
+    "motion": Motion,
     "spacecraft": SpacecraftSpec,
 }
 _PLAIN = ("robot", "base", "joints", "tip", "approach", "gravity", "duration", "backend", "title")
@@ -201,10 +202,10 @@ def scene_text(scene: Scene) -> str:
     lines = [f"{key} = {_value(value)}" for key, value in top.items() if value not in (None, "")]
     tables: dict[str, Any] = {name: getattr(scene, name) for name in _TABLES}
     for name, record in tables.items():
-        if record is not None:
+        if record is not None and record != Motion():
             lines += ["", f"[{name}]"]
             values = {f.name: getattr(record, f.name) for f in dataclasses.fields(record)}
-            lines += [f"{key} = {_value(value)}" for key, value in values.items() if value is not None]
+            lines += [f"{key} = {_value(value)}" for key, value in values.items() if value not in (None, {})]
     if scene.others:
         lines += ["", "[others]", *(f"{json.dumps(k)} = {_value(v)}" for k, v in scene.others.items())]
     if scene.hand_speed:
@@ -225,4 +226,6 @@ def _value(value: Any) -> str:
         return str(int(value))
     if isinstance(value, float | np.floating):
         return repr(float(value))
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(f"{json.dumps(k)} = {_value(v)}" for k, v in value.items()) + " }"
     return "[" + ", ".join(_value(v) for v in value) + "]"

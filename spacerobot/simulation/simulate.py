@@ -129,7 +129,13 @@ def reduced_start(scene: Scene) -> tuple[dict[str, float], dict[str, float]]:
         velocity["hand"] = -scene.hand_speed
     if scene.hand.arm is not None:
         velocity.update(scene.hand.arm.row(-scene.hand_speed * scene.hand.arm.rigid))
-    return mechanism.at_start(position), mechanism.at_start(velocity)
+    at, moving = mechanism.at_start(position), mechanism.at_start(velocity)
+    for name, (displacement, rate) in scene.motion.carried.items():
+        for rider in mechanism.coordinates:
+            if mechanism.rides_on(rider, name):
+                at[rider] += displacement
+                moving[rider] += rate
+    return at, moving
 
 
 def usual_rate(duration: float) -> float:

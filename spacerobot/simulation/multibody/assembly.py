@@ -33,8 +33,8 @@ class Assembly:
         split: first velocity index of the target; what is before moves with the robot, the rest with the target.
         lever: from the target's centre of mass to its contact point at yaw zero, world axes, shape (3,) [m].
         ahead: what is the approach at yaw zero, in the target's body axes, shape (3,).
-        configuration: shape (nq,), at the start, the slider at rest.
-        deflection: of the slider at the start [m].
+        configuration: shape (nq,), at the start, but slider and what rides on others at rest.
+        start: shape (nq,), at the start.
         velocity: shape (nv,), at the start.
     """
 
@@ -50,7 +50,7 @@ class Assembly:
     lever: np.ndarray
     ahead: np.ndarray
     configuration: np.ndarray
-    deflection: float
+    start: np.ndarray
     velocity: np.ndarray
 
 
@@ -124,7 +124,14 @@ def assemble_bodies(scene: Scene, mechanism: Mechanism) -> Assembly:
     v = np.zeros(model.nv)
     approach = np.array(scene.approach)
     if scene.base == "free":
-        v[:3] = -scene.hand_speed * approach  # the base stands unturned at the start
+        v[:3], v[3:6] = -scene.hand_speed * approach, scene.motion.base_spin  # the base stands unturned at the start
+    for name, rate in scene.motion.joint_rates.items():
+        v[model.joints[joints[f"joint.{name}"]].idx_v] = rate
+    start = q.copy()
+    start[model.joints[joints["slider"]].idx_q] = scene.wrist.deflection
+    for name, (displacement, rate) in scene.motion.carried.items():
+        joint = model.joints[joints[name]]
+        start[joint.idx_q], v[joint.idx_v] = displacement, rate
     target = model.joints[model.getJointId(TARGET)]
     at = target.idx_v
     v[at : at + 3] = scene.attitude.T @ (scene.target.speed * approach + scene.target.drift * scene.axes[:, 1])
@@ -143,7 +150,7 @@ def assemble_bodies(scene: Scene, mechanism: Mechanism) -> Assembly:
         lever=scene.lever_at_zero_yaw,
         ahead=scene.level.T @ approach,
         configuration=q,
-        deflection=scene.wrist.deflection,
+        start=start,
         velocity=v,
     )
 

@@ -21,9 +21,7 @@ def balanced(scene: Scene, mechanism: Mechanism, assembly: Assembly) -> Mechanis
     if scene.servo is None or scene.base == "free" or not np.any(assembly.model.gravity.linear):
         return mechanism
     model = assembly.model
-    start = assembly.configuration.copy()
-    start[model.joints[assembly.joints["slider"]].idx_q] = assembly.deflection
-    weight = pin.computeGeneralizedGravity(model, model.createData(), start)
+    weight = pin.computeGeneralizedGravity(model, model.createData(), assembly.start)
     loads = []
     chain = scene.prepared.chain
     for joint, (stiffness, _) in zip(chain, scene.servo.per_joint(chain), strict=True):

@@ -263,8 +263,7 @@ def integrate_scene(
     dynamics.still = max(AT_REST, float(scale[dynamics.nq]))
     integrator = Integrator(dynamics, scale, first_step, min(max_step, end), fixed=fixed)
     y = np.zeros(dynamics.size)
-    y[: dynamics.nq] = assembly.configuration
-    y[assembly.model.joints[assembly.joints["slider"]].idx_q] = assembly.deflection
+    y[: dynamics.nq] = assembly.start
     y[dynamics.nq : dynamics.nq + dynamics.nv] = assembly.velocity
     load(y, dynamics.layout.joints, dynamics.q, dynamics.v)
     y[: dynamics.nq] = dynamics.q
