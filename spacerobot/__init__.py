@@ -56,6 +56,7 @@ if TYPE_CHECKING:
     from spacerobot.view.capture.tumble_figure import base_turn as base_turn
     from spacerobot.view.capture.tumble_figure import compare_tumbles as compare_tumbles
     from spacerobot.view.capture.tumble_figure import tumble_figure as tumble_figure
+    from spacerobot.view.compare.page import compare_page as compare_page
     from spacerobot.view.mass.choose import mass_film as mass_film
     from spacerobot.view.mass.frequency_figure import frequency_figure as frequency_figure
     from spacerobot.view.mass.frequency_figure import responses as responses
@@ -124,6 +125,7 @@ _LAZY: dict[str, str] = {
     "diagnose": "diagnosis.diagnose",
     "save_diagnosis": "view.report.save",
     "all_effects": "effects.registry",
+    "compare_page": "view.compare.page",
     # pictures
     "show": "view.notebook.show",
     "film": "view.scene3d.choose",

@@ -25,6 +25,8 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "paper": ("paper", "Table 1, Figs. 5 and 6 and the equations of the paper, checked"),
     "overlay": ("overlay", "a study's trials simulated and laid over their recordings"),
     "diagnose": ("diagnose", "which physics was left out of a study's baseline, named, fitted and shown"),
+    "compare": ("compare", "two diagnoses or overlays side by side, as one page"),
+    "effects": ("effects", "the catalogue: which physics a model may lack, with parameters and places"),
     "view": ("view", "a robot, a capture or a recorded trial as a scene in one file"),
     "prove": ("prove", "hide physics in another engine's recordings, diagnose them blind, score"),
     "sweep": ("sweep", "captures by the million: poses, speeds, masses, springs and scatter, as Parquet"),

@@ -56,11 +56,13 @@ def met_at_start(scene: Scene) -> str | None:
         ends = np.array([data.oMi[k].translation for k in (parent, joint)])
         if _crosses((ends - centre) @ body, half):
             part = "the wrist" if joint == slider else f"joint {model.names[joint]}"
-            along = ", ".join(f"{x:.3g}" for x in scene.along_the_hand)
+            along = scene.along_the_hand
+            turned = np.dot(along, scene.approach) < 1.0 - 1e-6
+            way = f"approach ({', '.join(f'{x:.3g}' for x in along)}), along the hand, or another pose"
+            advice = way if turned else "another pose"
             return (
                 f"at the start the target (drawn as a cube of {TARGET_EDGE:g} m) stands where the arm is, between "
-                f"joint {model.names[parent]} and {part}; only the tip touches it. Along the hand: "
-                f"approach ({along})"
+                f"joint {model.names[parent]} and {part}; only the tip touches it. Try {advice}"
             )
     return None
 

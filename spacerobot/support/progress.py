@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
+import os
+import signal
 import sys
+import threading
+import time
 from types import TracebackType
-from typing import Self
+from typing import Any, Self
 
 from tqdm import tqdm
 
@@ -15,10 +20,64 @@ class _Bar(tqdm):
     monitor_interval = 0
 
 
+SILENT = 10.0
+"""Seconds after which work that nobody watches says where it is, and again every so many."""
+
+
+class _Heart:
+    """Prints a line of the innermost work by the alarm clock of the process: no thread, which a fork would not copy.
+
+    Where there is no such clock, in another thread than the main one, or where somebody else uses it, nothing is said.
+    """
+
+    def __init__(self) -> None:
+        self._stack: list[Progress] = []
+        self._before: Any = None
+        self._owner = 0
+        self._said = 0.0
+        self._left = float("-inf")
+
+    def join(self, work: Progress) -> None:
+        """Begin to tell of some work."""
+        if not self._stack:
+            free = hasattr(signal, "SIGALRM") and threading.current_thread() is threading.main_thread()
+            if not free or signal.getsignal(signal.SIGALRM) not in (signal.SIG_DFL, signal.SIG_IGN, self._tell):
+                return
+            self._before, self._owner = signal.getsignal(signal.SIGALRM), os.getpid()
+            signal.signal(signal.SIGALRM, self._tell)
+            if signal.getitimer(signal.ITIMER_REAL)[0] == 0.0:
+                now = time.monotonic()
+                if now - self._left > 1.0:  # not the next of several short stages
+                    self._said = now
+                signal.siginterrupt(signal.SIGALRM, False)
+                signal.setitimer(signal.ITIMER_REAL, max(self._said + SILENT - now, 0.05), SILENT)
+        self._stack.append(work)
+
+    def leave(self, work: Progress) -> None:
+        """Tell of it no more."""
+        if work not in self._stack:
+            return
+        self._stack.remove(work)
+        if not self._stack and self._owner == os.getpid():
+            self._left = time.monotonic()
+            signal.setitimer(signal.ITIMER_REAL, 0.0)
+            signal.signal(signal.SIGALRM, self._before)
+
+    def _tell(self, *_: object) -> None:
+        if self._stack and self._owner == os.getpid():
+            self._said = time.monotonic()
+            with contextlib.suppress(OSError, ValueError):
+                print(self._stack[-1].line(), file=sys.stderr, flush=True)
+
+
+_heart = _Heart()
+
+
 class Progress:
     """A count that moves towards `total`. A context manager.
 
-    Shown while standard error is a terminal; elsewhere only with `verbose`, as a line every five seconds.
+    Shown while standard error is a terminal; with `verbose` elsewhere as a line every five seconds. Without it a line
+    says every ten seconds where the work is, so that a log or a pipe is never silent for long; short work says nothing.
     Standard output is never touched, so that `--json` stays one object.
 
     Args:
@@ -50,23 +109,36 @@ class Progress:
             leave=False if watched else None,
             dynamic_ncols=watched,
         )
+        self._what, self._total, self._unit, self._count = what, total, unit, 0
+        self._begun = time.monotonic()
+        self._piped = not (quiet or watched or verbose)
 
     def __enter__(self) -> Self:
+        if self._piped:
+            _heart.join(self)
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
+        _heart.leave(self)
         self._bar.close()
+
+    def line(self) -> str:
+        """Where the work is, in a line."""
+        of = "" if self._total is None else f" of {self._total}"
+        return f"{self._what}: {self._count}{of} {self._unit}s, {time.monotonic() - self._begun:.0f} s"
 
     def advance(self, steps: int = 1, note: str = "") -> None:
         """Count `steps` more; `note` says what was done."""
         if note:
             self._bar.set_postfix_str(note, refresh=False)
         self._bar.update(steps)
+        self._count += steps
 
     def add(self, steps: int) -> None:
         """Expect `steps` more than was thought."""
+        self._total = None if self._total is None else self._total + steps
         if self._bar.total is not None:
             self._bar.total += steps
             self._bar.refresh()

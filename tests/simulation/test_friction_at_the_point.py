@@ -19,6 +19,7 @@ WRIST = Wrist(stiffness=2000.0, damping=3.0)
 
 def off_centre(mu: float, lateral: float, up: float, **more: object) -> Scene:
     target = Target(speed=0.06, contact_point=(0.12, lateral, up), inertia=(0.2, 0.3, 0.3))
+    more = {"approach": (1.0, 0.0, 0.0), **more}
     return Scene(wrist=WRIST, contact=ContactLaw(damping=30.0, mu=mu), target=target, **more)  # type: ignore[arg-type]
 
 

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import importlib.util
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -61,3 +64,28 @@ def test_the_scene_file_of_the_page_can_be_read() -> None:
 
     text = GENERATED["scene_file"]().removeprefix("```toml\n").removesuffix("\n```")
     assert scene_from_text(text, where="docs").robot == "pa10_wrist"
+
+
+def test_what_is_read_in_the_checkout_is_current() -> None:
+    """In a process of its own: other tests add effects to this one's catalogue."""
+    if sys.version_info[:2] != (3, 11):
+        pytest.skip("argparse breaks its lines otherwise in another Python")
+    script = DOCS / "hooks" / "generated.py"
+    said = subprocess.run([sys.executable, str(script), "--check"], capture_output=True, text=True, check=False)
+    assert said.returncode == 0, said.stderr
+    for name in ("effects.md", "commands.md"):
+        assert len((DOCS / name).read_text(encoding="utf-8").splitlines()) > 200
+
+
+def test_a_page_that_is_not_current_is_found(tmp_path: Path) -> None:
+    """The mark takes whatever stood there before, and what is written is taken again."""
+    spec = importlib.util.spec_from_file_location("generated", DOCS / "hooks" / "generated.py")
+    assert spec is not None
+    assert spec.loader is not None
+    hook = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(hook)
+    bare = "# A page\n\n<!-- generated: equations -->\n\nafter\n"
+    once = hook.held(bare)
+    assert hook.held(once) == once != bare
+    assert hook.held(once.replace("| Eq", "| No")) == once
+    assert hook.on_page_markdown(once) == hook.on_page_markdown(bare)

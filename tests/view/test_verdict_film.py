@@ -19,6 +19,7 @@ from spacerobot.view.scene3d.verdict_film import APART
 
 def written(folder: Path, found: dict, effects: tuple[EffectAt, ...] = ()) -> Path:
     scene = Scene(
+        approach=(1.0, 0.0, 0.0),
         wrist=Wrist(stiffness=530.0, damping=2.0),
         target=Target(mass=9.0, speed=0.1, gap=0.02),
         backend="reduced",

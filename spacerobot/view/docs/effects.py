@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import cache
+from typing import Any
 
 from spacerobot.effects.effect import Effect, Parameter
 from spacerobot.effects.mechanism import Mechanism
@@ -34,6 +35,23 @@ def effects() -> str:
         for one in sorted(of_kind, key=lambda e: e.name):
             lines += _entry(one)
     return "\n".join(lines)
+
+
+def entry(one: Effect) -> dict[str, Any]:
+    """One effect ready for JSON: kind, places, parameters with units and bounds, formula, source, proofs."""
+    return {
+        "effect": one.name,
+        "title": effect_title(one.name),
+        "kind": one.kind,
+        "where": list(ports(one)),
+        "parameters": {
+            p.name: {"unit": p.unit, "null": p.null, "lower": p.lower, "upper": p.upper} for p in one.parameters
+        },
+        "formula": one.formula,
+        "source": one.source,
+        "replaces": list(one.replaced("PORT")) if one.replaces else [],
+        "proved": list(proved().get(one.name, ())),
+    }
 
 
 def _entry(one: Effect) -> list[str]:
