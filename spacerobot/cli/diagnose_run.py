@@ -125,6 +125,9 @@ def _show(args: argparse.Namespace, verdict: Mapping[str, Any], folder: RunFolde
     if args.json:
         print(dumps(verdict))
         return 0
+    from spacerobot.view.report.words import per_unit, with_own_units
+
+    verdict = per_unit(with_own_units(verdict, {}))
     print(f"{verdict['study']}: {verdict['verdict']} (confidence {verdict['confidence']:.2f})")
     print(_WORDS[verdict["verdict"]])
     for line in verdict.get("why", []):

@@ -12,6 +12,7 @@ from pixels import difference, like_stored, picture
 sys.path.insert(0, str(Path(__file__).parent.parent / "view"))
 from helpers_report import KINDS, evidence, verdict
 
+import spacerobot
 from spacerobot.view.report import write_report
 
 
@@ -143,3 +144,23 @@ def test_hostile_evidence_does_nothing(tmp_path: Path, visit: Any) -> None:
     assert seen.page.evaluate("window.hit") is None
     assert words in seen.page.locator(".study").inner_text()
     seen.calm(path.as_uri())
+
+
+def test_an_overlay_is_looked_into_as_a_report_is(tmp_path: Path, visit: Any) -> None:
+    """Its plot answers, nothing is wider than the window, and it has a dark side."""
+    made = spacerobot.overlay(spacerobot.load_study("guide-friction"), ["03", "12"])
+    spacerobot.write_overlay(made, tmp_path / "o")
+    seen = visit((tmp_path / "o" / "overlay.html").as_uri(), width=1100, height=900)
+    page = seen.page
+    assert page.locator("#explorer canvas").count() == 2
+    assert not page.locator(".fallback").is_visible()
+    wide = page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth")
+    assert wide <= 0, "the page is wider than the window"
+    page.locator("#plot").focus()
+    page.keyboard.press("ArrowRight")
+    said = page.locator("#readout").inner_text()
+    assert "simulated" in said
+    assert "chosen model" not in said
+    before = page.evaluate("getComputedStyle(document.body).backgroundColor")
+    page.locator("#theme").click()
+    assert page.evaluate("getComputedStyle(document.body).backgroundColor") != before

@@ -11,7 +11,7 @@ import pytest
 
 from spacerobot.cli.main import main
 from spacerobot.view.overlay.figures import readable
-from spacerobot.view.overlay.thinning import broken, envelope
+from spacerobot.view.overlay.thinning import broken, envelope, extremes
 from tests.overlay.studies import axis_study
 
 
@@ -134,3 +134,15 @@ def test_a_line_breaks_where_it_should() -> None:
 )
 def test_units_that_read_well(unit: str, size: float, expected: tuple[float, str]) -> None:
     assert readable(unit, size) == expected
+
+
+def test_thinned_records_keep_every_peak() -> None:
+    """The least and the largest of each record, and no more samples than were asked for, about."""
+    random = np.random.default_rng(1)
+    one, two = random.standard_normal((2, 20_000))
+    one[1234], two[17_001] = 50.0, -60.0
+    kept = extremes(1000, one, two)
+    assert kept.size <= 1100
+    assert {1234, 17_001} <= set(kept.tolist())
+    assert (np.diff(kept) > 0).all()
+    assert extremes(1000, one[:500]).size == 500

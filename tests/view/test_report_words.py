@@ -19,6 +19,7 @@ from spacerobot.view.report.words import (
     number,
     parameter_label,
     parameters_text,
+    per_unit,
     place,
     probability,
     quantity,
@@ -197,3 +198,20 @@ def test_no_size_beyond_what_the_catalogue_allows_is_a_limit() -> None:
     assert beyond({**late, "smallest": "inf"})
     assert beyond({**late, "smallest": None})
     assert not beyond({**late, "smallest": 1e-4})
+
+
+def test_forces_on_a_body_of_unknown_mass_are_per_kilogram() -> None:
+    """Its own alone, and what has no mass in it (a delay, an angle) stays what it was."""
+
+    def drag(where: str, part: str, unit: str = "N s/m") -> dict[str, object]:
+        value = {"value": 1.0, "ci95": [0.9, 1.1], "unit": unit}
+        return {"effect": "viscous_drag", "where": where, "part": part, "parameters": {"x": value}}
+
+    effects = [drag("target", "a"), drag("target", "b"), drag("target.yaw", "a", "N m s/rad"), drag("target", "a", "s")]
+    parts = [{"part": "a", "relative_to": ["body.mass", "body.yaw_inertia"]}, {"part": "b", "relative_to": []}]
+    limits = [{"effect": "payload", "where": "a", "parameter": "mass_kg", "smallest": 0.1, "unit": "kg"}]
+    found = per_unit({"effects": effects, "parts": parts, "detectable": limits})
+    units = [e["parameters"]["x"]["unit"] for e in found["effects"]]
+    assert units == ["N s/m per kg", "N s/m", "N m s/rad per kg m^2", "s"]
+    assert found["detectable"][0]["unit"] == "kg per kg"
+    assert per_unit({"effects": effects, "detectable": []})["effects"] == effects

@@ -18,8 +18,10 @@ from spacerobot.view.report.words import (
     number,
     of_body,
     parameter_label,
+    per_unit,
     quantity,
     unit_of_value,
+    with_own_units,
 )
 
 MOST_BYTES = 50_000_000
@@ -89,7 +91,7 @@ def compare(first: str | Path, second: str | Path) -> Comparison:
     else:
         for found, folder in ((a, folders[0]), (b, folders[1])):
             validate(found, where=str(folder))
-        a, b = of_body(a), of_body(b)
+        a, b = (per_unit(with_own_units(of_body(found), {})) for found in (a, b))
         sections = _diagnoses(a, b)
         titles = str(a["study"]), str(b["study"])
     kept = {name: rows for name, rows in sections.items() if rows}

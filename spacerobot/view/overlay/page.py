@@ -6,7 +6,9 @@ from collections.abc import Mapping
 from importlib.resources import files
 from typing import Any
 
+import numpy as np
 from jinja2 import Environment, StrictUndefined
+from markupsafe import Markup
 from matplotlib.figure import Figure
 
 from spacerobot import __version__
@@ -14,7 +16,14 @@ from spacerobot.diagnosis.forward.base import ForwardModel, TrialOverlay
 from spacerobot.diagnosis.forward.residuals import Residuals, residuals
 from spacerobot.recordings.study import Study
 from spacerobot.view.overlay.figures import readable
+from spacerobot.view.overlay.thinning import extremes
 from spacerobot.view.plotting import svg_uri
+from spacerobot.view.report.evidence import Trace
+from spacerobot.view.report.page import assets, policy
+from spacerobot.view.report.traces_json import embedded
+
+POINTS = 1000
+"""Samples of one channel that the page carries, about."""
 
 
 def page(
@@ -37,6 +46,8 @@ def page(
         glance: every trial's residuals in one figure.
         left_out: recorded channels that the baseline does not predict.
     """
+    data, kept = embedded([trace for trial in trials for trace in traces_of(trial)])
+    scripts, styles = assets()
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     environment.filters["figure"] = lambda value: f"{value:.3g}"
     template = environment.from_string(
@@ -53,7 +64,33 @@ def page(
         left_out=left_out,
         estimated=[r.channel for r in channels.values() if not r.sigma_stated],
         version=__version__,
+        data=Markup(data),  # noqa: S704 - JSON with every bracket escaped
+        kept=kept,
+        count=sum(len(t.channels) for t in trials),
+        scripts=scripts,
+        styles=styles,
+        policy=policy(scripts, styles),
     )
+
+
+def traces_of(trial: TrialOverlay) -> list[Trace]:
+    """A trial's channels as the page's explorer takes them, long records thinned so that no peak is lost."""
+    return [
+        Trace(
+            trial=trial.id,
+            condition=trial.condition,
+            channel=c.channel,
+            unit=c.unit,
+            sigma=c.sigma if c.sigma > 0.0 and np.isfinite(c.sigma) else None,
+            time=c.time[kept],
+            measured=c.measured[kept],
+            before=c.simulated[kept],
+            after=np.zeros(0),
+        )
+        for c in trial.channels
+        if c.time.size
+        for kept in [extremes(POINTS, c.measured, c.residual)]
+    ]
 
 
 def _row(found: Residuals) -> dict[str, Any]:

@@ -28,6 +28,21 @@ def envelope(time: np.ndarray, value: np.ndarray, points: int) -> tuple[np.ndarr
     return time[index], value[index]
 
 
+def extremes(points: int, *values: np.ndarray) -> np.ndarray:
+    """Indices of at most about `points` samples, ascending: the least and the largest of every stretch of each record.
+
+    Args:
+        points: 4 at least.
+        values: shape (T,) each.
+    """
+    size = values[0].size
+    if size <= points:
+        return np.arange(size)
+    place = np.arange(float(size))
+    kept = [envelope(place, v, max(4, points // len(values)))[0].astype(int) for v in values]
+    return np.unique(np.concatenate(kept))
+
+
 def broken(time: np.ndarray, value: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """A record with a NaN before each of the times `at`, shape (R,), so that a line drawn through it breaks there."""
     inside = at[(at > time[0]) & (at <= time[-1])] if time.size else at[:0]

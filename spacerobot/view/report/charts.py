@@ -143,7 +143,7 @@ def rivals_chart(hypotheses: Sequence[Mapping[str, Any]], limit: int = 12) -> Ma
         svg.add(root, "text", name, klass="label", x=4, y=y + 12)
         y += 16.0
         # A logarithmic length, since scores run from hundredths to hundreds.
-        length = max(600.0 * math.log10(1.0 + 99.0 * max(-score, 0.0) / worst), 2.0)
+        length = max(300.0 * math.log10(1.0 + 99.0 * max(-score, 0.0) / worst), 2.0)
         klass, value = ("bar after", "best") if i == 0 else ("bar rival", number(score, 3))
         svg.add(root, "rect", klass=klass, x=4, y=y, width=length, height=18, rx=3)
         svg.add(root, "text", value, klass="value", x=12 + length, y=y + 14)

@@ -19,7 +19,7 @@ from spacerobot.view.report.formula import mathml
 from spacerobot.view.report.story import capital, change_text, confidence_text, few_trials, improvement, tell
 from spacerobot.view.report.traces_json import embedded
 from spacerobot.view.report.unseen import unseen
-from spacerobot.view.report.words import finite, of_body, with_own_units
+from spacerobot.view.report.words import finite, of_body, per_unit, with_own_units
 
 RIVALS = 200
 """Screened hypotheses listed one by one; the others are counted."""
@@ -38,11 +38,12 @@ def page(verdict: Mapping[str, Any], evidence: Evidence) -> str:
         verdict: as in verdict.json, plain JSON values.
         evidence: the rest, read.
     """
-    verdict, evidence = with_own_units(of_body(verdict, evidence.body), evidence.channels), evidence.with_body()
+    verdict = per_unit(with_own_units(of_body(verdict, evidence.body), evidence.channels))
+    evidence = evidence.with_body()
     if verdict["verdict"] in UNEXPLAINED:
         evidence = evidence.without_after()
     data, kept = embedded(evidence.traces)
-    scripts, styles = _assets()
+    scripts, styles = assets()
     hero = _hero(verdict, evidence)
     fitted, screened, more = _rivals(_with_held_out(verdict, evidence.hypotheses))
     unit = " σ" if (verdict.get("held_out") or {}).get("unit", "sigma") == "sigma" else ""
@@ -66,7 +67,7 @@ def page(verdict: Mapping[str, Any], evidence: Evidence) -> str:
         located=evidence.located or verdict["located"],
         surfaces=surfaces,
         formulas=_formulas(verdict, evidence),
-        improvement_chart=charts.improvement_chart((verdict.get("held_out") or {}).get("overall") or {}, unit),
+        improvement_chart=charts.improvement_chart(_overall(verdict), unit),
         unit=unit,
         rivals_chart=charts.rivals_chart(evidence.hypotheses),
         fitted=fitted,
@@ -79,7 +80,7 @@ def page(verdict: Mapping[str, Any], evidence: Evidence) -> str:
         kept=kept,
         scripts=scripts,
         styles=styles,
-        policy=_policy(scripts, styles),
+        policy=policy(scripts, styles),
     )
 
 
@@ -110,7 +111,8 @@ def _clip(text: object, limit: int = 400) -> str:
 
 
 @cache
-def _assets() -> tuple[tuple[Markup, ...], tuple[Markup, ...]]:
+def assets() -> tuple[tuple[Markup, ...], tuple[Markup, ...]]:
+    """Scripts and styles of pages with an explorer of traces."""
     folder = files("spacerobot.view.report").joinpath("assets")
 
     def read(name: str) -> Markup:
@@ -119,7 +121,7 @@ def _assets() -> tuple[tuple[Markup, ...], tuple[Markup, ...]]:
     return tuple(read(n) for n in _SCRIPTS), tuple(read(n) for n in _STYLES)
 
 
-def _policy(scripts: Sequence[str], styles: Sequence[str]) -> str:
+def policy(scripts: Sequence[str], styles: Sequence[str]) -> str:
     """A content security policy that lets these scripts and styles run, and nothing else load or run at all."""
 
     def sources(texts: Sequence[str]) -> str:
@@ -178,6 +180,14 @@ def _best(hypotheses: Sequence[Mapping[str, Any]]) -> float | None:
     values = [finite(h.get("chi2")) for h in hypotheses if h.get("stage") == "fitted"]
     known = [v for v in values if v is not None and math.isfinite(v)]
     return min(known) if known else None
+
+
+def _overall(verdict: Mapping[str, Any]) -> dict[str, Any]:
+    """The held-out errors, without those of a second model where none is named."""
+    found = dict((verdict.get("held_out") or {}).get("overall") or {})
+    if verdict["verdict"] in UNEXPLAINED:
+        found.pop("rms_after", None)
+    return found
 
 
 def _with_held_out(verdict: Mapping[str, Any], hypotheses: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:

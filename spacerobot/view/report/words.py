@@ -308,3 +308,40 @@ def beyond(item: Mapping[str, Any]) -> bool:
         return True
     bounds = [(p.lower, p.upper) for p in known.parameters if p.name == item.get("parameter")] if known else []
     return any(abs(size) >= max(abs(low), abs(high)) for low, high in bounds)
+
+
+def per_unit(verdict: Mapping[str, Any]) -> dict[str, Any]:
+    """The verdict with "per kg" at the forces on bodies whose mass nobody knows: only their ratio to it was told.
+
+    Torques about a body whose yaw inertia is not known are per kg m^2.
+    """
+    parts = verdict.get("parts") or ()
+    relative = {str(p["part"]): tuple(p.get("relative_to") or ()) for p in parts}
+
+    def of(item: Mapping[str, Any], part: str) -> dict[str, Any]:
+        where = str(item["where"])
+        turning = where.endswith(".yaw")
+        names = [n for n in relative.get(part, ()) if n.endswith("yaw_inertia") == turning]
+        if not names:
+            return dict(item)
+        per = " per kg m^2" if turning else " per kg"
+        out = dict(item)
+        if "unit" in out and _grows_with_mass(out["unit"]):
+            out["unit"] += per
+        if "parameters" in out:
+            out["parameters"] = {
+                k: {**p, "unit": p["unit"] + per} if isinstance(p, Mapping) and _grows_with_mass(p["unit"]) else p
+                for k, p in out["parameters"].items()
+            }
+        return out
+
+    def owner(item: Mapping[str, Any]) -> str:
+        return str(item.get("part") or str(item["where"]).partition(".")[0])
+
+    effects = [of(e, owner(e)) for e in verdict["effects"]]
+    return {**verdict, "effects": effects, "detectable": [of(d, owner(d)) for d in verdict["detectable"]]}
+
+
+def _grows_with_mass(unit: str) -> bool:
+    """Whether a unit has a force or a mass above its line."""
+    return bool(re.search(r"\bN|\bkg", unit.partition("/")[0]))

@@ -7,6 +7,7 @@
     document.documentElement.classList.remove("js");
     return;
   }
+  const NAMES = { before: box.dataset.before || "baseline", after: box.dataset.after || "chosen model" };
   const $ = function (id) { return document.getElementById(id); };
   const pickChannel = $("pick-channel"), pickTrial = $("pick-trial"), plot = $("plot"), readout = $("readout");
   let upper = null, lower = null, current = null, syncing = false;
@@ -81,8 +82,8 @@
       return " (off by " + r.toFixed(1) + (current.sigma ? " σ" : unit) + ")";
     };
     readout.textContent = "t = " + current.time[i].toFixed(4) + " s: measured " + show(current.measured[i]) +
-      (current.before.length ? ", baseline " + show(current.before[i]) + off("before") : "") +
-      (current.after.length ? ", chosen model " + show(current.after[i]) + off("after") : "");
+      (current.before.length ? ", " + NAMES.before + " " + show(current.before[i]) + off("before") : "") +
+      (current.after.length ? ", " + NAMES.after + " " + show(current.after[i]) + off("after") : "");
   }
   function padded(lists, atLeast) {
     let low = -atLeast, high = atLeast;
@@ -107,7 +108,7 @@
       series: [{}, {
         label: "measured", stroke: function () { return colour("measured"); }, paths: function () { return null; },
         points: { show: true, size: 5, width: 0, fill: function () { return colour("measured") + "99"; } },
-      }, predicted("baseline", "before", [7, 4]), predicted("chosen model", "after")],
+      }, predicted(NAMES.before, "before", [7, 4]), predicted(NAMES.after, "after")],
       hooks: { setScale: [share("upper", function () { return lower; })], setCursor: [say] },
     };
     upper = new uPlot(top, [current.time, current.measured, of("before"), of("after")], $("plot-values"));
@@ -117,7 +118,7 @@
       width: width, height: 170, scales: { x: { time: false }, y: { range: padded([rb, ra], current.sigma ? 3 : 0) } }, legend: { show: false },
       cursor: { sync: sync, drag: { x: true, y: false }, points: { size: 6 } },
       axes: [axis("time [s]", 36), axis(current.sigma ? "off by [σ]" : "off by [" + unit + "]", left)],
-      series: [{}, predicted("baseline", "before", [7, 4]), predicted("chosen model", "after")],
+      series: [{}, predicted(NAMES.before, "before", [7, 4]), predicted(NAMES.after, "after")],
       hooks: { setScale: [share("lower", function () { return upper; })], drawClear: [floor] },
     };
     lower = new uPlot(under, [current.time, rb, ra], $("plot-residuals"));
