@@ -73,12 +73,24 @@ class Simulated(Model):
         self.at_rest, self.covered = at_rest, covered
         windows = [w for t in recorded for w in cut(t, window)]
         self.trials = tuple(spread_over(windows, budget))
+        self._hidden: tuple[TrialData, ...] = ()
         self._starts: dict[str, tuple[Nuisance, ...]] = {}
 
     def in_windows(self, length: float) -> Simulated:
         """The same recordings in windows of another length [s], all of them."""
         other = copy(self)
-        other.trials = tuple(w for t in self.recorded.values() for w in cut(t, length))
+        windows = (w for t in self.recorded.values() for w in cut(t, length))
+        other.trials = tuple(w for w in windows if not any(_overlap(w, h) for h in self._hidden))
+        other._starts = {}
+        return other
+
+    def but_for(self, out: Sequence[str]) -> Simulated:
+        """The same without some of its windows: nothing that it fits knows a reading of theirs."""
+        other = copy(self)
+        other.trials = tuple(t for t in self.trials if t.id not in out)
+        kept = {_parent(t) for t in other.trials}
+        other.recorded = {k: t for k, t in self.recorded.items() if k in kept}
+        other._hidden = (*self._hidden, *(t for t in self.trials if t.id in out))
         other._starts = {}
         return other
 
@@ -98,31 +110,35 @@ class Simulated(Model):
         return self._starts[trial.id]
 
     def _start(self, mechanism: Mechanism, trial: TrialData) -> list[Nuisance]:
-        whole = self.recorded[trial.id.split("@")[0]]
-        own = replace(whole, start=trial.start, end=trial.end)  # every reading of the window, and no other
+        whole = self.recorded[_parent(trial)]
         reach = NEAR * self.sizes[""].time
         found = []
         for coordinate in mechanism.coordinates:
             known = [r for r in mechanism.readouts.values() if r.of == coordinate and r.channel in whole.channels]
             shown = {r.kind: r for r in known}
             if "position" in shown:
-                time, value = self._seen(own, shown["position"])
+                time, value = self._seen(whole, shown["position"], trial.end)
                 near = local(time, value, trial.start, reach)
                 found.append(Nuisance(coordinate, False, near.value, max(near.value_sigma, 1e-12)))
                 if not (self.at_rest and trial.start <= whole.start) and "velocity" not in shown:
                     found.append(Nuisance(coordinate, True, near.slope, max(near.slope_sigma, 1e-12)))
             if "velocity" in shown:
-                time, value = self._seen(own, shown["velocity"])
+                time, value = self._seen(whole, shown["velocity"], trial.end)
                 near = local(time, value, trial.start, reach)
                 found.append(Nuisance(coordinate, True, near.value, max(near.value_sigma, 1e-12)))
         return found
 
-    @staticmethod
-    def _seen(trial: TrialData, readout: Readout) -> tuple[np.ndarray, np.ndarray]:
-        """Times and values of a channel between the trial's ends, counted as its coordinate is."""
-        time, value, _ = trial.channel(readout.channel)
-        within = (time >= trial.start - 1e-9) & (time <= trial.end + 1e-9)
-        return time[within], readout.sign * value[within]
+    def _seen(self, whole: TrialData, readout: Readout, end: float) -> tuple[np.ndarray, np.ndarray]:
+        """Times and values of a channel up to the end of a window, counted as its coordinate is.
+
+        What came before a window tells how it begins, unless that is kept aside.
+        """
+        time, value, _ = whole.channel(readout.channel)
+        known = time <= end + 1e-9
+        for window in self._hidden:
+            if _parent(window) == whole.id:
+                known &= (time < window.start - 1e-9) | (time > window.end - 1e-9)
+        return time[known], readout.sign * value[known]
 
     def predict(self, mechanism: Mechanism, trial: TrialData, initial: np.ndarray) -> Predicted:
         """Simulate the window from its initial values and read its channels."""
@@ -160,6 +176,15 @@ class Simulated(Model):
         return Predicted(
             tuple(np.array(list(read_channels(run, mechanism, b.channels, b.time).values())) for b in trial.blocks)
         )
+
+
+def _parent(window: TrialData) -> str:
+    """Id of the trial that a window was cut from."""
+    return window.id.split("@")[0]
+
+
+def _overlap(one: TrialData, other: TrialData) -> bool:
+    return _parent(one) == _parent(other) and one.start < other.end - 1e-9 and other.start < one.end - 1e-9
 
 
 def _delays(mechanism: Mechanism, trial: TrialData) -> list[float]:

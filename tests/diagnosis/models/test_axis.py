@@ -115,10 +115,7 @@ def test_drives_between_their_readings() -> None:
 
 @pytest.mark.real
 def test_silverbox_has_a_cubic_spring() -> None:
-    """Wigren and Schoukens built it as a Duffing oscillator: held-out error falls to a third, with its offset.
-
-    To 0.364: before windows began by their own readings alone, starts knew the readings before them too.
-    """
+    """Wigren and Schoukens built it as a Duffing oscillator: held-out error falls to a third, with its offset."""
     (model,) = models_for(real_study("silverbox"))
     assert isinstance(model, Simulated)
     few = tuple(t for i, t in enumerate(model.trials) if i % 4 == 0)
@@ -130,4 +127,4 @@ def test_silverbox_has_a_cubic_spring() -> None:
         fit = Fitter(model, few).fit(made, warm=start, max_iterations=12)
         held_out = predict_held_out(model, few, made, fit.values(), folds(few), fit.initials(), max_iterations=6)
         errors.append(held_out.mean_square**0.5)
-    assert errors[1] < 0.4 * errors[0]
+    assert errors[1] < 0.35 * errors[0]
