@@ -18,6 +18,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from scipy.ndimage import binary_erosion
 
 from spacerobot.diagnosis.candidates import contains, plausible
 from spacerobot.diagnosis.fit import Fitter
@@ -238,8 +239,7 @@ class Limits:
 
 def _away(keep: np.ndarray) -> np.ndarray:
     """Samples that count and lie BESIDE samples away from any that does not, shape (S,)."""
-    near = np.convolve(~keep, np.ones(2 * BESIDE + 1), mode="same") > 0.5
-    return np.asarray(keep & ~near)
+    return np.asarray(binary_erosion(keep, np.ones(2 * BESIDE + 1, dtype=bool), border_value=1))
 
 
 def _akin(one: tuple[str, str], other: tuple[str, str]) -> bool:

@@ -13,11 +13,14 @@ from hypothesis import strategies as st
 from scipy.stats import ncx2, norm
 
 from spacerobot.diagnosis.candidates import candidate_sites
-from spacerobot.diagnosis.hypothesis import Site, hypothesis
+from spacerobot.diagnosis.fitted import Fit
+from spacerobot.diagnosis.hypothesis import Believed, Hypothesis, Site, hypothesis
 from spacerobot.diagnosis.judge import EARN
-from spacerobot.diagnosis.limits import Limit, Limits, must_earn, must_lead
-from spacerobot.diagnosis.weigh import MARGIN, PENALTY
+from spacerobot.diagnosis.limits import BESIDE, Column, Limit, Limits, _away, must_earn, must_lead
+from spacerobot.diagnosis.starts import effect_starts
+from spacerobot.diagnosis.weigh import MARGIN, PENALTY, score
 from spacerobot.diagnosis.workshop import Task, Workshop
+from spacerobot.effects.registry import effect
 from tests.diagnosis.rigs import write_study
 
 TELLING = (("coulomb_friction", "wrist"), ("coulomb_friction", "target"), ("viscous_drag", "target"))
@@ -97,3 +100,88 @@ def test_more_noise_and_a_rival_ask_for_more(shop: Workshop) -> None:
     drag = beside["viscous_drag", "target"]
     assert drag.instead == ("coulomb_friction", "target")
     assert np.float64(drag.smallest) > 1.1 * np.float64(alone["viscous_drag", "target"])
+
+
+@given(st.lists(st.booleans(), min_size=1, max_size=40))
+def test_what_a_limit_rests_on_lies_away_from_what_is_masked(keep: list[bool]) -> None:
+    mask = np.array(keep)
+    counts = _away(mask)
+    for i, one in enumerate(counts):
+        near = mask[max(i - BESIDE, 0) : i + BESIDE + 1]
+        assert one == near.all()
+
+
+BELIEVED = Believed({"wrist.stiffness": 1000.0}, {"wrist.stiffness": 0.01}, {}, ("all",))
+
+
+def fit_of(made: Hypothesis) -> Fit:
+    return Fit(made, np.zeros(len(made.free)), {}, 100.0, 0.0, 100, None, True, 1)
+
+
+@pytest.mark.parametrize("trials", [(), ("01",)])
+@pytest.mark.parametrize("name", ["coulomb_friction", "asymmetric_friction"])
+def test_an_effect_has_the_price_that_the_judge_asks(name: str, trials: tuple[str, ...]) -> None:
+    site = Site(effect(name), "wrist", trials)
+    whole, base = (fit_of(hypothesis(BELIEVED, sites)) for sites in ([site], []))
+    assert Column(site, {}, 1.0, np.ones(1), 1.0).price == score(whole) - score(base)
+
+
+class Straight(Limits):
+    """Limits where effects do to the recordings what is written here, in proportion to their size."""
+
+    def __init__(self, done: dict[tuple[str, str], np.ndarray]) -> None:
+        self.fit, self.inflation, self.done = fit_of(hypothesis(BELIEVED, [])), 1.0, done
+        self.project = self  # type: ignore[assignment]
+        self.out: tuple[str, ...] = ()
+
+    def free(self, change: np.ndarray, z: np.ndarray) -> np.ndarray:
+        return change
+
+    def shift(self, change: np.ndarray) -> np.ndarray:
+        return np.array([9.0 if f.key in self.out else 0.0 for f in self.fit.hypothesis.free])
+
+    def _change(self, site: Site, values: object) -> np.ndarray:
+        (parameter,) = site.effect.parameters
+        return self.done[site.label] * values[site.key(parameter.name)]  # type: ignore[index]
+
+    def smallest(self, label: tuple[str, str]) -> float:
+        columns = []
+        for (name, where), done in self.done.items():
+            site = Site(effect(name), where)
+            start = effect_starts([site])[0]
+            column = done * start[site.key(site.effect.parameters[0].name)]
+            columns.append(Column(site, start, 1.0, column, float(column @ column)))
+        units = np.array([c.column / np.linalg.norm(c.column) for c in columns])
+        item = next(c for c in columns if c.site.label == label)
+        found = self._limit(item, columns, units).smallest
+        assert found is not None
+        return found
+
+
+ONE, DRAG, BIAS = ("coulomb_friction", "wrist"), ("viscous_drag", "target"), ("bias", "mocap")
+
+
+@given(st.floats(0.2, 0.7))
+def test_a_rival_imitates_with_the_signs_that_it_may_have(angle: float) -> None:
+    """Drag takes energy and cannot bring any; a bias may lie on either side."""
+    assert effect("bias").two_sided
+    assert not effect("viscous_drag").two_sided
+    own = np.array([30.0, 0.0])
+    beside = 30.0 * np.array([math.cos(angle), math.sin(angle)])
+    alone = Straight({ONE: own}).smallest(ONE)
+    for rival, either in ((DRAG, False), (BIAS, True)):
+        toward, against = (Straight({ONE: own, rival: sign * beside}).smallest(ONE) for sign in (1.0, -1.0))
+        assert toward > 1.05 * alone
+        assert against == pytest.approx(toward if either else alone, rel=0.07)
+
+
+def test_beside_wrong_values_an_effect_pays_less_by_what_these_cost() -> None:
+    """The judge's own count: the effect's parameters against the values that are given up."""
+    limits = Straight({ONE: np.array([1.0])})
+    limits.out = ("wrist.stiffness",)
+    limits._loose = {limits.out: limits}  # type: ignore[dict-item]
+    whole = fit_of(hypothesis(BELIEVED, [Site(effect(ONE[0]), ONE[1])]))
+    freed = fit_of(hypothesis(BELIEVED.free_of(limits.out), []))
+    asked = must_earn(score(whole) - score(freed), True)
+    found = limits._wrong_instead(np.array([3.0]), PENALTY)
+    assert found == pytest.approx(3.0 / math.sqrt(asked))

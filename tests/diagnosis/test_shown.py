@@ -100,3 +100,13 @@ def test_one_strength_of_two_may_be_nothing() -> None:
     values = {plus: 0.3, minus: 0.01}
     assert not_shown(site, values, {plus: (0.28, 0.32), minus: (0.0, 0.03)}) == ""
     assert not_shown(site, values, {plus: (0.0, 0.32), minus: (0.0, 0.03)})
+
+
+@given(st.sampled_from([2.0**-20, 2.0**-10, 2.0**10]), st.floats(-5e-3, 5e-3))
+def test_a_bound_is_as_near_in_any_unit(unit: float, away: float) -> None:
+    def bounded(by: float) -> Parameter:
+        return Parameter("size", "1", 0.0, by, 0.2 * by, 7.0 * by, (by,))
+
+    for bound in (0.2, 7.0):
+        value = bound * (1.0 + away)
+        assert at_bound(bounded(unit), unit * value) == at_bound(bounded(1.0), value)

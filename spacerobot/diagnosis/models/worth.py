@@ -89,7 +89,7 @@ class Told:
     def _by_group(self, group: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Gains, as logarithms of mean squares, and what each is based on, 1 at most; shape (..., groups) each."""
         member = (group[:, None] == np.unique(group)).astype(float)
-        gains = np.log(np.maximum(self.other, 1e-300) / np.maximum(self.one, 1e-300))
+        gains = np.log(np.maximum(self.other, 1e-300)) - np.log(np.maximum(self.one, 1e-300))
         total = self.weight @ member
         gain = (self.weight * gains) @ member / np.maximum(total, 1e-300)
         weight = total / member.sum(axis=0)

@@ -119,10 +119,15 @@ class ReducedRun:
         return -taken.force[:, int(self.system.special[3])]
 
     def work(self) -> dict[str, np.ndarray]:
-        """Work [J] done up to the end of every step by each element, by name; shape (m + 1,) each."""
+        """Work [J] done up to the end of every step by each element, by name; shape (m + 1,) each.
+
+        Of elements of one name (an effect that stands twice at its place) all together.
+        """
         table = work_done(*self.packed, LAWS.laws, self.packed.work(), *self.steps, self.drives)
         names = [*self.layout.forces, *self.layout.frictions]
-        out = {name: table[:, i] for i, name in enumerate(names)}
+        out: dict[str, np.ndarray] = {}
+        for i, name in enumerate(names):
+            out[name] = out.get(name, 0.0) + table[:, i]
         n = len(self.layout.coordinates)
         for i, coordinate in enumerate(self.layout.coordinates):
             if self.system.constant[i] != 0.0:
