@@ -40,7 +40,7 @@ suite: $(VENV)/.test  ## the test suite alone
 	$(BIN)/python -m pytest -n 2 -m "not slow"
 
 test-extras: $(VENV)/.core  ## the test suite with every optional library: tables, proof, notebooks, browser
-	$(INSTALL) -c constraints.txt -e '.[test,scale,proof,notebooks,browser]'
+	$(INSTALL) -c constraints.txt -e '.[test,scale,tables,proof,notebooks,browser]'
 	$(BIN)/python -m pytest -n 2 -m "not slow"
 
 test-long: $(VENV)/.test  ## the tests that take minutes

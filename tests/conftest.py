@@ -15,6 +15,7 @@ COMMAND = "make test-extras"
 
 WANTS = {
     "scale": ("pyarrow", "distributed"),
+    "tables": ("pandas", "xarray"),
     "proof": ("mujoco", "pysindy"),
     "browser": ("playwright",),
     "notebooks": ("nbclient", "nbformat", "ipykernel", "ipywidgets"),
