@@ -89,3 +89,18 @@ def test_what_is_no_run_is_refused_in_a_line(tmp_path: Path, capsys: pytest.Capt
     (tmp_path / "a" / "verdict.json").write_text(dumps({**verdict("named"), "format": 2}))
     assert main(["compare", str(tmp_path / "a"), str(tmp_path / "a")]) == 2
     assert "newer" in capsys.readouterr().err
+
+
+def test_an_effect_of_several_parts_has_a_row_for_each(tmp_path: Path) -> None:
+    """Two balls with the same drag are two balls; folders of one name are told apart by where they lie."""
+    told = verdict("named")
+    one = told["effects"][0]
+    told["effects"] = [{**one, "part": "ball a"}, {**one, "part": "ball b"}]
+    for name in ("monday", "tuesday"):
+        (tmp_path / name).mkdir()
+        run_of(tmp_path / name / "balls", told)
+    found = compare(tmp_path / "monday" / "balls", tmp_path / "tuesday" / "balls")
+    rows = [r.what for r in found.sections["Effects"]]
+    assert len(rows) == 2 * len(one["parameters"])
+    assert {r.partition(":")[0] for r in rows} == {"ball a", "ball b"}
+    assert found.names == ("monday/balls", "tuesday/balls")

@@ -95,9 +95,10 @@ def compare(first: str | Path, second: str | Path) -> Comparison:
         sections = _diagnoses(a, b)
         titles = str(a["study"]), str(b["study"])
     kept = {name: rows for name, rows in sections.items() if rows}
-    return Comparison(
-        (folders[0].name or str(first), folders[1].name or str(second)), titles, kept, _pictures(*folders)
-    )
+    resolved = [f.resolve() for f in folders]
+    alike = resolved[0].name == resolved[1].name
+    names = [f"{f.parent.name}/{f.name}" if alike else f.name for f in resolved]
+    return Comparison((names[0], names[1]), titles, kept, _pictures(*folders))
 
 
 def _kind(folder: Path) -> str:
@@ -150,7 +151,9 @@ def _of_effects(verdict: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:
     found: dict[str, Mapping[str, Any]] = {}
     for e in verdict["effects"]:
         for name, p in e["parameters"].items() or [("", {})]:
-            found[f"{effect_phrase(e)}: {parameter_label(name)}"] = p
+            part = f"{e['part']}: " if "part" in e and not str(e["where"]).endswith(str(e["part"])) else ""
+            alone = f", in trial {' and '.join(map(str, e['trials']))}" if e.get("trials") else ""
+            found[f"{part}{effect_phrase(e)}: {parameter_label(name)}{alone}"] = p
     return found
 
 
