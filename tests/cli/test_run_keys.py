@@ -95,7 +95,7 @@ NEUTRAL = {
 }
 """Options that say where, how fast, or in which form."""
 
-NO_RUN = {"demo", "view", "study"}
+NO_RUN = {"compare", "effects", "demo", "view", "study"}
 """Commands that keep no run of their own arguments."""
 
 
