@@ -66,7 +66,7 @@ class _Heart:
     def _tell(self, *_: object) -> None:
         if self._stack and self._owner == os.getpid():
             self._said = time.monotonic()
-            with contextlib.suppress(OSError, ValueError):
+            with contextlib.suppress(OSError, ValueError, RuntimeError):  # the alarm may ring within a print
                 print(self._stack[-1].line(), file=sys.stderr, flush=True)
 
 

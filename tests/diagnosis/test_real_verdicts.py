@@ -73,7 +73,7 @@ def test_the_granite_table_tilts_and_the_arm_is_late() -> None:
     assert found["table_tilt@base.y.angle_rad"] * 9.80665 == pytest.approx(0.57e-3, rel=0.1)
     assert 0.2 < found["time_offset@arm_motion.delay_s"] < 0.35
     assert channel(verdict, "base.position.y")[1] < 0.007
-    assert channel(verdict, "base.yaw")[1] < 0.028
+    assert channel(verdict, "base.yaw")[1] < 0.030  # of runs that had no say in what predicts them; 0.024 when they had
 
 
 def test_the_base_balances_do_not_close_and_bodies_without_one_say_why() -> None:
@@ -98,7 +98,7 @@ def test_the_spinning_satellite_has_a_dry_bearing() -> None:
     bearing = parts(verdict)["target"]
     assert "coulomb_friction" in {e["effect"] for e in bearing["effects"]}
     before, after = channel(verdict, "target.velocity.yaw")
-    assert after < 0.25 * before
+    assert after < 0.3 * before  # of trials that had no say in what predicts them; 0.18 when they had
     assert after < 0.057  # 3.26 deg/s
 
 
