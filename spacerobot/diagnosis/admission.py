@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from spacerobot.diagnosis.data import TrialData, one_trial
 from spacerobot.diagnosis.lately import MOST
-from spacerobot.diagnosis.models.model import Model
 from spacerobot.diagnosis.rig_model import LEAST, RigModel, readable
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.recordings.recording import Recording
 from spacerobot.recordings.series import Series
 from spacerobot.recordings.study import Study
 from spacerobot.support.errors import InputError, SpacerobotError
+
+if TYPE_CHECKING:
+    from spacerobot.diagnosis.models.model import Model
 
 TRACK = "target.x"
 """Without it a trial of a wrist has no start."""

@@ -20,8 +20,9 @@ START, SPEED = {"target": -0.005}, {"target": 0.1}
 
 
 def test_effective_masses_agree() -> None:
-    chaser = Scene(robot="chaser_pa10_wrist", base="free", joints="locked").hand.mass
-    free = Scene(robot="pa10_wrist", base="fixed", joints="free").hand.mass
+    ahead = (1.0, 0.0, 0.0)  # as the engine's target comes
+    chaser = Scene(robot="chaser_pa10_wrist", base="free", joints="locked", approach=ahead).hand.mass
+    free = Scene(robot="pa10_wrist", base="fixed", joints="free", approach=ahead).hand.mass
     assert arm_mass(floating=True) == pytest.approx(chaser, rel=1e-9)
     assert arm_mass(floating=False) == pytest.approx(free, rel=1e-9)
     assert hand_mass(ArmRig(Values(), floating=True, servo=Servo(1.0))) < 0.1 * chaser

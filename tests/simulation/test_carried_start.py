@@ -21,6 +21,7 @@ WHOLE = Scene(
     contact=ContactLaw(damping=40.0),
     target=Target(mass=9.0, speed=0.1, gap=0.004),
     duration=0.7,
+    approach=(1.0, 0.0, 0.0),  # momenta are the world's
 )
 
 

@@ -80,7 +80,7 @@ KNOCKS = [
 @pytest.mark.parametrize("backend", ["reduced", "multibody"])
 def test_knocks_are_given_at_their_times_in_whatever_order_they_are_listed(backend: str) -> None:
     target = Target(speed=0.06, gap=0.1, contact_point=(0.15, 0.0), yaw_inertia=0.4)
-    scene = Scene(target=target, contact=ContactLaw(mu=0.1))
+    scene = Scene(target=target, contact=ContactLaw(mu=0.1), approach=(1.0, 0.0, 0.0))  # velocities are the world's
     runs = [
         simulate(scene.with_effects(*order), backend=backend, duration=0.5, tolerance=1e-11, must_touch=False)
         for order in itertools.permutations(KNOCKS)

@@ -14,6 +14,7 @@ from spacerobot.simulation.trajectory import Trajectory
 def held() -> tuple[Scene, Trajectory]:
     """A held arm on the ground, reduced backend: the target would come through the arm, as studies have it."""
     scene = Scene(
+        approach=(1.0, 0.0, 0.0),
         wrist=Wrist(stiffness=530.0, damping=2.0),
         target=Target(mass=9.0, speed=0.1, gap=0.02, contact_point=(0.15, 0.0)),
         backend="reduced",
