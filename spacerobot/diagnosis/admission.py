@@ -99,20 +99,20 @@ def moving(study: Study) -> None:
 
 def of_model(study: Study, model: Model) -> Iterator[InputError]:
     """Why a machine's model cannot be fitted and tried: but one piece of data, a channel that has no weight."""
-    from spacerobot.diagnosis.models.held_out import folds, parent
+    from spacerobot.diagnosis.models.held_out import folds
 
     for piece in model.trials:
         for block in piece.blocks:
             for name, weight in zip(block.channels, block.weight, strict=True):
                 if not np.isfinite(weight).all():
-                    trial = study.trial(parent(piece))
+                    trial = study.trial(piece.recorded)
                     series = study.recording(trial).get(name)
                     what = f"{name} does not change, so that its noise cannot be estimated, in trial {trial.id}"
                     valid = f"its sigma in [streams.{block.stream if series is None else series.stream}]"
                     yield InputError(what, valid=valid, where=trial.where or str(study.path))
                     return
     if len(folds(model.trials)) < 2:
-        trial = study.trial(parent(model.trials[0]))
+        trial = study.trial(model.trials[0].recorded)
         what = f"{model.name} was recorded once, in one piece: nothing is left to try a fit on"
         where = trial.where or str(study.path)
         yield InputError(what, given=f"trial {trial.id}", valid="a second trial of it", where=where)

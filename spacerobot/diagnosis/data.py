@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import re
 from collections.abc import Container, Mapping
 from dataclasses import dataclass
 
@@ -23,6 +24,16 @@ class Block:
     weight: np.ndarray  # (C, T) 1/sigma, zero where not valid
 
 
+def piece_id(trial: str, number: int) -> str:
+    """What the piece of a recorded trial is called."""
+    return f"{trial}@{number}"
+
+
+def recorded_id(name: str) -> str:
+    """The recorded trial of a piece, or of a whole trial; another @ stays."""
+    return re.sub(r"(@\d+)+$", "", name)
+
+
 @dataclass(frozen=True, eq=False)
 class TrialData:
     """One trial as a fit reads it."""
@@ -33,6 +44,11 @@ class TrialData:
     blocks: tuple[Block, ...]
     start: float
     end: float
+
+    @property
+    def recorded(self) -> str:
+        """The recorded trial that this one is, or is a piece of."""
+        return recorded_id(self.id)
 
     @functools.cached_property
     def channels(self) -> tuple[str, ...]:

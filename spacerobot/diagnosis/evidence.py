@@ -13,6 +13,7 @@ from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.found import Found
 from spacerobot.diagnosis.hypothesis import Label
 from spacerobot.diagnosis.judge import Judgement
+from spacerobot.diagnosis.parameters import TIMES_STATED
 from spacerobot.effects.registry import all_effects
 from spacerobot.recordings.study import Study
 
@@ -148,7 +149,7 @@ def formulas(labels: Sequence[Label]) -> list[dict[str, str]]:
     return out
 
 
-def moved(fit: Fit, absorbing: Sequence[str] = ()) -> dict[str, dict[str, float | None]]:
+def moved(fit: Fit, absorbing: Sequence[str] = ()) -> dict[str, dict[str, Any]]:
     """How far the fit moves every believed value: those that are there to absorb first, then by their stated sigmas.
 
     Args:
@@ -156,8 +157,9 @@ def moved(fit: Fit, absorbing: Sequence[str] = ()) -> dict[str, dict[str, float 
         absorbing: believed values whose job is to stand for what is not modelled (`rig_model.ABSORBING`).
     """
     sigmas = fit.hypothesis.sigmas(fit.z)
-    found: dict[str, dict[str, float | None]] = {
+    found: dict[str, dict[str, Any]] = {
         f.key: {"value": f.value(float(z)), "believed": f.centre, "in_sigmas": sigmas.get(f.key)}
+        | ({} if f.stated else {"unit": TIMES_STATED})
         for f, z in zip(fit.hypothesis.free, fit.z, strict=True)
         if f.kind in ("believed", "absorbing")
     }

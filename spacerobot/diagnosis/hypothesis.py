@@ -179,8 +179,8 @@ def hypothesis(believed: Believed, sites: Sequence[Site], starts: Mapping[str, f
     removed = tuple(n for s in sites for n in s.effect.removes if n in believed.values or n in believed.unknown)
     free: list[Free] = []
     for name, sigma in believed.sigma.items():
-        value = believed.values.get(name, 1.0)
-        if name in believed.absorbing and name in replaced:
+        value = believed.values.get(name)
+        if name in believed.absorbing and name in replaced and value is not None:
             free.append(parameters.absorbing(name, value, sigma))
         else:
             free.append(parameters.believed(name, value, sigma))

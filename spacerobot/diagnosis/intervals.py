@@ -14,7 +14,7 @@ from spacerobot.diagnosis.colour import inflations
 from spacerobot.diagnosis.decide import Decided
 from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.found import Found
-from spacerobot.diagnosis.judge import NAMED, Judgement
+from spacerobot.diagnosis.judge import NAMED, SETTLED, Judgement
 from spacerobot.diagnosis.pool import Pool
 from spacerobot.diagnosis.profile import LEVEL_95, Profile, profile
 from spacerobot.diagnosis.shown import not_shown
@@ -67,6 +67,8 @@ def curved(workshop: Workshop, decided: Decided) -> Decided:
 
 def stated(judgement: Judgement) -> list[str]:
     """Keys of what the verdict gives intervals of: the values that moved, and the named effects' parameters."""
+    if judgement.verdict not in SETTLED:
+        return []
     free = judgement.chosen.hypothesis.free
     return [
         *(k for k in judgement.moved if k in judgement.chosen.hypothesis.keys),

@@ -18,6 +18,9 @@ from spacerobot.diagnosis.weigh import MARGIN, PENALTY, defect, score, simplest
 NAMED, AMBIGUOUS, UNKNOWN = "named", "ambiguous", "unknown"
 NOTHING_MISSING, WRONG_PARAMETER, NOT_TRUSTED = "nothing_missing", "wrong_parameter", "not_trusted"
 
+SETTLED = (NAMED, WRONG_PARAMETER, NOTHING_MISSING)
+"""Verdicts that settle the physics. A value fitted in any other model is no measurement and states no interval."""
+
 EARN = 20.0
 """Fall of the penalised cost that an effect must bring, after correction for the noise's level and colour."""
 

@@ -11,6 +11,10 @@ LOG_STEP = 0.25
 """Change of a logarithmic parameter, in natural logs, that counts as one unit."""
 
 
+TIMES_STATED = "times what each trial states"
+"""In place of a unit: of a believed value that the study gives trial by trial, the factor on what each says."""
+
+
 @dataclass(frozen=True)
 class Free:
     """One free parameter, z = 0 at its centre.
@@ -23,6 +27,7 @@ class Free:
         prior: whether z has a standard normal prior.
         log: value = centre * exp(step * z).
         lower, upper: bounds of the value.
+        stated: False where the study gives each trial its own value: the value here is a factor on those.
     """
 
     key: str
@@ -33,6 +38,7 @@ class Free:
     log: bool = False
     lower: float = -math.inf
     upper: float = math.inf
+    stated: bool = True
 
     def value(self, z: float) -> float:
         """The physical value at z, within the bounds."""
@@ -58,11 +64,11 @@ class Free:
         return self.step * self.value(z) if self.log else self.step
 
 
-def believed(name: str, value: float, sigma: float) -> Free:
-    """A believed value with its stated relative deviation."""
-    return Free(
-        name, "believed", value, abs(value) * sigma, prior=True, lower=0.05 * value if value > 0.0 else -math.inf
-    )
+def believed(name: str, value: float | None, sigma: float) -> Free:
+    """A believed value with its stated relative deviation; None where each trial states its own."""
+    centre = 1.0 if value is None else value
+    lower = 0.05 * centre if centre > 0.0 else -math.inf
+    return Free(name, "believed", centre, abs(centre) * sigma, prior=True, lower=lower, stated=value is not None)
 
 
 def absorbing(name: str, value: float, sigma: float) -> Free:

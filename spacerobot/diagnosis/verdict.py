@@ -8,7 +8,8 @@ from typing import Any
 
 from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.hypothesis import Label
-from spacerobot.diagnosis.judge import AMBIGUOUS, MOVED, NAMED, Judgement
+from spacerobot.diagnosis.judge import AMBIGUOUS, MOVED, NAMED, SETTLED, Judgement
+from spacerobot.diagnosis.parameters import TIMES_STATED, Free
 
 NORMAL_95 = 1.959963984540054
 
@@ -66,9 +67,15 @@ def _wrong(fit: Fit, sigma: Mapping[str, float]) -> set[str]:
 
 
 def moved_values(
-    fit: Fit, names: Sequence[str], sigma: Mapping[str, float], inflation: float, profiled: Intervals | None = None
+    fit: Fit,
+    names: Sequence[str],
+    sigma: Mapping[str, float],
+    inflation: float,
+    profiled: Intervals | None = None,
+    *,
+    settled: bool = True,
 ) -> dict[str, Any]:
-    """Believed values beyond three of their sigmas. A value that trials state themselves shows as a factor."""
+    """Believed values beyond three of their sigmas; where the physics is not settled, without intervals."""
     out = {}
     for name in names:
         value, ci = interval(fit, name, inflation)
@@ -76,16 +83,19 @@ def moved_values(
         free = fit.hypothesis.free[fit.hypothesis.keys.index(name)]
         out[name] = {
             "value": value,
-            "ci95": list(ci),
-            "unit": _unit(name),
+            "ci95": list(ci) if settled else None,
+            "unit": unit_of(free),
             "believed": free.centre,
             "sigma": abs(free.centre) * sigma[name],
         }
     return out
 
 
-def _unit(name: str) -> str:
-    last = name.rsplit(".", 1)[-1]
+def unit_of(free: Free) -> str:
+    """Unit of a believed value; of one that each trial states for itself, what its factor is counted in."""
+    if not free.stated:
+        return TIMES_STATED
+    last = free.key.rsplit(".", 1)[-1]
     return {"mass": "kg", "stiffness": "N/m", "yaw_inertia": "kg m^2"}.get(last, "N s/m" if "damping" in last else "")
 
 
@@ -126,7 +136,12 @@ def verdict_dict(
         "effects": effect_entries(chosen, inflation, profiled) if named else [],
         "alternatives": alternatives,
         "parameters": moved_values(
-            chosen, [n for n in judgement.moved if n in chosen.hypothesis.keys], sigma, inflation, profiled
+            chosen,
+            [n for n in judgement.moved if n in chosen.hypothesis.keys],
+            sigma,
+            inflation,
+            profiled,
+            settled=judgement.verdict in SETTLED,
         ),
         "located": [dict(row) for row in located],
         "held_out": dict(held_out),

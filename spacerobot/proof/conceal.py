@@ -109,10 +109,9 @@ def _wrong_value(order: Order, rng: np.random.Generator) -> Concealed:
     choices = [n for n in WRONG if n in campaign.belief.sigma]
     name = str(rng.choice(choices))
     share = float(rng.uniform(*WRONG[name][int(rng.integers(2))]))
-    belief = campaign.belief
-    trials = campaign.trials
+    belief, built, trials = campaign.belief, campaign.as_built, campaign.trials
     if name in belief.values:
-        true = campaign.as_built[name]
+        true = built[name]
         digits = 4 - int(np.floor(np.log10(abs(true))))
         belief = replace(belief, values={**belief.values, name: round(true * (1.0 + share), digits)})
     else:
@@ -120,7 +119,8 @@ def _wrong_value(order: Order, rng: np.random.Generator) -> Concealed:
             replace(t, overrides={**t.overrides, name: round(float(t.overrides[name]) * (1.0 + share), 3)})
             for t in trials
         )
-    changed = replace(campaign, belief=belief, trials=trials)
+        built = {**built, f"{name} over believed": built[f"{name} over believed"] / (1.0 + share)}
+    changed = replace(campaign, belief=belief, as_built=built, trials=trials)
     return Concealed(changed, noisy(changed, perform(changed)), "wrong_parameter", parameters=(name,))
 
 

@@ -26,8 +26,12 @@ def write_study(
     masses: Sequence[float] = (9.0, 23.2),
     speeds: Sequence[float] = (0.06, 0.11),
     seed: int = 1,
+    weighed: float = 1.0,
 ) -> Study:
-    """A study of len(masses) x len(speeds) trials with sensor noise; `truth` and `believed` set them apart."""
+    """A study of len(masses) x len(speeds) trials with sensor noise; `truth` and `believed` set them apart.
+
+    `weighed`: what the lab's scale shows of a target, over its mass.
+    """
     random = np.random.default_rng(seed)
     values = {**BELIEVED, "wrist.equivalent_damping": 5.0, "contact.damping": 60.0, **(truth or {})}
     stated = {**BELIEVED, "wrist.equivalent_damping": 5.0, **(believed or {})}
@@ -53,7 +57,7 @@ def write_study(
                 np.transpose([fast, force + FORCE_NOISE * random.standard_normal(fast.size)]),
                 "%.6f", ",", header="time_s,f_contact_N", comments="",
             )  # fmt: skip
-            text += f'[[trials]]\nid = "{name}"\ntarget.mass = {mass}\n'
+            text += f'[[trials]]\nid = "{name}"\ntarget.mass = {mass * weighed:.6g}\n'
             text += f'mocap = "{name}_mocap.csv"\nforce = "{name}_force.csv"\n'
     (folder / "study.toml").write_text(text)
     return load_study(folder)

@@ -10,6 +10,7 @@ import pytest
 
 from spacerobot.diagnosis import pool as pools
 from spacerobot.diagnosis.diagnose import diagnose
+from spacerobot.diagnosis.parameters import TIMES_STATED
 from spacerobot.diagnosis.profile import profile_interval
 from spacerobot.diagnosis.result import Diagnosis
 from spacerobot.diagnosis.schema import validate
@@ -116,6 +117,18 @@ def test_a_wrong_stiffness_is_no_missing_physics(tmp_path: Path) -> None:
     assert low < 1.08 * 1020.0 < high
 
 
+def test_masses_that_each_trial_states_are_told_as_a_factor(tmp_path: Path) -> None:
+    study = write_study(tmp_path, weighed=0.96)
+    found = diagnose(study, jobs=1)
+    verdict = plain(found.verdict)
+    assert verdict["verdict"] == "wrong_parameter"
+    entry = verdict["parameters"]["target.mass"]
+    low, high = entry["ci95"]
+    assert low < 1.0 / 0.96 < high
+    assert (entry["unit"], entry["believed"]) == (TIMES_STATED, 1.0)
+    assert verdict["moved"]["target.mass"]["unit"] == TIMES_STATED
+
+
 def test_many_wrong_values_at_once_are_something_that_bends_them_all(tmp_path: Path) -> None:
     """As a force sensor's scale does, where no catalogue has it."""
     truth = {"wrist.stiffness": 1.15 * 1020.0, "wrist.mass": 1.15 * 0.7, "contact.stiffness": 1.3 * 68000.0}
@@ -123,6 +136,7 @@ def test_many_wrong_values_at_once_are_something_that_bends_them_all(tmp_path: P
     assert verdict["verdict"] == "unknown"
     assert verdict["effects"] == []
     assert set(verdict["parameters"]) >= set(truth)
+    assert all(p["ci95"] is None for p in verdict["parameters"].values())  # no measurement in a model that is wrong
 
 
 def test_what_has_no_name_is_not_given_another(tmp_path: Path) -> None:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from spacerobot.diagnosis.data import Block, TrialData, trial_data
+from spacerobot.diagnosis.data import Block, TrialData, piece_id, recorded_id, trial_data
 from spacerobot.diagnosis.fit import Fitter
 from spacerobot.diagnosis.fitted import Fit
 from spacerobot.diagnosis.hypothesis import LOOSE, Believed, Site, hypothesis
@@ -213,3 +216,10 @@ def test_a_belief_and_readings_that_agree_meet_where_their_weights_say() -> None
     slope = jacobian.T @ state.raw[trial.id] + np.r_[fit.z, np.zeros(2)]
     size = np.sqrt(np.square(jacobian).sum(axis=0))
     assert np.abs(slope / size).max() < 0.1, "no way down is left, the belief counted"
+
+
+@given(st.text(min_size=1).filter(lambda s: not re.search(r"@\d+$", s)), st.integers(0, 999), st.integers(0, 9))
+def test_a_piece_belongs_to_its_trial_whatever_that_is_called(name: str, number: int, smaller: int) -> None:
+    assert recorded_id(name) == name
+    assert recorded_id(piece_id(name, number)) == name
+    assert recorded_id(piece_id(piece_id(name, number), smaller)) == name

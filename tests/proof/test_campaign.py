@@ -15,8 +15,10 @@ from spacerobot.diagnosis.rig_model import RigModel
 from spacerobot.diagnosis.starts import fit_from
 from spacerobot.proof.air_bed import air_bed
 from spacerobot.proof.campaign import noisy, perform, seal, write_study
+from spacerobot.proof.conceal import WRONG, conceal
 from spacerobot.proof.engine.missing import Missing
 from spacerobot.proof.engine.sensors import Channel, Reading, Stream, spoil
+from spacerobot.proof.orders import Order
 from spacerobot.recordings.study import load_study
 
 pytest.importorskip("mujoco")
@@ -126,3 +128,19 @@ def test_sensor_faults_are_those_of_the_catalogue(tmp_path: Path, name: str, val
     error = np.sqrt(fit.covariance[at, at]) * fit.hypothesis.free[at].slope(fit.z[at])
     assert error < 0.1 * abs(value)
     assert abs(fit.values()[key] - value) < 4.0 * error
+
+
+@pytest.mark.parametrize("name", ["target.mass", "wrist.stiffness"])
+def test_the_seal_of_a_wrong_value_says_what_was_performed(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    monkeypatch.setattr("spacerobot.proof.conceal.WRONG", {name: WRONG[name]})
+    made = conceal(Order("wrong_value", "rig", 0, seed=11))
+    assert made.parameters == (name,)
+    built, trials = made.campaign.as_built, made.campaign.trials
+    if name == "target.mass":
+        factors = [t.values.target_mass / t.overrides[name] for t in trials]
+        np.testing.assert_allclose(factors, built["target.mass over believed"], rtol=1e-4)  # three decimals of a mass
+        assert abs(built["target.mass over believed"] - 1.0) > 0.01
+    else:
+        spread = [t.values.wrist_stiffness / built[name] - 1.0 for t in trials]  # mounted anew for every mass
+        assert np.max(np.abs(spread)) < 0.05
+        assert abs(built[name] / made.campaign.belief.values[name] - 1.0) > 0.03

@@ -13,7 +13,7 @@ from spacerobot.diagnosis.fit import Fitter
 from spacerobot.diagnosis.forward.base import ChannelOverlay, ForwardModel, TrialOverlay, Value
 from spacerobot.diagnosis.hypothesis import Hypothesis
 from spacerobot.diagnosis.models.choose import models_for
-from spacerobot.diagnosis.models.held_out import parent, start_of
+from spacerobot.diagnosis.models.held_out import start_of
 from spacerobot.diagnosis.models.model import Model
 from spacerobot.diagnosis.models.model_out import read_model
 from spacerobot.recordings.study import Study
@@ -83,7 +83,7 @@ class AsDiagnosed(ForwardModel):
         """One trial, all its parts."""
         channels: list[ChannelOverlay] = []
         for model, made, z in self.parts:
-            pieces = [t for t in model.trials if parent(t) == trial.id]
+            pieces = [t for t in model.trials if t.recorded == trial.id]
             fitter = Fitter(model, pieces)  # type: ignore[arg-type]
             joined: dict[str, list[tuple[np.ndarray, np.ndarray, np.ndarray]]] = {}
             for piece in pieces:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from spacerobot.diagnosis.data import Block, TrialData
+from spacerobot.diagnosis.data import Block, TrialData, piece_id, recorded_id
 from spacerobot.diagnosis.locate.beliefs import STEP, deviations
 from spacerobot.diagnosis.locate.locate import believed_values, locate
 from spacerobot.diagnosis.locate.located import Located
@@ -66,8 +66,8 @@ def locate_model(
         pieces = tuple(p for t in model.recorded.values() for p in _pieces(_with_drive(model, t)))
         if values_by_trial is None:
             return locate(model, pieces, believed_values(model, pieces), noise_known=False, seed=seed)
-        by_trial = {name.split("@")[0]: v for name, v in values_by_trial.items()}
-        whole = {p.id: by_trial[p.id.split("@")[0]] for p in pieces}
+        by_trial = {recorded_id(name): v for name, v in values_by_trial.items()}
+        whole = {p.id: by_trial[p.recorded] for p in pieces}
         return locate(model, pieces, whole, noise_known=False, seed=seed)
     raise InputError("this model has no balance of its own", given=model.name)
 
@@ -162,7 +162,7 @@ def _pieces(trial: TrialData) -> list[TrialData]:
         blocks = tuple(
             replace(b, time=b.time[part], value=b.value[:, part], weight=b.weight[:, part]) for b, part in inside
         )
-        piece = replace(trial, id=f"{trial.id}@{n}", blocks=blocks, start=float(begin), end=float(begin + length))
+        piece = replace(trial, id=piece_id(trial.id, n), blocks=blocks, start=float(begin), end=float(begin + length))
         out.append(piece)
     return out
 

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from spacerobot.diagnosis.models.held_out import parent
 from spacerobot.diagnosis.models.inverse_dynamics import InverseDynamics
 from spacerobot.diagnosis.models.jump import jump
 from spacerobot.diagnosis.models.model import Model
@@ -49,7 +48,7 @@ def touches(models: Sequence[Model]) -> list[Touch]:
     for model in models:
         if not isinstance(model, InverseDynamics):
             continue
-        log = (model.joints, *dict.fromkeys(parent(t) for t in model.trials))
+        log = (model.joints, *dict.fromkeys(t.recorded for t in model.trials))
         if log not in done:  # the joints of one log share their shocks
             done.add(log)
             found |= {trial: Touch(trial, model.sensor, moment) for trial, moment in model.shocks().items()}

@@ -11,7 +11,7 @@ import numpy as np
 
 from spacerobot.diagnosis.data import TrialData
 from spacerobot.diagnosis.models.candidate import Candidate, tried
-from spacerobot.diagnosis.models.held_out import HEAD, HeldOut, parent, predict_held_out
+from spacerobot.diagnosis.models.held_out import HEAD, HeldOut, predict_held_out
 from spacerobot.diagnosis.models.model import Model
 from spacerobot.diagnosis.models.noise import split
 from spacerobot.diagnosis.models.part import Part
@@ -156,7 +156,7 @@ def _folds(figure: Figure, part: Part, pieces: Sequence[TrialData]) -> list[tupl
     folds = []
     for name, ids in part.growth.bench.left_out:
         whole = {i.split("@")[0] for i in ids}
-        inside = tuple(t.id for t in pieces if parent(t) in whole)
+        inside = tuple(t.id for t in pieces if t.recorded in whole)
         if inside:
             folds.append((name, inside))
     return folds
@@ -174,12 +174,12 @@ def _squares(figure: Figure, trial: TrialData, found: HeldOut) -> list[tuple[str
                 good = counted[channel].astype(bool)
                 error = errors[channel][good] / block.weight[c][good]
                 total = float(np.sum(np.square(block.value[c][good]))) if figure.relative else float(good.sum())
-                out.append((parent(trial), figure.channels[channel] ** 2 * float(error @ error), total))
+                out.append((trial.recorded, figure.channels[channel] ** 2 * float(error @ error), total))
     return out
 
 
 def _among(figure: Figure, trial: TrialData) -> bool:
-    return (not figure.trials or parent(trial) in figure.trials) and _counts(figure, trial)
+    return (not figure.trials or trial.recorded in figure.trials) and _counts(figure, trial)
 
 
 def _counts(figure: Figure, trial: TrialData) -> bool:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from spacerobot.diagnosis.data import TrialData
+from spacerobot.diagnosis.data import TrialData, recorded_id
 from spacerobot.diagnosis.fit import Fitter
 from spacerobot.diagnosis.hypothesis import Hypothesis
 from spacerobot.diagnosis.models.model import Model
@@ -27,11 +27,6 @@ STEPS = 2
 """Gauss-Newton steps to a held-out trial's start; a start moves the track nearly in proportion."""
 
 
-def parent(trial: TrialData) -> str:
-    """The recorded trial that a piece or window belongs to."""
-    return trial.id.split("@")[0]
-
-
 def folds(trials: Sequence[TrialData], most: int = MOST) -> list[tuple[str, tuple[str, ...]]]:
     """What is left out in turn: conditions; where there is but one, its trials; where there is but one, parts of it.
 
@@ -40,7 +35,7 @@ def folds(trials: Sequence[TrialData], most: int = MOST) -> list[tuple[str, tupl
     Returns:
         (label, trial ids) each; at least two, unless there is but one trial in one piece.
     """
-    for label in (lambda t: t.condition, parent):
+    for label in (lambda t: t.condition, lambda t: t.recorded):
         names = list(dict.fromkeys(label(t) for t in trials))
         if len(names) > most:
             groups = [set(names[k::most]) for k in range(most)]
@@ -53,7 +48,8 @@ def folds(trials: Sequence[TrialData], most: int = MOST) -> list[tuple[str, tupl
 
 def scheme_of(trials: Sequence[TrialData], most: int = MOST) -> str:
     """What `folds` leaves out in turn, in words."""
-    for what, count in (("condition", len({t.condition for t in trials})), ("trial", len({parent(t) for t in trials}))):
+    for what, of in (("condition", lambda t: t.condition), ("trial", lambda t: t.recorded)):
+        count = len({of(t) for t in trials})
         if count > most:
             return f"leave every {most}th {what} out"
         if count > 1:
@@ -166,8 +162,8 @@ def predict_held_out(
         if shown is None or shown is model:  # the pieces as they will be compared, with their own weights
             teller, unseen = model, [t for t in (trials if shown is None else shown.trials) if t.id in ids]
         else:
-            whole = {i.split("@")[0] for i in ids}
-            teller, unseen = shown, [t for t in shown.trials if parent(t) in whole]
+            whole = {recorded_id(i) for i in ids}
+            teller, unseen = shown, [t for t in shown.trials if t.recorded in whole]
         fitter = Fitter(teller, unseen)  # type: ignore[arg-type]
         for trial in unseen:
             start = start_of(fitter, teller, made, fit.z, trial, head, trust)

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
-from spacerobot.diagnosis.data import Block, TrialData
+from spacerobot.diagnosis.data import Block, TrialData, piece_id
 from spacerobot.diagnosis.hypothesis import Believed, Site
 from spacerobot.diagnosis.models.measured import through_sensor
 from spacerobot.diagnosis.models.model import FIRST_NOISE, Model, Predicted, conditions_of
@@ -60,7 +60,7 @@ class Impacts(Model):
         for trial, recording in zip(trials, every, strict=True):
             known = {c: recording[c].value for c in (*BEFORE, *NORMAL, *TANGENT)}
             for n, index in enumerate(np.array_split(np.arange(len(recording[AFTER[0]])), PIECES)):
-                name, blocks = f"{trial.id}@{n}", []
+                name, blocks = piece_id(trial.id, n), []
                 self._rows[name] = {c: v[index] for c, v in known.items()}
                 fine = np.all([np.isfinite(v) for v in self._rows[name].values()], axis=0)
                 for channel, size in zip(AFTER, speed, strict=True):

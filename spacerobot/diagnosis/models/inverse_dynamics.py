@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pinocchio as pin
 
-from spacerobot.diagnosis.data import Block, TrialData
+from spacerobot.diagnosis.data import Block, TrialData, piece_id
 from spacerobot.diagnosis.hypothesis import Believed, Site
 from spacerobot.diagnosis.models.grid import Grid
 from spacerobot.diagnosis.models.links import carried_links, mass_of, with_masses
@@ -174,7 +174,7 @@ class InverseDynamics(Model):
             weight = np.where(clean, 1.0, 0.0) / (FIRST_NOISE * self._level[:, None])
             if clean.sum() < FEWEST_READINGS:
                 continue
-            name = f"{key}@{n}"
+            name = piece_id(key, n)
             block = Block(self.sensor, channels, at, np.where(clean, seen, 0.0), weight)
             out.append(TrialData(name, condition, dict(overrides), (block,), float(at[0]), float(at[-1])))
             motion = (log.position[part], log.velocity[part], log.acceleration[part], log.rigid[part])

@@ -93,7 +93,7 @@ class Model(ABC):
         plain = self.mechanism({**self.base, **self.believed.unknown, **trial.overrides}, trial)
         found = []
         for effect in all_effects().values() if effects is None else effects:
-            if effect.name in ONE_TRIAL_ONLY and len({t.id.split("@")[0] for t in self.trials}) > 1:
+            if effect.name in ONE_TRIAL_ONLY and len({t.recorded for t in self.trials}) > 1:
                 continue
             for where in dict.fromkeys(effect.places(plain)):
                 size = self.sizes.get(where, self.sizes[""])

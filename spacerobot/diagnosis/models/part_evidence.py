@@ -11,7 +11,6 @@ import numpy as np
 from spacerobot.diagnosis.evidence import POINTS, formulas
 from spacerobot.diagnosis.locate.located import Located
 from spacerobot.diagnosis.models.candidate import Candidate
-from spacerobot.diagnosis.models.held_out import parent
 from spacerobot.diagnosis.models.noise import split
 from spacerobot.diagnosis.models.part import Part
 from spacerobot.diagnosis.models.part_verdict import balance
@@ -100,7 +99,7 @@ def _traces(part: Part, units: Mapping[str, str], count: int) -> list[dict[str, 
                     "before": block.value[c] + before[channel] * size,
                     "after": block.value[c] + after[channel] * size,
                 }
-                key = (parent(trial), channel)
+                key = (trial.recorded, channel)
                 joined.setdefault(key, []).append(piece)
                 sigma = float(np.nanmin(size)) if channel in part.model.stated and good.any() else None
                 about[key] = (trial.condition, sigma)

@@ -11,11 +11,11 @@ import numpy as np
 
 from spacerobot.diagnosis.agreed import why_not
 from spacerobot.diagnosis.fold import SAME
-from spacerobot.diagnosis.judge import AMBIGUOUS, NAMED, NOT_TRUSTED, NOTHING_MISSING, UNKNOWN, WRONG_PARAMETER
+from spacerobot.diagnosis.judge import AMBIGUOUS, NAMED, NOT_TRUSTED, NOTHING_MISSING, SETTLED, UNKNOWN, WRONG_PARAMETER
 from spacerobot.diagnosis.locate.located import LEVEL
 from spacerobot.diagnosis.models.alternatives import alternatives
 from spacerobot.diagnosis.models.events import clocks, touches
-from spacerobot.diagnosis.models.held_out import HeldOut, parent, scheme_of
+from spacerobot.diagnosis.models.held_out import HeldOut, scheme_of
 from spacerobot.diagnosis.models.model_out import FILE, RUNS
 from spacerobot.diagnosis.models.next_trial import next_trial
 from spacerobot.diagnosis.models.part import Part
@@ -85,7 +85,7 @@ def _not_located(part: Part) -> str:
         return part.model.no_balance
     if any(r.p < LEVEL for r in part.located.rows):
         return ""
-    pieces = len({parent(t) for t in part.trials})
+    pieces = len({t.recorded for t in part.trials})
     return (
         f"no pattern of its balance agrees over {pieces} recorded {'trial' if pieces == 1 else 'trials'} to a level of "
         f"{LEVEL:g}, or it closes"
@@ -145,7 +145,7 @@ def balance(part: Part, name: str, parts: Sequence[Part]) -> str:
 
 
 def _moved(part: Part) -> dict[str, Any]:
-    return moved_values(part.fit, part.moved, part.model.believed.sigma, 1.0)
+    return moved_values(part.fit, part.moved, part.model.believed.sigma, 1.0, settled=part.verdict in SETTLED)
 
 
 def _all_moved(parts: Sequence[Part]) -> dict[str, Any]:

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from spacerobot.diagnosis.data import Block, TrialData
+from spacerobot.diagnosis.data import Block, TrialData, piece_id
 from spacerobot.diagnosis.hypothesis import Believed
 from spacerobot.diagnosis.models.measured import through_sensor
 from spacerobot.diagnosis.models.model import FIRST_NOISE, Model, Predicted, conditions_of
@@ -58,7 +58,7 @@ class Prescribed(Model):
                 weight = np.full((1, index.size), 1.0 / noise)
                 block = Block(series.stream, (channel,), time[index], value[None, index], weight)
                 ends = float(time[index[0]]), float(time[index[-1]])
-                cut.append(TrialData(f"{trial.id}@{n}", study.condition(trial), {}, (block,), *ends))
+                cut.append(TrialData(piece_id(trial.id, n), study.condition(trial), {}, (block,), *ends))
         self.trials = tuple(cut)
         self.stated = frozenset([channel] if parts[0][3].sigma_stated else [])
         self.believed = Believed({}, {}, {}, conditions_of(cut))
@@ -73,12 +73,12 @@ class Prescribed(Model):
 
     def nuisances(self, trial: TrialData) -> tuple[Nuisance, ...]:
         """Where the channel counts from."""
-        guess, scale = self._offset[trial.id.split("@")[0]]
+        guess, scale = self._offset[trial.recorded]
         return (Nuisance("zero", False, guess, max(scale, 1e-12)),)
 
     def predict(self, mechanism: Mechanism, trial: TrialData, initial: np.ndarray) -> Predicted:
         """The known motion as the sensor shows it."""
-        grid, path = self._grid[trial.id.split("@")[0]]
+        grid, path = self._grid[trial.recorded]
         (block,) = trial.blocks
         maps = tuple(m for m in mechanism.maps if m.channel == block.channels[0])
         shown = through_sensor(maps, path, float(grid[1] - grid[0]))

@@ -88,7 +88,7 @@ class Simulated(Model):
         """The same without some of its windows: nothing that it fits knows a reading of theirs."""
         other = copy(self)
         other.trials = tuple(t for t in self.trials if t.id not in out)
-        kept = {_parent(t) for t in other.trials}
+        kept = {t.recorded for t in other.trials}
         other.recorded = {k: t for k, t in self.recorded.items() if k in kept}
         other._hidden = (*self._hidden, *(t for t in self.trials if t.id in out))
         other._starts = {}
@@ -110,7 +110,7 @@ class Simulated(Model):
         return self._starts[trial.id]
 
     def _start(self, mechanism: Mechanism, trial: TrialData) -> list[Nuisance]:
-        whole = self.recorded[_parent(trial)]
+        whole = self.recorded[trial.recorded]
         reach = NEAR * self.sizes[""].time
         found = []
         for coordinate in mechanism.coordinates:
@@ -136,7 +136,7 @@ class Simulated(Model):
         time, value, _ = whole.channel(readout.channel)
         known = time <= end + 1e-9
         for window in self._hidden:
-            if _parent(window) == whole.id:
+            if window.recorded == whole.id:
                 known &= (time < window.start - 1e-9) | (time > window.end - 1e-9)
         return time[known], readout.sign * value[known]
 
@@ -149,7 +149,7 @@ class Simulated(Model):
         # what a late sensor shows at the window's start happened before it: the run begins then, with that state
         late = _delays(mechanism, trial)
         start, end = trial.start - max(late), trial.end - min(late) + 1e-9
-        drive = self.drives.get(trial.id.split("@")[0])
+        drive = self.drives.get(trial.recorded)
         if drive is not None:
             drive = drive.through(mechanism.maps, start, end)
         step, inputs = 0.25 * self.sizes[""].time, None
@@ -178,13 +178,8 @@ class Simulated(Model):
         )
 
 
-def _parent(window: TrialData) -> str:
-    """Id of the trial that a window was cut from."""
-    return window.id.split("@")[0]
-
-
 def _overlap(one: TrialData, other: TrialData) -> bool:
-    return _parent(one) == _parent(other) and one.start < other.end - 1e-9 and other.start < one.end - 1e-9
+    return one.recorded == other.recorded and one.start < other.end - 1e-9 and other.start < one.end - 1e-9
 
 
 def _delays(mechanism: Mechanism, trial: TrialData) -> list[float]:

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from spacerobot.diagnosis.data import Block, TrialData
+from spacerobot.diagnosis.data import Block, TrialData, piece_id
 from spacerobot.diagnosis.hypothesis import Believed, Site
 from spacerobot.diagnosis.models.measured import through_sensor
 from spacerobot.diagnosis.models.model import FIRST_NOISE, Model, Predicted, conditions_of
@@ -81,7 +81,7 @@ class Tossed(Model):
         for trial in self.trials:
             state, (block,) = self._states[trial.id], trial.blocks
             for n, first in enumerate(range(0, state.shape[0] - other._window, other._window)):
-                name, part = f"{trial.id}@{n}", slice(first, first + other._window)
+                name, part = piece_id(trial.id, n), slice(first, first + other._window)
                 other._starts[name] = self._begins(state[first : first + 1]), np.array([other._window])
                 time, value, weight = block.time[part], block.value[:, part], block.weight[:, part]
                 blocks = (replace(block, time=time, value=value, weight=weight),)

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from spacerobot.diagnosis.data import Block, TrialData
+from spacerobot.diagnosis.data import Block, TrialData, piece_id
 from spacerobot.diagnosis.models.measured import through_sensor
 from spacerobot.effects.primitives import ChannelMap
 
@@ -102,7 +102,7 @@ def cut(trial: TrialData, length: float) -> list[TrialData]:
         end = trial.end + 1e-6 if count == 1 else begin + length
         blocks = tuple(b for b in (_within(b, begin, end) for b in trial.blocks) if b.time.size)
         if blocks and any((b.weight > 0.0).sum() > 4 for b in blocks):
-            name = f"{trial.id}@{n}" if count > 1 else trial.id
+            name = piece_id(trial.id, n) if count > 1 else trial.id
             out.append(replace(trial, id=name, blocks=blocks, start=float(begin), end=float(min(end, trial.end))))
     return out
 

@@ -16,7 +16,6 @@ from scipy.special import stdtrit
 
 from spacerobot.diagnosis.data import TrialData
 from spacerobot.diagnosis.models.candidate import Candidate
-from spacerobot.diagnosis.models.held_out import parent
 
 WORTH_OF_REST = 0.05
 WORTH_OF_BASELINE = 0.02
@@ -146,7 +145,7 @@ def pays(new: Candidate, old: Candidate, trials: Sequence[TrialData]) -> bool:
 
 def groups(trials: Sequence[TrialData]) -> np.ndarray:
     """What each trial belongs to, shape (K,), for gains to be independent: its recorded trial, or itself where few."""
-    parents = [parent(t) for t in trials]
+    parents = [t.recorded for t in trials]
     return np.array(parents if len(set(parents)) > 3 else [t.id for t in trials])
 
 

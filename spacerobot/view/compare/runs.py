@@ -180,7 +180,9 @@ def _moved(a: Mapping[str, Any], b: Mapping[str, Any]) -> list[Row]:
     def text(name: str, found: Mapping[str, Any] | None) -> str:
         if found is None:
             return "held exact, or absent"
-        return f"{quantity(found['value'], unit_of_value(name))} ({number(found['in_sigmas'], 2)} σ)"
+        return (
+            f"{quantity(found['value'], found.get('unit') or unit_of_value(name))} ({number(found['in_sigmas'], 2)} σ)"
+        )
 
     return [Row(n, text(n, a.get(n)), text(n, b.get(n))) for n in dict.fromkeys([*a, *b])]
 
