@@ -9,13 +9,13 @@ from typing import Any
 
 from benchmarks.diagnosis_page import page as page
 from benchmarks.timing import spread
-from spacerobot.diagnosis.candidates import candidate_sites
-from spacerobot.diagnosis.data import TrialData
-from spacerobot.diagnosis.fitted import Fit
-from spacerobot.diagnosis.hypothesis import Label
-from spacerobot.diagnosis.pool import Pool
-from spacerobot.diagnosis.search import search
-from spacerobot.diagnosis.workshop import Task, Workshop
+from spacerobot.diagnosis.fitting.fitted import Fit
+from spacerobot.diagnosis.fitting.pool import Pool
+from spacerobot.diagnosis.fitting.workshop import Task, Workshop
+from spacerobot.diagnosis.selection.search import search
+from spacerobot.diagnosis.terms.candidates import candidate_sites
+from spacerobot.diagnosis.terms.data import TrialData
+from spacerobot.diagnosis.terms.hypothesis import Label
 from spacerobot.recordings.study import Study, load_study, resolve_study
 
 NAME, TITLE = "diagnosis", "Diagnosis"

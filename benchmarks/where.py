@@ -14,7 +14,7 @@ from benchmarks.diagnosis import PLAIN, START, STUDY
 from benchmarks.timing import costs
 from benchmarks.trials import SCENES, TARGET, WRIST
 from benchmarks.where_page import page as page
-from spacerobot.diagnosis.workshop import Task, Workshop
+from spacerobot.diagnosis.fitting.workshop import Task, Workshop
 from spacerobot.dynamics.batch import effective_mass_batch
 from spacerobot.model.library import load
 from spacerobot.recordings.study import load_study, resolve_study

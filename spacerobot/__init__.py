@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
+    from spacerobot.diagnosis.answer.result import Diagnosis as Diagnosis
     from spacerobot.diagnosis.diagnose import diagnose as diagnose
     from spacerobot.diagnosis.overlay import Overlay as Overlay
     from spacerobot.diagnosis.overlay import overlay as overlay
-    from spacerobot.diagnosis.result import Diagnosis as Diagnosis
     from spacerobot.diagnosis.study_check import check_study as check_study
     from spacerobot.dynamics.apparent_mass import ApparentMass as ApparentMass
     from spacerobot.dynamics.apparent_mass import apparent_mass as apparent_mass

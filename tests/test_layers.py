@@ -15,6 +15,8 @@ ALLOWED["theory"] = {"theory"}
 for _layer in _ORDER[_ORDER.index("simulation") :]:
     ALLOWED[_layer].add("theory")
 NUMPY_ONLY = {"theory"}
+ROOMS = ["terms", "machines", "fitting", "locate", "selection", "answer", "forward"]
+"""Folders of diagnosis in the order of their imports; what lies beside them may import them all."""
 
 
 def imports_of(source: str) -> set[str]:
@@ -42,6 +44,21 @@ def violations(layer: str, source: str) -> list[str]:
     return bad
 
 
+def circles(rooms: list[str], room: str, source: str) -> list[str]:
+    """Modules of diagnosis that a file of one of its folders may not import: those of a later one, or beside them."""
+    below = set(rooms[: rooms.index(room) + 1])
+    names = [n.split(".") for n in imports_of(source) if n.startswith("spacerobot.diagnosis.")]
+    return [".".join(n) for n in names if n[2] not in below]
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_folders_of_the_diagnosis_import_one_way(room: str) -> None:
+    here = {p.name for p in (ROOT / "diagnosis").iterdir() if (p / "__init__.py").exists()}
+    assert here == set(ROOMS)
+    bad = {f.name: circles(ROOMS, room, f.read_text()) for f in (ROOT / "diagnosis" / room).rglob("*.py")}
+    assert not {k: v for k, v in bad.items() if v}
+
+
 @pytest.mark.parametrize("layer", sorted(p.name for p in ROOT.iterdir() if (p / "__init__.py").exists()))
 def test_layer_imports_point_down(layer: str) -> None:
     assert layer in ALLOWED, f"layer {layer} has no place in the order"
@@ -53,4 +70,7 @@ def test_the_checker_can_fail() -> None:
     assert violations("model", "from spacerobot.simulation import scene")
     assert violations("theory", "def f():\n    import scipy.linalg")
     assert violations("effects", "if TYPE_CHECKING:\n    from spacerobot.cli.main import entry")
+    assert circles(ROOMS, "terms", "from spacerobot.diagnosis.fitting import gauss_newton")
+    assert circles(ROOMS, "answer", "def f():\n    from spacerobot.diagnosis.diagnose import diagnose")
+    assert not circles(ROOMS, "answer", "from spacerobot.diagnosis.selection.judge import NAMED")
     assert not violations("simulation", "from spacerobot.effects.primitives import Force")

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from fuzz.target import Target
 from fuzz.targets.archives import packed
-from spacerobot.diagnosis.schema import schema, validate
+from spacerobot.diagnosis.answer.schema import schema, validate
 from spacerobot.support.errors import InputError
 from spacerobot.support.runs import MARKER, RunFolder
 

@@ -12,8 +12,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from spacerobot.cli.effect_files import load_effects, read_text
+from spacerobot.diagnosis.answer.schema import validate
 from spacerobot.diagnosis.diagnose import diagnose
-from spacerobot.diagnosis.schema import validate
 from spacerobot.effects.registry import effect
 from spacerobot.recordings.lacking import refuse_draft
 from spacerobot.recordings.rig_robot import mended_links, study_robot

@@ -11,9 +11,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from spacerobot.diagnosis.answer.literature import Figure, measured, quoted
+from spacerobot.diagnosis.answer.result import Diagnosis
 from spacerobot.diagnosis.diagnose import diagnose
-from spacerobot.diagnosis.models.figures import Figure, measured, quoted
-from spacerobot.diagnosis.result import Diagnosis
 from spacerobot.recordings.study import Study, bundled_studies, load_study, resolve_study
 from spacerobot.support.errors import InputError
 from spacerobot.support.files import may_write, write_text

@@ -9,31 +9,31 @@ from dataclasses import asdict
 from typing import Any
 
 from spacerobot import __version__
-from spacerobot.diagnosis import evidence as ev
-from spacerobot.diagnosis.admission import admit, has_wrist
-from spacerobot.diagnosis.agreed import why_not
-from spacerobot.diagnosis.ahead import help_compiling
-from spacerobot.diagnosis.candidates import candidate_sites
-from spacerobot.diagnosis.checks import nested, synthetic, widened
-from spacerobot.diagnosis.confirm import confirm
-from spacerobot.diagnosis.decide import decide
-from spacerobot.diagnosis.fitted import Fit
-from spacerobot.diagnosis.found import Report
-from spacerobot.diagnosis.held_out import held_out_entry, hold_out
-from spacerobot.diagnosis.hypothesis import Label, Site
-from spacerobot.diagnosis.intervals import with_intervals
-from spacerobot.diagnosis.judge import AMBIGUOUS, NAMED
-from spacerobot.diagnosis.limits import Limits
+from spacerobot.diagnosis.answer import evidence as ev
+from spacerobot.diagnosis.answer.next_experiment import next_experiment
+from spacerobot.diagnosis.answer.not_predicted import not_predicted
+from spacerobot.diagnosis.answer.result import Diagnosis
+from spacerobot.diagnosis.answer.verdict import labels_of, verdict_dict
+from spacerobot.diagnosis.fitting.fit_store import Store
+from spacerobot.diagnosis.fitting.fitted import Fit
+from spacerobot.diagnosis.fitting.mended_scene import scene_of
+from spacerobot.diagnosis.fitting.pool import Pool
+from spacerobot.diagnosis.fitting.workshop import Workshop
 from spacerobot.diagnosis.locate.located import LEVEL, Located
-from spacerobot.diagnosis.memory import Store
-from spacerobot.diagnosis.next_experiment import next_experiment
-from spacerobot.diagnosis.not_predicted import not_predicted
-from spacerobot.diagnosis.pool import Pool
-from spacerobot.diagnosis.result import Diagnosis
-from spacerobot.diagnosis.rig_model import ABSORBING
-from spacerobot.diagnosis.scene_out import scene_of
-from spacerobot.diagnosis.verdict import labels_of, verdict_dict
-from spacerobot.diagnosis.workshop import Workshop
+from spacerobot.diagnosis.machines.wrist_rig import ABSORBING
+from spacerobot.diagnosis.selection.admission import admit, has_wrist
+from spacerobot.diagnosis.selection.agreed import why_not
+from spacerobot.diagnosis.selection.checks import nested, synthetic, widened
+from spacerobot.diagnosis.selection.confirm import confirm
+from spacerobot.diagnosis.selection.decide import decide
+from spacerobot.diagnosis.selection.held_out import held_out_entry, hold_out
+from spacerobot.diagnosis.selection.intervals import with_intervals
+from spacerobot.diagnosis.selection.judge import AMBIGUOUS, NAMED
+from spacerobot.diagnosis.selection.limits import Limits
+from spacerobot.diagnosis.selection.precompile import help_compiling
+from spacerobot.diagnosis.selection.search_state import Report
+from spacerobot.diagnosis.terms.candidates import candidate_sites
+from spacerobot.diagnosis.terms.hypothesis import Label, Site
 from spacerobot.recordings.lacking import refuse_draft
 from spacerobot.recordings.study import Study
 from spacerobot.support.executors.base import Executor
@@ -61,7 +61,7 @@ def diagnose(
 
     Args:
         study: what the lab believes and recorded: a wrist that meets a floating target, or any other machine, which
-            is then diagnosed part by part (see `diagnosis.models`).
+            is then diagnosed part by part (see `diagnose_parts`).
         jobs: processes; all cores if None.
         seed: kept in the verdict; nothing hangs on it: flips of signs and copies' noise are a quadrature, one for all.
         without: effects to leave out of the catalogue.
@@ -78,7 +78,7 @@ def diagnose(
     began = time.perf_counter()
     admit(study)
     if not has_wrist(study):
-        from spacerobot.diagnosis.models.diagnose_parts import diagnose_parts  # takes half a second to load
+        from spacerobot.diagnosis.diagnose_parts import diagnose_parts  # takes half a second to load
 
         return diagnose_parts(study, report=report, threads=jobs or 1, seed=seed, without=without, store=store)
     jobs = jobs or os.cpu_count() or 1

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from spacerobot.diagnosis.admission import left_aside, of_study, questions
+from spacerobot.diagnosis.selection.admission import left_aside, of_study, questions
 from spacerobot.model.describe import joint_rows
 from spacerobot.recordings import check
 from spacerobot.recordings.ranges import Limits

@@ -13,7 +13,19 @@ LAYERS = ("support", "theory", "model", "dynamics", "effects", "simulation", "re
 AFTERWARDS = ("batch.py", "code_hash.py", "proved.py", "published.py", "rates.py", "summary.py")
 """Files of `proof` that only choose what is played next, and count what was scored."""
 
-ELSEWHERE = ("diagnosis/models", "diagnosis/forward", "diagnosis/locate/of_model.py", "diagnosis/locate/series.py")
+_OTHERS = {
+    "diagnosis": "forward diagnose_parts overlay study_check",
+    "diagnosis/machines": "axis body choose grid impacts joint_torques links machine measured platform prescribed "
+    "simulated sizes stated_noise test_functions tossed touch windows",
+    "diagnosis/fitting": "noise",
+    "diagnosis/locate": "of_model series velocity_jump",
+    "diagnosis/selection": "bench candidate forward_selection growth likelihood_ratio model_choice nested_laws "
+    "part_checks part_fit_store part_fold part_held_out part_limits part_result plausible",
+    "diagnosis/answer": "alternatives events literature mended_model part_evidence part_next_trial part_verdict",
+}
+ELSEWHERE = tuple(
+    f"{k}/{n}" if (ROOT / k / n).is_dir() else f"{k}/{n}.py" for k, v in _OTHERS.items() for n in v.split()
+)
 """What a diagnosis of a wrist that meets a target never loads; a test sees to it."""
 
 WRIST = "wrist"

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from spacerobot.diagnosis.data import trial_data
-from spacerobot.diagnosis.fit import Fitter
-from spacerobot.diagnosis.rig_model import RigModel
-from spacerobot.diagnosis.starts import fit_from
+from spacerobot.diagnosis.fitting.gauss_newton import Fitter
+from spacerobot.diagnosis.fitting.starts import fit_from
+from spacerobot.diagnosis.machines.wrist_rig import RigModel
+from spacerobot.diagnosis.terms.data import trial_data
 from spacerobot.proof.campaign import Belief, Campaign, Readings, noisy, perform, write_study
 from spacerobot.proof.orders import COVERED, Order
 from spacerobot.proof.scenes import hideable, scene

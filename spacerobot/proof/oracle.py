@@ -8,14 +8,14 @@ from pathlib import Path
 
 import numpy as np
 
-from spacerobot.diagnosis.data import TrialData, trial_data
-from spacerobot.diagnosis.fit import Fitter
-from spacerobot.diagnosis.fitted import Fit
-from spacerobot.diagnosis.held_out import folds
-from spacerobot.diagnosis.hypothesis import Site
-from spacerobot.diagnosis.rig_model import RigModel
-from spacerobot.diagnosis.starts import fit_from
-from spacerobot.diagnosis.unseen import foretell, nothing_foretold
+from spacerobot.diagnosis.fitting.fitted import Fit
+from spacerobot.diagnosis.fitting.gauss_newton import Fitter
+from spacerobot.diagnosis.fitting.starts import fit_from
+from spacerobot.diagnosis.machines.wrist_rig import RigModel
+from spacerobot.diagnosis.selection.held_out import folds
+from spacerobot.diagnosis.selection.unseen import foretell, nothing_foretold
+from spacerobot.diagnosis.terms.data import TrialData, trial_data
+from spacerobot.diagnosis.terms.hypothesis import Site
 from spacerobot.effects.registry import effect
 from spacerobot.recordings.study import load_study
 

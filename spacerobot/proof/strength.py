@@ -16,10 +16,10 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.stats import chi2, ncx2
 
-from spacerobot.diagnosis.data import trial_data
-from spacerobot.diagnosis.fit import Fitter
-from spacerobot.diagnosis.rig_model import RigModel
-from spacerobot.diagnosis.starts import fit_from
+from spacerobot.diagnosis.fitting.gauss_newton import Fitter
+from spacerobot.diagnosis.fitting.starts import fit_from
+from spacerobot.diagnosis.machines.wrist_rig import RigModel
+from spacerobot.diagnosis.terms.data import trial_data
 from spacerobot.proof.campaign import Campaign, Readings, perform, write_study
 from spacerobot.proof.sizes import Kind
 from spacerobot.recordings.study import load_study

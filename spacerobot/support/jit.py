@@ -16,7 +16,7 @@ from typing import Any
 
 _PACKAGE = Path(__file__).resolve().parent.parent
 _COMPILED = ("support", "theory", "model", "dynamics", "effects", "simulation")
-_ABOVE = ("recordings/readers/decimals.py", "diagnosis/models/measured.py")
+_ABOVE = ("recordings/readers/decimals.py", "diagnosis/machines/measured.py")
 """What compiles although it lies above those layers."""
 
 

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from spacerobot.diagnosis.adequacy import left_over
-from spacerobot.diagnosis.data import Block, TrialData
+from spacerobot.diagnosis.fitting.adequacy import left_over
+from spacerobot.diagnosis.terms.data import Block, TrialData
 
 TRIALS, SAMPLES, TOUCH = 6, 600, 0.5
 

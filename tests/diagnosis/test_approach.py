@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from spacerobot.diagnosis.approach import approach
+from spacerobot.diagnosis.fitting.approach import approach
 
 TRIALS, SAMPLES = 9, 70
 

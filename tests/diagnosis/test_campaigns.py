@@ -9,10 +9,10 @@ from typing import Any
 
 import pytest
 
+from spacerobot.diagnosis.answer.result import Diagnosis
 from spacerobot.diagnosis.diagnose import diagnose
-from spacerobot.diagnosis.result import Diagnosis
-from spacerobot.diagnosis.unseen import frozen
-from spacerobot.diagnosis.workshop import Workshop
+from spacerobot.diagnosis.fitting.workshop import Workshop
+from spacerobot.diagnosis.selection.unseen import frozen
 from spacerobot.recordings.study import load_study
 from tests.overlay.studies import DATA
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from spacerobot.diagnosis.candidates import candidate_sites, contains, mirrored, plausible
-from spacerobot.diagnosis.hypothesis import Believed
+from spacerobot.diagnosis.terms.candidates import candidate_sites, contains, mirrored, plausible
+from spacerobot.diagnosis.terms.hypothesis import Believed
 from spacerobot.simulation.rig import rig
 
 

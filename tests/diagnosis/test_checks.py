@@ -9,16 +9,17 @@ from typing import Any
 
 import pytest
 
-from spacerobot.diagnosis import checks, confirm, profile
 from spacerobot.diagnosis import diagnose as whole
-from spacerobot.diagnosis.adequacy import Left
-from spacerobot.diagnosis.candidates import contains, simpler
-from spacerobot.diagnosis.fit import Fitter
-from spacerobot.diagnosis.fitted import Fit
-from spacerobot.diagnosis.found import Found
-from spacerobot.diagnosis.hypothesis import Site
-from spacerobot.diagnosis.judge import NAMED, NOT_TRUSTED, judge
-from spacerobot.diagnosis.workshop import Task, Workshop
+from spacerobot.diagnosis.fitting import profile
+from spacerobot.diagnosis.fitting.adequacy import Left
+from spacerobot.diagnosis.fitting.fitted import Fit
+from spacerobot.diagnosis.fitting.gauss_newton import Fitter
+from spacerobot.diagnosis.fitting.workshop import Task, Workshop
+from spacerobot.diagnosis.selection import checks, confirm
+from spacerobot.diagnosis.selection.judge import NAMED, NOT_TRUSTED, judge
+from spacerobot.diagnosis.selection.search_state import Found
+from spacerobot.diagnosis.terms.candidates import contains, simpler
+from spacerobot.diagnosis.terms.hypothesis import Site
 from spacerobot.effects.registry import effect
 from spacerobot.support.jsonio import plain
 from tests.diagnosis.rigs import write_study

@@ -10,11 +10,11 @@ import pytest
 
 pytest.importorskip("mujoco", reason="the extra `proof` is not installed")
 
-from spacerobot.diagnosis import confirm as module
-from spacerobot.diagnosis.confirm import confirm, difference
-from spacerobot.diagnosis.fitted import Fit
-from spacerobot.diagnosis.scene_out import scene_of
-from spacerobot.diagnosis.workshop import Task, Workshop
+from spacerobot.diagnosis.fitting.fitted import Fit
+from spacerobot.diagnosis.fitting.mended_scene import scene_of
+from spacerobot.diagnosis.fitting.workshop import Task, Workshop
+from spacerobot.diagnosis.selection import confirm as module
+from spacerobot.diagnosis.selection.confirm import confirm, difference
 from spacerobot.proof.campaign import write_study
 from spacerobot.proof.conceal import conceal
 from spacerobot.proof.orders import Order

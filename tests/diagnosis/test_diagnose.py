@@ -8,14 +8,14 @@ from typing import Any
 
 import pytest
 
-from spacerobot.diagnosis import pool as pools
+from spacerobot.diagnosis.answer.result import Diagnosis
+from spacerobot.diagnosis.answer.schema import validate
 from spacerobot.diagnosis.diagnose import diagnose
-from spacerobot.diagnosis.parameters import TIMES_STATED
-from spacerobot.diagnosis.profile import profile_interval
-from spacerobot.diagnosis.result import Diagnosis
-from spacerobot.diagnosis.schema import validate
-from spacerobot.diagnosis.verdict import interval
-from spacerobot.diagnosis.workshop import Workshop
+from spacerobot.diagnosis.fitting import pool as pools
+from spacerobot.diagnosis.fitting.interval import interval
+from spacerobot.diagnosis.fitting.profile import profile_interval
+from spacerobot.diagnosis.fitting.workshop import Workshop
+from spacerobot.diagnosis.terms.parameters import TIMES_STATED
 from spacerobot.support.jsonio import plain
 from tests.diagnosis.rigs import write_study
 

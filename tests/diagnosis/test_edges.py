@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from spacerobot.diagnosis.adequacy import COLOUR_LIMIT, GROUP_LIMIT, ChannelLeft
-from spacerobot.diagnosis.approach import LEVEL_LIMIT
-from spacerobot.diagnosis.models.candidate import Candidate
-from spacerobot.diagnosis.models.held_out import HeldOut
-from spacerobot.diagnosis.models.worth import WORTH_OF_REST, pays, ratio
+from spacerobot.diagnosis.fitting.adequacy import COLOUR_LIMIT, GROUP_LIMIT, ChannelLeft
+from spacerobot.diagnosis.fitting.approach import LEVEL_LIMIT
+from spacerobot.diagnosis.selection.candidate import Candidate
+from spacerobot.diagnosis.selection.model_choice import WORTH_OF_REST, pays, ratio
+from spacerobot.diagnosis.selection.part_held_out import HeldOut
 from spacerobot.support.runs import combined_hash
 
 EPS = 1e-6

@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from spacerobot.diagnosis.fit import Fitter, _slope
-from spacerobot.diagnosis.hypothesis import Site
-from spacerobot.diagnosis.screen import Screener, together
-from spacerobot.diagnosis.workshop import Task, Workshop
+from spacerobot.diagnosis.fitting.gauss_newton import Fitter, _slope
+from spacerobot.diagnosis.fitting.screen import Screener, together
+from spacerobot.diagnosis.fitting.workshop import Task, Workshop
+from spacerobot.diagnosis.terms.hypothesis import Site
 from spacerobot.effects.registry import effect
 from spacerobot.support.errors import SimulationError
 from tests.diagnosis.rigs import write_study

@@ -9,18 +9,18 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from spacerobot.diagnosis import freed
-from spacerobot.diagnosis.adequacy import Left
-from spacerobot.diagnosis.fitted import Fit
-from spacerobot.diagnosis.found import Found
-from spacerobot.diagnosis.hypothesis import LOOSE
-from spacerobot.diagnosis.judge import AMBIGUOUS, EARN, MARGIN, WRONG_PARAMETER, Judgement, judge, moved
-from spacerobot.diagnosis.memory import task_name
-from spacerobot.diagnosis.pool import Pool
-from spacerobot.diagnosis.starts import known_rows
-from spacerobot.diagnosis.verdict import alternative
-from spacerobot.diagnosis.weigh import PENALTY, score
-from spacerobot.diagnosis.workshop import Task, Workshop
+from spacerobot.diagnosis.answer.verdict import alternative
+from spacerobot.diagnosis.fitting.adequacy import Left
+from spacerobot.diagnosis.fitting.fit_store import task_name
+from spacerobot.diagnosis.fitting.fitted import Fit
+from spacerobot.diagnosis.fitting.pool import Pool
+from spacerobot.diagnosis.fitting.starts import known_rows
+from spacerobot.diagnosis.fitting.workshop import Task, Workshop
+from spacerobot.diagnosis.selection import without_prior as freed
+from spacerobot.diagnosis.selection.judge import AMBIGUOUS, EARN, MARGIN, WRONG_PARAMETER, Judgement, judge, moved
+from spacerobot.diagnosis.selection.penalty import PENALTY, score
+from spacerobot.diagnosis.selection.search_state import Found
+from spacerobot.diagnosis.terms.hypothesis import LOOSE
 from spacerobot.recordings.study import load_study
 from tests.diagnosis.rigs import write_study
 

@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from spacerobot.diagnosis.hypothesis import Site
-from spacerobot.diagnosis.screen import Screener
-from spacerobot.diagnosis.starts import full_starts, sized
-from spacerobot.diagnosis.workshop import Task, Workshop
+from spacerobot.diagnosis.fitting.screen import Screener
+from spacerobot.diagnosis.fitting.starts import full_starts, sized
+from spacerobot.diagnosis.fitting.workshop import Task, Workshop
+from spacerobot.diagnosis.terms.hypothesis import Site
 from spacerobot.effects.registry import all_effects, effect
 from tests.diagnosis.rigs import write_study
 

@@ -14,16 +14,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from spacerobot.diagnosis import intervals, unseen
-from spacerobot.diagnosis.data import Block, TrialData
-from spacerobot.diagnosis.fitted import Fit
-from spacerobot.diagnosis.fold import OPEN, OTHER, PART, SAME, Fold, folded
-from spacerobot.diagnosis.held_out import MOST_FOLDS, Errors, HeldOut, folds, held_out_entry, hold_out, taken
-from spacerobot.diagnosis.hypothesis import Site
-from spacerobot.diagnosis.judge import NAMED, Judgement
-from spacerobot.diagnosis.pool import Pool
-from spacerobot.diagnosis.unseen import Foretold, foretell, nothing_foretold, seen_sites
-from spacerobot.diagnosis.workshop import Task, Workshop
+from spacerobot.diagnosis.fitting.fitted import Fit
+from spacerobot.diagnosis.fitting.pool import Pool
+from spacerobot.diagnosis.fitting.workshop import Task, Workshop
+from spacerobot.diagnosis.selection import intervals, unseen
+from spacerobot.diagnosis.selection.fold import OPEN, OTHER, PART, SAME, Fold, folded
+from spacerobot.diagnosis.selection.held_out import MOST_FOLDS, Errors, HeldOut, folds, held_out_entry, hold_out, taken
+from spacerobot.diagnosis.selection.judge import NAMED, Judgement
+from spacerobot.diagnosis.selection.unseen import Foretold, foretell, nothing_foretold, seen_sites
+from spacerobot.diagnosis.terms.data import Block, TrialData
+from spacerobot.diagnosis.terms.hypothesis import Site
 from spacerobot.effects.registry import effect
 from spacerobot.recordings.study import load_study
 from spacerobot.support.errors import SimulationError
@@ -106,7 +106,7 @@ def test_a_leak_of_them_does(workshop: Workshop, leak: str, monkeypatch: pytest.
         for one in (workshop, corrupted(workshop, out)):
             whole = one.run(Task((RUB.label,), {RUB.key("force_N"): 0.2}, max_iterations=4))
             assert whole is not None
-            monkeypatch.setattr("spacerobot.diagnosis.refit._promising", lambda *a, at=whole: at.values())
+            monkeypatch.setattr("spacerobot.diagnosis.selection.refit._promising", lambda *a, at=whole: at.values())
             said.append(folded(one, out, [RUB], [], False))
     assert known_before(said[0]) != known_before(said[1])
 

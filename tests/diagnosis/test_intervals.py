@@ -13,19 +13,19 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.signal import lfilter
 
-from spacerobot.diagnosis import intervals
-from spacerobot.diagnosis.colour import inflations
-from spacerobot.diagnosis.data import Block, TrialData
-from spacerobot.diagnosis.fit import Fitter
-from spacerobot.diagnosis.fitted import Fit
-from spacerobot.diagnosis.found import Found
-from spacerobot.diagnosis.hypothesis import Site, hypothesis
-from spacerobot.diagnosis.models.model import Predicted
-from spacerobot.diagnosis.pool import Pool
-from spacerobot.diagnosis.profile import LEVEL_95, _Profiler
-from spacerobot.diagnosis.rig_model import Nuisance
-from spacerobot.diagnosis.weigh import STAND_IN
-from spacerobot.diagnosis.workshop import Task, Workshop
+from spacerobot.diagnosis.fitting.colour import inflations
+from spacerobot.diagnosis.fitting.fitted import Fit
+from spacerobot.diagnosis.fitting.gauss_newton import Fitter
+from spacerobot.diagnosis.fitting.pool import Pool
+from spacerobot.diagnosis.fitting.profile import LEVEL_95, _Profiler
+from spacerobot.diagnosis.fitting.workshop import Task, Workshop
+from spacerobot.diagnosis.machines.machine import Predicted
+from spacerobot.diagnosis.machines.wrist_rig import Nuisance
+from spacerobot.diagnosis.selection import intervals
+from spacerobot.diagnosis.selection.penalty import STAND_IN
+from spacerobot.diagnosis.selection.search_state import Found
+from spacerobot.diagnosis.terms.data import Block, TrialData
+from spacerobot.diagnosis.terms.hypothesis import Site, hypothesis
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.registry import all_effects
 from tests.diagnosis.rigs import write_study

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from spacerobot.diagnosis.diagnose import diagnose
-from spacerobot.diagnosis.fitted import Fit
-from spacerobot.diagnosis.workshop import Task, Workshop
+from spacerobot.diagnosis.fitting.fitted import Fit
+from spacerobot.diagnosis.fitting.workshop import Task, Workshop
 from spacerobot.recordings.study import load_study
 from spacerobot.support.jsonio import plain
 from tests.diagnosis.rigs import write_study

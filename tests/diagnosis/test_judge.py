@@ -10,12 +10,12 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from spacerobot.diagnosis.adequacy import Left
-from spacerobot.diagnosis.fitted import Fit
-from spacerobot.diagnosis.found import Found
-from spacerobot.diagnosis.judge import AMBIGUOUS, NAMED, UNKNOWN, Judgement, judge
-from spacerobot.diagnosis.weigh import MARGIN, PENALTY, SLIGHT
-from spacerobot.diagnosis.workshop import Task, Workshop
+from spacerobot.diagnosis.fitting.adequacy import Left
+from spacerobot.diagnosis.fitting.fitted import Fit
+from spacerobot.diagnosis.fitting.workshop import Task, Workshop
+from spacerobot.diagnosis.selection.judge import AMBIGUOUS, NAMED, UNKNOWN, Judgement, judge
+from spacerobot.diagnosis.selection.penalty import MARGIN, PENALTY, SLIGHT
+from spacerobot.diagnosis.selection.search_state import Found
 from tests.diagnosis.rigs import write_study
 
 ARM, RUB, TILT = ("arm_compliance", "arm"), ("coulomb_friction", "wrist"), ("table_tilt", "target")

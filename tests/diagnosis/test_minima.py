@@ -9,11 +9,11 @@ from typing import Any, cast
 
 import pytest
 
-from spacerobot.diagnosis import minima
-from spacerobot.diagnosis.fitted import Fit
-from spacerobot.diagnosis.found import Found
-from spacerobot.diagnosis.pool import Pool
-from spacerobot.diagnosis.workshop import Task, Workshop
+from spacerobot.diagnosis.fitting.fitted import Fit
+from spacerobot.diagnosis.fitting.pool import Pool
+from spacerobot.diagnosis.fitting.workshop import Task, Workshop
+from spacerobot.diagnosis.selection import restarts as minima
+from spacerobot.diagnosis.selection.search_state import Found
 from tests.diagnosis.rigs import write_study
 
 LABEL = (("low_pass", "force_sensor"),)

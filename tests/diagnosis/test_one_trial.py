@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from spacerobot.diagnosis.diagnose import diagnose
-from spacerobot.diagnosis.hypothesis import Believed, Site, hypothesis
-from spacerobot.diagnosis.one_trial import odd_one_out
+from spacerobot.diagnosis.selection.one_trial import odd_one_out
+from spacerobot.diagnosis.terms.hypothesis import Believed, Site, hypothesis
 from spacerobot.effects.registry import effect
 from spacerobot.recordings.study import load_study
 from spacerobot.simulation.rig import rig

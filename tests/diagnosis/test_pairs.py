@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import pytest
 
-from spacerobot.diagnosis import pairs
-from spacerobot.diagnosis import search as whole
-from spacerobot.diagnosis.adequacy import Left
-from spacerobot.diagnosis.fitted import Fit
-from spacerobot.diagnosis.found import Found, noise_of
-from spacerobot.diagnosis.pool import Pool
-from spacerobot.diagnosis.workshop import Task, Workshop
+from spacerobot.diagnosis.fitting.adequacy import Left
+from spacerobot.diagnosis.fitting.fitted import Fit
+from spacerobot.diagnosis.fitting.pool import Pool
+from spacerobot.diagnosis.fitting.workshop import Task, Workshop
+from spacerobot.diagnosis.selection import pairs
+from spacerobot.diagnosis.selection import search as whole
+from spacerobot.diagnosis.selection.search_state import Found, noise_of
 from tests.diagnosis.rigs import write_study
 
 DRAG, RUB = ("viscous_drag", "target"), ("coulomb_friction", "target")

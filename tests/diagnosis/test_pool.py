@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from spacerobot.diagnosis.fitted import Fit
-from spacerobot.diagnosis.pool import WINDOW, Pool
-from spacerobot.diagnosis.workshop import Task, Workshop
+from spacerobot.diagnosis.fitting.fitted import Fit
+from spacerobot.diagnosis.fitting.pool import WINDOW, Pool
+from spacerobot.diagnosis.fitting.workshop import Task, Workshop
 from spacerobot.support.executors.base import Here
 from tests.diagnosis.rigs import write_study
 

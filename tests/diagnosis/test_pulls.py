@@ -11,13 +11,13 @@ from collections.abc import Mapping
 import numpy as np
 import pytest
 
-from spacerobot.diagnosis.data import Block, TrialData
-from spacerobot.diagnosis.fit import Fitter
-from spacerobot.diagnosis.hypothesis import Believed, hypothesis
-from spacerobot.diagnosis.models.model import Model, Predicted, conditions_of
-from spacerobot.diagnosis.models.sizes import Sizes
-from spacerobot.diagnosis.normal import Normal
-from spacerobot.diagnosis.rig_model import Nuisance
+from spacerobot.diagnosis.fitting.gauss_newton import Fitter
+from spacerobot.diagnosis.fitting.normal_equations import Normal
+from spacerobot.diagnosis.machines.machine import Model, Predicted, conditions_of
+from spacerobot.diagnosis.machines.sizes import Sizes
+from spacerobot.diagnosis.machines.wrist_rig import Nuisance
+from spacerobot.diagnosis.terms.data import Block, TrialData
+from spacerobot.diagnosis.terms.hypothesis import Believed, hypothesis
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Coordinate
 

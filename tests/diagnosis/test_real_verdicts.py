@@ -10,8 +10,8 @@ from typing import Any
 
 import pytest
 
+from spacerobot.diagnosis.answer.schema import validate
 from spacerobot.diagnosis.diagnose import diagnose
-from spacerobot.diagnosis.schema import validate
 from spacerobot.recordings.study import load_study
 from spacerobot.support.errors import InputError
 

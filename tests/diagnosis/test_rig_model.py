@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from spacerobot.diagnosis.data import Block, TrialData, trial_data
-from spacerobot.diagnosis.rig_model import ONSET_MASK, RigModel, counted
+from spacerobot.diagnosis.machines.wrist_rig import ONSET_MASK, RigModel, counted
+from spacerobot.diagnosis.terms.data import Block, TrialData, trial_data
 from spacerobot.effects.registry import effect
 from spacerobot.recordings.study import load_study
 from spacerobot.simulation.rig import rig

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from spacerobot.diagnosis.hypothesis import Site
-from spacerobot.diagnosis.shown import at_bound, not_shown
+from spacerobot.diagnosis.selection.shown import at_bound, not_shown
+from spacerobot.diagnosis.terms.hypothesis import Site
 from spacerobot.effects.effect import Parameter
 from spacerobot.effects.registry import all_effects
 

@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from spacerobot.diagnosis import pairs
-from spacerobot.diagnosis.hypothesis import Site
-from spacerobot.diagnosis.screen import Screener
-from spacerobot.diagnosis.starts import effect_starts, informed_starts, moments
-from spacerobot.diagnosis.workshop import Task, Workshop
+from spacerobot.diagnosis.fitting.screen import Screener
+from spacerobot.diagnosis.fitting.starts import effect_starts, informed_starts, moments
+from spacerobot.diagnosis.fitting.workshop import Task, Workshop
+from spacerobot.diagnosis.selection import pairs
+from spacerobot.diagnosis.terms.hypothesis import Site
 from spacerobot.effects.registry import effect
 from tests.diagnosis.rigs import write_study
 

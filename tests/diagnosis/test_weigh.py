@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from spacerobot.diagnosis.weigh import MARGIN, SLIGHT, SMALL, defect, simplest
+from spacerobot.diagnosis.selection.penalty import MARGIN, SLIGHT, SMALL, defect, simplest
 
 FRICTION, DRAG = ("coulomb_friction", "wrist"), ("viscous_drag", "target")
 STRIBECK, ARM = ("stribeck_friction", "wrist"), ("arm_compliance", "arm")

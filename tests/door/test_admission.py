@@ -12,8 +12,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from spacerobot.cli.main import main
-from spacerobot.diagnosis.admission import admit, has_wrist
-from spacerobot.diagnosis.workshop import Task, Workshop
+from spacerobot.diagnosis.fitting.workshop import Task, Workshop
+from spacerobot.diagnosis.selection.admission import admit, has_wrist
 from spacerobot.recordings.study import load_study
 from spacerobot.support.errors import InputError
 from tests.door.mutations import (

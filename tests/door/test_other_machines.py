@@ -12,9 +12,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from spacerobot.cli.main import main
-from spacerobot.diagnosis.admission import admit
-from spacerobot.diagnosis.models.bench import Bench
-from spacerobot.diagnosis.models.choose import some_models_for
+from spacerobot.diagnosis.machines.choose import some_models_for
+from spacerobot.diagnosis.selection.admission import admit
+from spacerobot.diagnosis.selection.bench import Bench
 from spacerobot.recordings.study import load_study
 from spacerobot.support.errors import InputError
 from tests.door.machines import MACHINES, Mutation, mutations, one_trial

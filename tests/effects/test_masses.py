@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from spacerobot.diagnosis.hypothesis import Believed, Site, hypothesis
+from spacerobot.diagnosis.terms.hypothesis import Believed, Site, hypothesis
 from spacerobot.effects.primitives import Coordinate
 from spacerobot.effects.registry import effect
 from spacerobot.simulation.parts import EffectAt, Target, Wrist

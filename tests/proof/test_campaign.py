@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from spacerobot.diagnosis.data import trial_data
-from spacerobot.diagnosis.fit import Fitter
-from spacerobot.diagnosis.fitted import Fit
-from spacerobot.diagnosis.rig_model import RigModel
-from spacerobot.diagnosis.starts import fit_from
+from spacerobot.diagnosis.fitting.fitted import Fit
+from spacerobot.diagnosis.fitting.gauss_newton import Fitter
+from spacerobot.diagnosis.fitting.starts import fit_from
+from spacerobot.diagnosis.machines.wrist_rig import RigModel
+from spacerobot.diagnosis.terms.data import trial_data
 from spacerobot.proof.air_bed import air_bed
 from spacerobot.proof.campaign import noisy, perform, seal, write_study
 from spacerobot.proof.conceal import WRONG, conceal
@@ -110,7 +110,7 @@ def test_noise_is_as_stated() -> None:
 )
 def test_sensor_faults_are_those_of_the_catalogue(tmp_path: Path, name: str, values: dict[str, float]) -> None:
     """A fit with the catalogue's effect recovers what the generator's own sensor code did."""
-    from spacerobot.diagnosis.hypothesis import Site
+    from spacerobot.diagnosis.terms.hypothesis import Site
     from spacerobot.effects.registry import effect
 
     fault = Missing(name, "force_sensor", values)

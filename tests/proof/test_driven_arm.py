@@ -12,10 +12,10 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from spacerobot.diagnosis.models.bench import Bench
-from spacerobot.diagnosis.models.choose import models_for
-from spacerobot.diagnosis.models.model import Model
-from spacerobot.diagnosis.models.noise import rms_of
+from spacerobot.diagnosis.fitting.noise import rms_of
+from spacerobot.diagnosis.machines.choose import models_for
+from spacerobot.diagnosis.machines.machine import Model
+from spacerobot.diagnosis.selection.bench import Bench
 from spacerobot.model.library import load
 from spacerobot.proof.code_hash import ELSEWHERE, code_hashes, group
 from spacerobot.proof.driven.arm import ROBOT, Log, believed, joints, links, run, torque_of

@@ -11,7 +11,7 @@ import pytest
 
 import spacerobot
 from spacerobot import Scene, Servo
-from spacerobot.diagnosis.result import Diagnosis
+from spacerobot.diagnosis.answer.result import Diagnosis
 from spacerobot.support.errors import InputError
 from spacerobot.support.showing import html_table
 from spacerobot.support.tables import data_frame, data_set

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from spacerobot.diagnosis.models.measured import through_sensor
+from spacerobot.diagnosis.machines.measured import through_sensor
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import ChannelMap
 from spacerobot.effects.registry import effect

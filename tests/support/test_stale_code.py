@@ -92,7 +92,7 @@ def test_no_source_of_compiled_code_is_forgotten() -> None:
 @pytest.mark.parametrize(
     "name",
     ["effects/laws.py", "cli/main.py", "view/report/templates/page.html", "view/report/assets/page.js",
-     "diagnosis/verdict.schema.json", "../urdf/pa10.urdf"],
+     "diagnosis/answer/verdict.schema.json", "../urdf/pa10.urdf"],
 )  # fmt: skip
 def test_any_change_of_the_package_makes_another_run(copy: Path, name: str) -> None:
     def found() -> str:

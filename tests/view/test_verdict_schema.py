@@ -11,7 +11,7 @@ import pytest
 from helpers_report import FRICTION, KINDS, verdict
 from jsonschema import Draft202012Validator
 
-from spacerobot.diagnosis.schema import FORMAT, PROMISED, VERDICTS, schema, validate
+from spacerobot.diagnosis.answer.schema import FORMAT, PROMISED, VERDICTS, schema, validate
 from spacerobot.support.errors import InputError
 
 
@@ -63,7 +63,7 @@ def test_breaches_are_named_with_their_place(kind: str, change: Any, path: str) 
 
 def test_no_seconds_for_a_checker_of_what_the_schema_does_not_have() -> None:
     words = (
-        "import sys; from spacerobot.diagnosis.schema import _validator; _validator(); "
+        "import sys; from spacerobot.diagnosis.answer.schema import _validator; _validator(); "
         "print([name for name in sys.modules if name.startswith('rfc3987_syntax')])"
     )
     done = subprocess.run([sys.executable, "-c", words], capture_output=True, text=True, check=True)

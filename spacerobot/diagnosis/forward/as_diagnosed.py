@@ -8,14 +8,14 @@ from typing import Self
 
 import numpy as np
 
-from spacerobot.diagnosis.data import TrialData
-from spacerobot.diagnosis.fit import Fitter
+from spacerobot.diagnosis.answer.mended_model import read_model
+from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.forward.base import ChannelOverlay, ForwardModel, TrialOverlay, Value
-from spacerobot.diagnosis.hypothesis import Hypothesis
-from spacerobot.diagnosis.models.choose import models_for
-from spacerobot.diagnosis.models.held_out import start_of
-from spacerobot.diagnosis.models.model import Model
-from spacerobot.diagnosis.models.model_out import read_model
+from spacerobot.diagnosis.machines.choose import models_for
+from spacerobot.diagnosis.machines.machine import Model
+from spacerobot.diagnosis.selection.part_held_out import start_of
+from spacerobot.diagnosis.terms.data import TrialData
+from spacerobot.diagnosis.terms.hypothesis import Hypothesis
 from spacerobot.recordings.study import Study
 from spacerobot.recordings.trial import Trial
 from spacerobot.support.errors import InputError

@@ -8,10 +8,10 @@ from typing import Self
 
 import numpy as np
 
-from spacerobot.diagnosis.admission import questions
-from spacerobot.diagnosis.data import TrialData, trial_data
 from spacerobot.diagnosis.forward.base import ForwardModel, TrialOverlay, Value, channels_of, overlaid, unit_of
-from spacerobot.diagnosis.rig_model import UNKNOWN_CENTRES, RigModel, readable
+from spacerobot.diagnosis.machines.wrist_rig import UNKNOWN_CENTRES, RigModel, readable
+from spacerobot.diagnosis.selection.admission import questions
+from spacerobot.diagnosis.terms.data import TrialData, trial_data
 from spacerobot.dynamics.effective_mass import effective_mass
 from spacerobot.recordings.rig_robot import study_robot
 from spacerobot.recordings.study import Study

@@ -7,9 +7,9 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from spacerobot.diagnosis.data import TrialData
-from spacerobot.diagnosis.hypothesis import Believed
 from spacerobot.diagnosis.locate.balances import Balance
+from spacerobot.diagnosis.terms.data import TrialData
+from spacerobot.diagnosis.terms.hypothesis import Believed
 
 STEP = 1e-3
 """Relative step of the differences; the balances are almost linear in the values."""

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from spacerobot.diagnosis.data import TrialData
 from spacerobot.diagnosis.locate.clock import clocks
 from spacerobot.diagnosis.locate.dependence import extents
 from spacerobot.diagnosis.locate.located import Located
 from spacerobot.diagnosis.locate.prepared import BalanceModel, Prepared
 from spacerobot.diagnosis.locate.search import Search
 from spacerobot.diagnosis.locate.surfaces import surfaces
+from spacerobot.diagnosis.terms.data import TrialData
 
 
 def believed_values(model: BalanceModel, trials: Sequence[TrialData]) -> dict[str, dict[str, float]]:

@@ -7,16 +7,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from spacerobot.diagnosis.data import Block, TrialData, piece_id, recorded_id
 from spacerobot.diagnosis.locate.beliefs import STEP, deviations
 from spacerobot.diagnosis.locate.locate import believed_values, locate
 from spacerobot.diagnosis.locate.located import Located
 from spacerobot.diagnosis.locate.series import BalanceSeries, locate_series
-from spacerobot.diagnosis.models.inverse_dynamics import InverseDynamics
-from spacerobot.diagnosis.models.model import Model
-from spacerobot.diagnosis.models.platform import Platform
-from spacerobot.diagnosis.models.simulated import Simulated
-from spacerobot.diagnosis.models.weak import Bump
+from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
+from spacerobot.diagnosis.machines.machine import Model
+from spacerobot.diagnosis.machines.platform import Platform
+from spacerobot.diagnosis.machines.simulated import Simulated
+from spacerobot.diagnosis.machines.test_functions import Bump
+from spacerobot.diagnosis.terms.data import Block, TrialData, piece_id, recorded_id
 from spacerobot.support.errors import InputError
 
 DRIVE = "recorded drive"

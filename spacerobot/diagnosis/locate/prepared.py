@@ -9,13 +9,13 @@ from typing import Protocol
 
 import numpy as np
 
-from spacerobot.diagnosis.data import TrialData
-from spacerobot.diagnosis.hypothesis import Believed
 from spacerobot.diagnosis.locate.balances import Balance, balances
 from spacerobot.diagnosis.locate.beliefs import deviations, directions
 from spacerobot.diagnosis.locate.integral import Integral
 from spacerobot.diagnosis.locate.weak_trial import WeakTrial
 from spacerobot.diagnosis.locate.whitening import Whitener, noise, with_directions
+from spacerobot.diagnosis.terms.data import TrialData
+from spacerobot.diagnosis.terms.hypothesis import Believed
 from spacerobot.effects.mechanism import Mechanism
 
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import erf
 
-from spacerobot.diagnosis.data import TrialData
 from spacerobot.diagnosis.locate.smoothing import BEYOND, Pieces
+from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.effects.mechanism import Mechanism
 
 NEARBY = 0.06

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from spacerobot.diagnosis.models.links import mass_of, with_masses
+from spacerobot.diagnosis.machines.links import mass_of, with_masses
 from spacerobot.model.library import load
 from spacerobot.proof.engine.arm import POSE, mass_matrix, set_joint, shapeless
 from spacerobot.proof.engine.rig import STANDARD_GRAVITY, Joint, Level

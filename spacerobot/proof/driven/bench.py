@@ -8,12 +8,12 @@ from pathlib import Path
 
 import numpy as np
 
-from spacerobot.diagnosis.data import TrialData
-from spacerobot.diagnosis.hypothesis import Site
-from spacerobot.diagnosis.models.bench import Bench
-from spacerobot.diagnosis.models.choose import models_for
-from spacerobot.diagnosis.models.model import Model
-from spacerobot.diagnosis.models.noise import correlation_time, squares_of
+from spacerobot.diagnosis.fitting.noise import correlation_time, squares_of
+from spacerobot.diagnosis.machines.choose import models_for
+from spacerobot.diagnosis.machines.machine import Model
+from spacerobot.diagnosis.selection.bench import Bench
+from spacerobot.diagnosis.terms.data import TrialData
+from spacerobot.diagnosis.terms.hypothesis import Site
 from spacerobot.recordings.study import load_study
 from spacerobot.support.errors import SimulationError
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from spacerobot.diagnosis.schema import validate
+from spacerobot.diagnosis.answer.schema import validate
 from spacerobot.support.errors import InputError
 from spacerobot.view.report.words import (
     beyond,

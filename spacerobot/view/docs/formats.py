@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from spacerobot.diagnosis.schema import schema
+from spacerobot.diagnosis.answer.schema import schema
 from spacerobot.simulation.scene import Scene
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from spacerobot.diagnosis.result import Diagnosis
+from spacerobot.diagnosis.answer.result import Diagnosis
 from spacerobot.view import plotting
 from spacerobot.view.report.evidence import Evidence, Surface, Trace, read_evidence
 from spacerobot.view.report.words import effects_phrase, finite, unit_text

@@ -7,8 +7,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from spacerobot.diagnosis.result import Diagnosis
-from spacerobot.diagnosis.schema import validate
+from spacerobot.diagnosis.answer.result import Diagnosis
+from spacerobot.diagnosis.answer.schema import validate
 from spacerobot.support.jsonio import dumps, plain
 from spacerobot.support.runs import RunFolder, combined_hash
 from spacerobot.view.report.write import write_plots, write_report

@@ -24,7 +24,7 @@ def write_report(verdict: Mapping[str, Any], evidence: Mapping[str, Any], path: 
     """Write one HTML file, under 5 MB, that opens offline and asks nothing of any network.
 
     Args:
-        verdict: as in verdict.json (see `spacerobot.diagnosis.schema`).
+        verdict: as in verdict.json (see `spacerobot.diagnosis.answer.schema`).
         evidence: traces, hypotheses, located mismatches, surfaces and checks; every part may be absent.
         path: the file to write, whole or not at all.
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from spacerobot.diagnosis.schema import validate
+from spacerobot.diagnosis.answer.schema import validate
 from spacerobot.simulation.scene_file import read_scene
 from spacerobot.simulation.simulate import simulate
 from spacerobot.support.errors import InputError

@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from spacerobot.diagnosis.data import Block, TrialData
-from spacerobot.diagnosis.hypothesis import Believed
+from spacerobot.diagnosis.terms.data import Block, TrialData
+from spacerobot.diagnosis.terms.hypothesis import Believed
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.simulation.reduced.run import simulate
 from spacerobot.simulation.rig import rig

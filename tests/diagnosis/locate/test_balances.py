@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from helpers_locate import VALUES, Rig, believed, record
 
-from spacerobot.diagnosis.data import TrialData
 from spacerobot.diagnosis.locate.prepared import Prepared
+from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.effects.effect import Placed
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.registry import all_effects

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from spacerobot.diagnosis.data import trial_data
 from spacerobot.diagnosis.locate.locate import locate
 from spacerobot.diagnosis.locate.located import Located
-from spacerobot.diagnosis.rig_model import RigModel
+from spacerobot.diagnosis.machines.wrist_rig import RigModel
+from spacerobot.diagnosis.terms.data import trial_data
 from spacerobot.recordings.dataroot import recordings_folder
 from spacerobot.recordings.study import load_study
 

@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 
 from spacerobot.diagnosis.locate.of_model import locate_model
-from spacerobot.diagnosis.models.choose import models_for
-from spacerobot.diagnosis.models.inverse_dynamics import InverseDynamics
-from spacerobot.diagnosis.models.model import Model
+from spacerobot.diagnosis.machines.choose import models_for
+from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
+from spacerobot.diagnosis.machines.machine import Model
 from spacerobot.recordings.dataroot import recordings_folder
 from spacerobot.recordings.study import load_study
 

@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from spacerobot.diagnosis.models.grid import Grid
+from spacerobot.diagnosis.machines.grid import Grid
 from spacerobot.model.robot import Robot
 from spacerobot.recordings.dataroot import recordings_folder
 from spacerobot.recordings.study import Study, load_study

@@ -7,7 +7,7 @@ import itertools
 from hypothesis import given
 from hypothesis import strategies as st
 
-from spacerobot.diagnosis.models.alternatives import sets
+from spacerobot.diagnosis.answer.alternatives import sets
 
 
 @given(st.lists(st.integers(1, 4), max_size=5))

@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 from helpers_models import real_study
 
-from spacerobot.diagnosis.data import Block, TrialData
-from spacerobot.diagnosis.fit import Fitter
-from spacerobot.diagnosis.hypothesis import Believed, hypothesis
-from spacerobot.diagnosis.models.axis import axis
-from spacerobot.diagnosis.models.choose import models_for
-from spacerobot.diagnosis.models.held_out import folds, predict_held_out
-from spacerobot.diagnosis.models.simulated import Simulated
-from spacerobot.diagnosis.models.sizes import sizes_of
-from spacerobot.diagnosis.models.windows import Drive, band_limited, cut, held, local, refinement
+from spacerobot.diagnosis.fitting.gauss_newton import Fitter
+from spacerobot.diagnosis.machines.axis import axis
+from spacerobot.diagnosis.machines.choose import models_for
+from spacerobot.diagnosis.machines.simulated import Simulated
+from spacerobot.diagnosis.machines.sizes import sizes_of
+from spacerobot.diagnosis.machines.windows import Drive, band_limited, cut, held, local, refinement
+from spacerobot.diagnosis.selection.part_held_out import folds, predict_held_out
+from spacerobot.diagnosis.terms.data import Block, TrialData
+from spacerobot.diagnosis.terms.hypothesis import Believed, hypothesis
 from spacerobot.effects.registry import effect
 from spacerobot.simulation.reduced.run import simulate
 from spacerobot.simulation.sensors import read_channels

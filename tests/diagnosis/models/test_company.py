@@ -14,16 +14,16 @@ from helpers_models import ARM, arm_log
 from hypothesis import given
 from hypothesis import strategies as st
 
-from spacerobot.diagnosis.agreed import COPIES, agreed
-from spacerobot.diagnosis.data import TrialData
 from spacerobot.diagnosis.diagnose import diagnose
-from spacerobot.diagnosis.hypothesis import Site
-from spacerobot.diagnosis.models.candidate import Candidate
-from spacerobot.diagnosis.models.grow import grow
-from spacerobot.diagnosis.models.held_out import HeldOut
-from spacerobot.diagnosis.models.inverse_dynamics import InverseDynamics
-from spacerobot.diagnosis.models.part import Part
-from spacerobot.diagnosis.models.worth import WORTH_OF_REST, as_good, choice, pays, ratio
+from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
+from spacerobot.diagnosis.selection.agreed import COPIES, agreed
+from spacerobot.diagnosis.selection.candidate import Candidate
+from spacerobot.diagnosis.selection.forward_selection import grow
+from spacerobot.diagnosis.selection.model_choice import WORTH_OF_REST, as_good, choice, pays, ratio
+from spacerobot.diagnosis.selection.part_held_out import HeldOut
+from spacerobot.diagnosis.selection.part_result import Part
+from spacerobot.diagnosis.terms.data import TrialData
+from spacerobot.diagnosis.terms.hypothesis import Site
 from spacerobot.effects.registry import all_effects, effect
 from spacerobot.model.library import load
 from spacerobot.recordings.study import Study

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from spacerobot.diagnosis.models.figures import FILE, quoted
-from spacerobot.diagnosis.models.jump import jump
-from spacerobot.diagnosis.models.touch import first_shock
+from spacerobot.diagnosis.answer.literature import FILE, quoted
+from spacerobot.diagnosis.locate.velocity_jump import jump
+from spacerobot.diagnosis.machines.touch import first_shock
 from spacerobot.support.errors import InputError
 from spacerobot.view.report.when import happened
 
@@ -62,8 +62,8 @@ def test_the_satellite_is_touched_and_its_clock_is_behind() -> None:
     """Others read 8.70 and 9.17 s off the torques, and 1.0 s for the clock."""
     from helpers_models import real_study
 
-    from spacerobot.diagnosis.models.choose import models_for
-    from spacerobot.diagnosis.models.events import clocks, touches
+    from spacerobot.diagnosis.answer.events import clocks, touches
+    from spacerobot.diagnosis.machines.choose import models_for
 
     study = real_study("franka_captures_satellite")
     seen = touches(models_for(study))

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from helpers_models import ARM, arm_log
 
-from spacerobot.diagnosis.models.grow import grow
-from spacerobot.diagnosis.models.inverse_dynamics import InverseDynamics
-from spacerobot.diagnosis.models.model_out import Found, read_model
-from spacerobot.diagnosis.models.next_trial import next_trial
-from spacerobot.diagnosis.models.part import Part
+from spacerobot.diagnosis.answer.mended_model import Found, read_model
+from spacerobot.diagnosis.answer.part_next_trial import next_trial
+from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
+from spacerobot.diagnosis.selection.forward_selection import grow
+from spacerobot.diagnosis.selection.part_result import Part
 from spacerobot.effects.registry import effect
 from spacerobot.model.library import load
 from spacerobot.support.errors import InputError, NotFoundError

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from spacerobot.diagnosis.models.impacts import _impulse
-from spacerobot.diagnosis.models.part_verdict import of_turning, turning_unit
-from spacerobot.diagnosis.models.windows import Drive, held
-from spacerobot.diagnosis.models.worth import slack
+from spacerobot.diagnosis.answer.part_verdict import of_turning, turning_unit
+from spacerobot.diagnosis.machines.impacts import _impulse
+from spacerobot.diagnosis.machines.windows import Drive, held
+from spacerobot.diagnosis.selection.model_choice import slack
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import ChannelMap, Coordinate, Readout
 from spacerobot.effects.registry import effect

@@ -12,10 +12,10 @@ pytest.importorskip("mujoco", reason="the extra `proof` is not installed")
 
 from helpers_driven import driven_study
 
-from spacerobot.diagnosis.fitted import Fit
-from spacerobot.diagnosis.models.bench import Bench
-from spacerobot.diagnosis.models.choose import models_for
-from spacerobot.diagnosis.models.generals import WIDE, least_alike, left_open, not_excluded
+from spacerobot.diagnosis.fitting.fitted import Fit
+from spacerobot.diagnosis.machines.choose import models_for
+from spacerobot.diagnosis.selection.bench import Bench
+from spacerobot.diagnosis.selection.nested_laws import WIDE, least_alike, left_open, not_excluded
 from spacerobot.proof.engine.missing import Missing
 
 JOINT = "S1"

@@ -11,11 +11,11 @@ pytest.importorskip("mujoco", reason="the extra `proof` is not installed")
 
 from helpers_driven import driven_study
 
-from spacerobot.diagnosis.hypothesis import Label
-from spacerobot.diagnosis.models import grow as module
-from spacerobot.diagnosis.models.candidate import Candidate
-from spacerobot.diagnosis.models.choose import models_for
-from spacerobot.diagnosis.models.grow import grow
+from spacerobot.diagnosis.machines.choose import models_for
+from spacerobot.diagnosis.selection import forward_selection as module
+from spacerobot.diagnosis.selection.candidate import Candidate
+from spacerobot.diagnosis.selection.forward_selection import grow
+from spacerobot.diagnosis.terms.hypothesis import Label
 from spacerobot.effects.registry import effect
 from spacerobot.proof.engine.missing import Missing
 

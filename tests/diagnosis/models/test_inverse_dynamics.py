@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from helpers_models import ARM, arm_log, real_study
 
-from spacerobot.diagnosis.fit import Fitter
-from spacerobot.diagnosis.hypothesis import hypothesis
-from spacerobot.diagnosis.models.choose import models_for
-from spacerobot.diagnosis.models.grow import grow
-from spacerobot.diagnosis.models.held_out import folds
-from spacerobot.diagnosis.models.inverse_dynamics import InverseDynamics
-from spacerobot.diagnosis.models.noise import floor_of, reweighted
+from spacerobot.diagnosis.fitting.gauss_newton import Fitter
+from spacerobot.diagnosis.fitting.noise import floor_of, reweighted
+from spacerobot.diagnosis.machines.choose import models_for
+from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
+from spacerobot.diagnosis.selection.forward_selection import grow
+from spacerobot.diagnosis.selection.part_held_out import folds
+from spacerobot.diagnosis.terms.hypothesis import hypothesis
 from spacerobot.model.library import load
 from spacerobot.support.errors import NotFoundError
 

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from spacerobot.diagnosis.data import Block, TrialData
-from spacerobot.diagnosis.models.noise import correlation_time, floor_of, reweighted, squares_of
+from spacerobot.diagnosis.fitting.noise import correlation_time, floor_of, reweighted, squares_of
+from spacerobot.diagnosis.terms.data import Block, TrialData
 
 
 def autoregressive(rho: float, count: int, seed: int) -> np.ndarray:

@@ -10,10 +10,10 @@ from helpers_balls import balls
 from hypothesis import given
 from hypothesis import strategies as st
 
+from spacerobot.diagnosis.answer.not_predicted import not_predicted
+from spacerobot.diagnosis.answer.schema import validate
 from spacerobot.diagnosis.diagnose import diagnose
-from spacerobot.diagnosis.models.choose import models_for
-from spacerobot.diagnosis.not_predicted import not_predicted
-from spacerobot.diagnosis.schema import validate
+from spacerobot.diagnosis.machines.choose import models_for
 from spacerobot.effects.registry import all_effects
 from spacerobot.recordings.study import Study, load_study
 from spacerobot.support.errors import InputError

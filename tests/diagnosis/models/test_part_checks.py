@@ -8,13 +8,13 @@ from typing import Any
 import pytest
 from helpers_models import ARM, arm_log
 
-from spacerobot.diagnosis.fit import Fitter
-from spacerobot.diagnosis.fitted import Fit
-from spacerobot.diagnosis.judge import NAMED, NOT_TRUSTED
-from spacerobot.diagnosis.models.grow import grow
-from spacerobot.diagnosis.models.inverse_dynamics import InverseDynamics
-from spacerobot.diagnosis.models.part import Part
-from spacerobot.diagnosis.models.part_checks import checks_of
+from spacerobot.diagnosis.fitting.fitted import Fit
+from spacerobot.diagnosis.fitting.gauss_newton import Fitter
+from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
+from spacerobot.diagnosis.selection.forward_selection import grow
+from spacerobot.diagnosis.selection.judge import NAMED, NOT_TRUSTED
+from spacerobot.diagnosis.selection.part_checks import checks_of
+from spacerobot.diagnosis.selection.part_result import Part
 from spacerobot.effects.registry import effect
 from spacerobot.model.library import load
 from spacerobot.support.errors import SimulationError

@@ -14,18 +14,18 @@ from helpers_sliding import sliding
 from hypothesis import given
 from hypothesis import strategies as st
 
-from spacerobot.diagnosis.data import Block, TrialData
 from spacerobot.diagnosis.diagnose import diagnose
-from spacerobot.diagnosis.fold import OPEN, OTHER, PART, SAME
-from spacerobot.diagnosis.models import part_fold
-from spacerobot.diagnosis.models.bench import Bench
-from spacerobot.diagnosis.models.choose import models_for
-from spacerobot.diagnosis.models.grow import grow
-from spacerobot.diagnosis.models.growth import Growth
-from spacerobot.diagnosis.models.held_out import HeldOut
-from spacerobot.diagnosis.models.model import Model
-from spacerobot.diagnosis.models.part_fold import PartFold, Unseen, decided, decided_without, keep_aside
-from spacerobot.diagnosis.models.simulated import Simulated
+from spacerobot.diagnosis.machines.choose import models_for
+from spacerobot.diagnosis.machines.machine import Model
+from spacerobot.diagnosis.machines.simulated import Simulated
+from spacerobot.diagnosis.selection import part_fold
+from spacerobot.diagnosis.selection.bench import Bench
+from spacerobot.diagnosis.selection.fold import OPEN, OTHER, PART, SAME
+from spacerobot.diagnosis.selection.forward_selection import grow
+from spacerobot.diagnosis.selection.growth import Growth
+from spacerobot.diagnosis.selection.part_fold import PartFold, Unseen, decided, decided_without, keep_aside
+from spacerobot.diagnosis.selection.part_held_out import HeldOut
+from spacerobot.diagnosis.terms.data import Block, TrialData
 from spacerobot.effects.registry import all_effects, effect
 from spacerobot.support.errors import SimulationError
 

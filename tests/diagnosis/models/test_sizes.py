@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from spacerobot.diagnosis.models.sizes import Sizes, scaled
+from spacerobot.diagnosis.machines.sizes import Sizes, scaled
 from spacerobot.effects.registry import all_effects, effect
 from spacerobot.support.errors import InputError
 

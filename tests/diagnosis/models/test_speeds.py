@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from helpers_models import ARM, arm_log
 
-from spacerobot.diagnosis.hypothesis import hypothesis
-from spacerobot.diagnosis.models.inverse_dynamics import InverseDynamics
+from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
+from spacerobot.diagnosis.terms.hypothesis import hypothesis
 from spacerobot.model.library import load
 
 SHOULDER = "joint.shoulder"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from spacerobot.diagnosis.models.weak import Bump
+from spacerobot.diagnosis.machines.test_functions import Bump
 from spacerobot.support.errors import InputError
 
 

@@ -13,11 +13,11 @@ pytest.importorskip("mujoco", reason="the extra `proof` is not installed")
 from helpers_driven import driven_study
 
 from spacerobot.diagnosis.diagnose import diagnose
-from spacerobot.diagnosis.hypothesis import Label
-from spacerobot.diagnosis.models.bench import Bench
-from spacerobot.diagnosis.models.candidate import Candidate
-from spacerobot.diagnosis.models.choose import models_for
-from spacerobot.diagnosis.models.grow import _Search
+from spacerobot.diagnosis.machines.choose import models_for
+from spacerobot.diagnosis.selection.bench import Bench
+from spacerobot.diagnosis.selection.candidate import Candidate
+from spacerobot.diagnosis.selection.forward_selection import _Search
+from spacerobot.diagnosis.terms.hypothesis import Label
 from spacerobot.proof.engine.missing import Missing
 
 OPEN = Missing("coulomb_friction", "joint.S1", {"force_Nm": 0.035})

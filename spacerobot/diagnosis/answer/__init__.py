@@ -1,0 +1,1 @@
+"""What is said: verdict, evidence, next trial, the mended model."""

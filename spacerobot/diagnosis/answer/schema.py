@@ -1,0 +1,91 @@
+"""The promise of verdict.json as a JSON Schema, and the check of a verdict against it."""
+
+from __future__ import annotations
+
+import functools
+import json
+import sys
+from collections.abc import Mapping
+from importlib.resources import files
+from typing import Any
+
+from spacerobot.support.errors import InputError
+from spacerobot.support.jsonio import plain
+
+VERDICTS = ("named", "ambiguous", "unknown", "nothing_missing", "wrong_parameter", "not_trusted")
+"""Every kind of verdict."""
+
+FORMAT = 1
+"""Of verdict.json. A new kind of verdict, and a key that no format promises yet, raise it."""
+
+PROMISED: dict[int, tuple[frozenset[str], frozenset[str]]] = {
+    1: (
+        frozenset({"named", "learned", "ambiguous", "unknown", "nothing_missing", "wrong_parameter", "not_trusted"}),
+        frozenset({"format", "spacerobot", "input_hash", "seed", "study", "seconds", "verdict", "confidence"})
+        | {"effects", "alternatives", "parameters", "located", "held_out", "detectable", "next_experiment"}
+        | {"parts", "learned", "exact", "moved", "covariance", "why", "not_predicted", "not_located"}
+        | {"events", "clocks", "model"},
+    ),
+}
+"""Format -> kinds of verdict and keys of the whole that its readers have been told of, some of them to come."""
+
+_SLOW = "rfc3987_syntax"
+
+
+@functools.cache
+def schema() -> dict[str, Any]:
+    """The JSON Schema (draft 2020-12) of verdict.json, as shipped in verdict.schema.json."""
+    text = files("spacerobot.diagnosis.answer").joinpath("verdict.schema.json").read_text(encoding="utf-8")
+    loaded: dict[str, Any] = json.loads(text)
+    return loaded
+
+
+@functools.cache
+def _validator() -> Any:
+    # Where Jupyter is installed, jsonschema comes with a checker of IRIs that takes longer than a second to import.
+    # There are none in our schema, and jsonschema takes its absence well.
+    held = None if _SLOW in sys.modules else {_SLOW: None}
+    sys.modules.update(held or {})  # type: ignore[arg-type]
+    try:
+        from jsonschema import Draft202012Validator
+    finally:
+        if held:
+            del sys.modules[_SLOW]
+    return Draft202012Validator(schema())
+
+
+def other_format(number: Any) -> str | None:
+    """What to tell whoever gives a file of another format, in one line; None for our own, or where none is stated."""
+    if number is None or number == FORMAT or not isinstance(number, int) or isinstance(number, bool):
+        return None
+    if number > FORMAT:
+        return "the verdict was written by a newer spacerobot: it may hold kinds and keys that this one does not know"
+    return "the verdict was written by an older spacerobot: diagnose the study again"
+
+
+def validate(verdict: Mapping[str, Any], where: str = "verdict") -> None:
+    """Check a verdict, a dict as read from verdict.json or about to be written there.
+
+    Args:
+        verdict: the object; NumPy values are taken as `support.jsonio` would write them.
+        where: named in the error, a file for instance.
+
+    Raises:
+        InputError: the first breach, with the path to it.
+    """
+    told = other_format(verdict.get("format"))
+    if told:
+        raise InputError(told, given=verdict["format"], valid=str(FORMAT), where=f"{where}.format")
+    breaches = _validator().iter_errors(plain(dict(verdict)))
+    breach = min(breaches, key=_rank, default=None)
+    if breach is None:
+        return
+    while breach.context:  # inside a oneOf: the breach of the branch that came nearest says more
+        breach = max(breach.context, key=lambda e: len(e.absolute_path))
+    path = "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in breach.absolute_path)
+    raise InputError(f"not a valid verdict: {breach.message}", where=f"{where}{path}")
+
+
+def _rank(breach: Any) -> tuple[bool, list[str]]:
+    """Plain breaches before those of the rules between keys, which may only follow from them."""
+    return breach.absolute_schema_path[0] == "allOf", [str(p) for p in breach.absolute_path]

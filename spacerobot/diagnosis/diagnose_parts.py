@@ -1,0 +1,77 @@
+"""A diagnosis of machines other than a wrist rig: every joint, body and sensor of the study on its own."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+
+from spacerobot import __version__
+from spacerobot.diagnosis.answer.mended_model import model_text
+from spacerobot.diagnosis.answer.part_evidence import evidence_of
+from spacerobot.diagnosis.answer.part_verdict import verdict_of
+from spacerobot.diagnosis.answer.result import Diagnosis
+from spacerobot.diagnosis.fitting.fit_store import Store
+from spacerobot.diagnosis.locate.of_model import has_balance, locate_model
+from spacerobot.diagnosis.machines.choose import some_models_for
+from spacerobot.diagnosis.selection.forward_selection import MOST, grow
+from spacerobot.diagnosis.selection.part_checks import checks_of
+from spacerobot.diagnosis.selection.part_fit_store import Kept
+from spacerobot.diagnosis.selection.part_fold import keep_aside
+from spacerobot.diagnosis.selection.part_result import Part
+from spacerobot.diagnosis.selection.search_state import Report
+from spacerobot.effects.registry import all_effects
+from spacerobot.recordings.study import Study
+
+
+def diagnose_parts(
+    study: Study,
+    *,
+    report: Report,
+    threads: int = 1,
+    seed: int = 0,
+    without: Sequence[str] = (),
+    store: Store | None = None,
+) -> Diagnosis:
+    """Say of each part of the study where simulation and recording part, and which physics was left out.
+
+    Args:
+        study: what the lab believes and recorded.
+        report: told of progress.
+        threads: of the fits.
+        seed: kept in the verdict; nothing hangs on it.
+        without: effects to leave out of the catalogue.
+        store: keeps every finished fit, so that a diagnosis that was stopped goes on where it was.
+
+    Raises:
+        InputError: nothing that was recorded can be compared with the baseline.
+    """
+    began = time.perf_counter()
+    report("reading the recordings", 0, 1)
+    models = some_models_for(study)
+    catalogue = [e for e in all_effects().values() if e.name not in without]
+    parts: list[Part] = []
+    for place, model in enumerate(models, 1):
+        what = f"{model.name} ({place} of {len(models)})"
+        kept = Kept(store, f"{place} {model.name}")
+        growth = grow(model, effects=catalogue, threads=threads, reached=partial(_tell, report, what), kept=kept)
+        parts.append(Part(growth))
+    done = []
+    for place, part in enumerate(parts):
+        report("locating and checking", place, len(parts))
+        # the flips of signs are a quadrature: the same for every seed, as no answer shall hang on them
+        located = locate_model(part.model, trials=part.trials) if has_balance(part.model) else None
+        unseen = keep_aside(part.growth)
+        checks = checks_of(part)
+        if part.fit.hypothesis.sites:
+            checks = (*checks, unseen.check(part.name))
+        done.append(replace(part, located=located, checks=checks, unseen=unseen))
+    report("judging", 0, 1)
+    verdict = verdict_of(study, done, version=__version__, seed=seed, seconds=time.perf_counter() - began)
+    evidence = evidence_of(study, done, verdict)
+    return Diagnosis(verdict, evidence, parts=tuple(done), model=model_text(study, done))
+
+
+def _tell(report: Report, what: str, size: int) -> None:
+    report(what, size, MOST)

@@ -1,0 +1,1 @@
+"""From a hypothesis to its best fit, and what the fit leaves."""

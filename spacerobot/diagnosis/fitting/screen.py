@@ -1,0 +1,241 @@
+"""First scores of all effects, by their sensitivities at the best fit so far; nothing is refitted here.
+
+An effect at its start values moves every residual by some d. What of d the free parameters cannot imitate, projected
+on what is left of the residual, says how much chi-squared would fall; and how small an effect would still be seen.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from spacerobot.diagnosis.fitting.fitted import Fit, State
+from spacerobot.diagnosis.fitting.gauss_newton import Fitter
+from spacerobot.diagnosis.fitting.starts import effect_starts, full_starts, informed_starts, moments, sized
+from spacerobot.diagnosis.terms.data import TrialData
+from spacerobot.diagnosis.terms.hypothesis import LOOSE, Believed, Site, hypothesis
+from spacerobot.support.errors import InputError, SimulationError
+
+FAINT = 0.1
+"""Share of an effect's start value at which its sensitivities are taken."""
+
+
+@dataclass(frozen=True, eq=False)
+class Screened:
+    """One effect at one start, scored.
+
+    The column, kept of each site's best start, is weighted, masked and freed of what the fit can imitate.
+    """
+
+    site: Site
+    start: Mapping[str, float]
+    column: np.ndarray  # (S + P,) over all trials' readings, then over the free parameters' priors
+    gain: float  # predicted fall of the cost
+    amplitude: float  # multiple of the column at which it would come
+    norm: float  # |column|^2
+
+
+@dataclass(frozen=True, eq=False)
+class Screen:
+    """All scores at one fit."""
+
+    fit: Fit
+    scored: tuple[Screened, ...]  # best first, one per site and start
+    residual: np.ndarray  # (S + P,) weighted and masked, freed of what the fit can imitate
+
+    def best(self) -> dict[tuple[str, str], Screened]:
+        """The best start of each site, best first."""
+        out: dict[tuple[str, str], Screened] = {}
+        for item in self.scored:
+            out.setdefault(item.site.label, item)
+        return out
+
+    def pairs(self) -> list[tuple[float, Screened, Screened]]:
+        """Every pair of sites at their best starts with the predicted fall of the cost, best first."""
+        singles = list(self.best().values())
+        if len(singles) < 2:
+            return []
+        columns = np.stack([s.column for s in singles])
+        gram = columns @ columns.T
+        right = columns @ self.residual
+        out = []
+        for i in range(len(singles)):
+            for j in range(i):
+                block = gram[np.ix_([i, j], [i, j])]
+                b = right[[i, j]]
+                det = block[0, 0] * block[1, 1] - block[0, 1] ** 2
+                if det <= 1e-6 * block[0, 0] * block[1, 1]:
+                    gain = max(singles[i].gain, singles[j].gain)
+                else:
+                    gain = float(b @ np.linalg.solve(block, b))
+                out.append((gain, singles[i], singles[j]))
+        return sorted(out, key=lambda p: -p[0])
+
+
+class Screener:
+    """Scores effects at a fit."""
+
+    def __init__(self, fitter: Fitter, believed: Believed) -> None:
+        self.fitter = fitter
+        self.believed = believed
+
+    def screen(self, fit: Fit, sites: Sequence[Site]) -> Screen:
+        """Scores of adding each site to the fit's own hypothesis."""
+        fitter, state = self.fitter, self.state_of(fit)
+        project = Projector(fitter, fit, state)
+        residual = project.free(project.stack(state.raw), fit.z)
+        scored = []
+        for site in sites:
+            starts = starts_of(site, fitter.trials)
+            items = [self._score(fit, state, project, residual, site, start) for start in starts]
+            found = sorted((i for i in items if i is not None), key=lambda s: -s.gain)
+            scored += found[:1] + [replace(i, column=np.zeros(0)) for i in found[1:]]
+        scored.sort(key=lambda s: -s.gain)
+        return Screen(fit, tuple(scored), residual)
+
+    def screen_full(self, fit: Fit, sites: Sequence[Site]) -> Screen:
+        """The same at full sizes: of each effect the start and size after which least would be left over.
+
+        A line that is slack, or friction that brings a body to rest, hardly moves a recording while it is faint, and
+        not in proportion. Only what the free parameters do about it is still taken to be in proportion.
+        """
+        state = self.state_of(fit)
+        project = Projector(self.fitter, fit, state, robust=False)
+        residual = project.free(project.stack(state.raw), fit.z)
+        least = float(residual @ residual)
+        scored = []
+        for site in sites:
+            found = []
+            for start in full_starts(site, self.fitter.trials):
+                moved = self.with_effect(fit, state, site, start)
+                if moved is not None:
+                    left = project.free(project.stack(moved.raw), fit.z)
+                    norm = float(np.square(left - residual).sum())
+                    found.append(Screened(site, start, np.zeros(0), least - float(left @ left), 1.0, norm))
+            scored += sorted(found, key=lambda s: -s.gain)[:1]
+        scored.sort(key=lambda s: -s.gain)
+        return Screen(fit, tuple(scored), residual)
+
+    def state_of(self, fit: Fit) -> State:
+        """The state of a finished fit."""
+        state = self.fitter.state(fit.hypothesis, fit.z, fit.initials())
+        if state is None:
+            raise SimulationError("a finished fit can no longer be simulated")
+        return state
+
+    def with_effect(self, fit: Fit, state: State, site: Site, start: Mapping[str, float]) -> State | None:
+        """The fit's state with an effect added to it; None where that cannot be simulated."""
+        made = hypothesis(self.believed, (*fit.hypothesis.sites, site), start)
+        try:
+            return self.fitter.state(made, made.start({**fit.values(), **start}), state.own)
+        except InputError:
+            return None
+
+    def _score(
+        self,
+        fit: Fit,
+        state: State,
+        project: Projector,
+        residual: np.ndarray,
+        site: Site,
+        start: Mapping[str, float],
+    ) -> Screened | None:
+        moved = self.with_effect(fit, state, site, {**start, **faint(site, start)})
+        if moved is None:
+            return None
+        column = project.free(project.stack(moved.raw) - project.stack(state.raw), np.zeros_like(fit.z))
+        norm = float(column @ column)
+        if norm < 1e-12:
+            return Screened(site, start, column, 0.0, 0.0, norm)
+        amplitude = -float(column @ residual) / norm
+        if amplitude < 0.0 and not site.effect.two_sided:
+            return Screened(site, start, column, 0.0, amplitude, norm)
+        return Screened(site, start, column, amplitude**2 * norm, amplitude, norm)
+
+
+def starts_of(site: Site, trials: Sequence[TrialData]) -> list[dict[str, float]]:
+    """Every start at which an effect is screened."""
+    return [*effect_starts([site]), *informed_starts(site, trials), *moments(site, trials)]
+
+
+def together(screens: Sequence[Screen], sites: Sequence[Site]) -> Screen:
+    """Screens of several parts of these sites at one fit as one, the same however the sites were parted."""
+    order = {site.label: k for k, site in enumerate(sites)}
+    scored = sorted((i for s in screens for i in s.scored), key=lambda i: (-i.gain, order[i.site.label]))
+    return Screen(screens[0].fit, tuple(scored), screens[0].residual)
+
+
+def faint(site: Site, start: Mapping[str, float], share: float = FAINT) -> dict[str, float]:
+    """The start with its strengths cut to a share, so that the residual still moves in proportion.
+
+    An effect whose law takes the place of the baseline's own is no small change at any strength, and starts whole.
+    """
+    return dict(start) if site.effect.removes else sized(site, start, share)
+
+
+class Projector:
+    """Takes out of a column what the free parameters can imitate.
+
+    Priors are readings too, of the parameters themselves: what a fit has absorbed by pulling believed values shows in
+    them, and an effect that would let go of these values is worth what they no longer pay.
+
+    Args:
+        fitter, fit, state: where the column starts from.
+        robust: whether channels of trials that do not fit yet weigh less.
+        loose: believed values that are set free of what is stated of them.
+    """
+
+    def __init__(
+        self, fitter: Fitter, fit: Fit, state: State, *, robust: bool = True, loose: Collection[str] = ()
+    ) -> None:
+        made, known = fit.hypothesis, fitter.rows_at(fit)
+        self.fitter = fitter
+        self.weights = {t.id: (state.weights(t) if robust else 1.0) * state.keep[t.id] for t in fitter.trials}
+        count = len(made.free)
+        self.pull = np.sqrt([float(f.prior) for f in made.free])
+        self.pull /= np.where([f.key in loose for f in made.free], LOOSE, 1.0)
+        self.global_rows = []
+        self.own = []
+        for trial in fitter.trials:
+            rows = known[trial.id] * self.weights[trial.id][:, None]
+            own, _ = np.linalg.qr(rows[:, count:])
+            shared = rows[:, :count]
+            self.own.append(own)
+            self.global_rows.append(shared - own @ (own.T @ shared))
+        normal = sum(g.T @ g for g in self.global_rows) + np.diag(self.pull**2)
+        self.inverse = np.linalg.pinv(normal, rcond=1e-12, hermitian=True)
+
+    def stack(self, raw: Mapping[str, np.ndarray]) -> np.ndarray:
+        """Residuals of all trials, weighted and masked, in one vector, shape (S,)."""
+        return np.concatenate([raw[t.id] * self.weights[t.id] for t in self.fitter.trials])
+
+    def free(self, column: np.ndarray, z: np.ndarray) -> np.ndarray:
+        """The part of a column that no free parameter can imitate, shape (S + P,).
+
+        Args:
+            column: of readings, shape (S,).
+            z: how far the free parameters are from what is believed, shape (P,).
+        """
+        parts, paid = self._parts(column), self.pull * z
+        step = self._step(parts, paid)
+        return np.concatenate(
+            [*(p - g @ step for g, p in zip(self.global_rows, parts, strict=True)), paid - self.pull * step]
+        )
+
+    def shift(self, column: np.ndarray) -> np.ndarray:
+        """By how much the free parameters move to imitate a column, shape (P,)."""
+        return self._step(self._parts(column), np.zeros_like(self.pull))
+
+    def _parts(self, column: np.ndarray) -> list[np.ndarray]:
+        parts, first = [], 0
+        for own in self.own:
+            piece = column[first : first + own.shape[0]]
+            first += own.shape[0]
+            parts.append(piece - own @ (own.T @ piece))
+        return parts
+
+    def _step(self, parts: Sequence[np.ndarray], paid: np.ndarray) -> np.ndarray:
+        shared = sum(g.T @ p for g, p in zip(self.global_rows, parts, strict=True)) + self.pull * paid
+        return np.asarray(self.inverse @ shared)

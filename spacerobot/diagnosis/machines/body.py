@@ -1,0 +1,214 @@
+"""A free body as a mechanism: it slides, falls or turns, with the forces that were commanded."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from spacerobot.diagnosis.machines.machine import FIRST_NOISE, conditions_of
+from spacerobot.diagnosis.machines.simulated import Build, Simulated
+from spacerobot.diagnosis.machines.sizes import Sizes, sizes_of
+from spacerobot.diagnosis.machines.windows import FOLDS, Drive, held
+from spacerobot.diagnosis.terms.data import Block, TrialData
+from spacerobot.diagnosis.terms.hypothesis import Believed
+from spacerobot.effects.laws import DAMPER
+from spacerobot.effects.mechanism import Mechanism
+from spacerobot.effects.primitives import Coordinate, Field, Force, Input, Readout
+from spacerobot.recordings.study import Study
+from spacerobot.recordings.trial import Trial
+
+COMMAND = "command"
+"""What the sensors' effects call the recorded forces: thrust that comes out weaker, later or sluggish."""
+
+RESTART = 1.5
+"""Length of a window under recorded forces, in units of the motion's own time: simulations of a free body drift."""
+
+
+OF_TABLES = ("table_tilt", "table_curvature", "coulomb_friction", "tether")
+"""Effects of what a body slides on, or is moored beside: none of them acts on one that falls."""
+
+
+class Axis:
+    """One coordinate of a free body: what it is called, which channels show it, which force drives it."""
+
+    def __init__(self, name: str, group: str, letter: str, sign: float, angular: bool = False) -> None:
+        """`group` is the channels' first word; `letter` x, y, z or yaw; the coordinate grows along sign * axis."""
+        self.name, self.sign, self.angular = name, sign, angular
+        self.position = (f"{group}.yaw",) if angular else (f"{group}.position.{letter}", f"{group}.{letter}")
+        self.velocity = (
+            (f"{group}.velocity.yaw", f"{group}.angular_velocity.z") if angular else (f"{group}.velocity.{letter}",)
+        )
+        self.force = f"{group}.torque.yaw" if angular else f"{group}.force.{letter}"
+
+    def shown(self, channels: Sequence[str]) -> list[tuple[str, str]]:
+        """(channel, kind) among these."""
+        return [(c, "position") for c in self.position if c in channels] + [
+            (c, "velocity") for c in self.velocity if c in channels
+        ]
+
+
+def axes_of(study: Study, group: str) -> list[Axis]:
+    """The coordinates that a body of this study may have: along the approach, across it, and about the vertical."""
+    approach = np.array(study.baseline.approach)
+    along = int(np.argmax(np.abs(approach)))
+    gravity = np.array(study.baseline.gravity)
+    up = int(np.argmax(np.abs(gravity))) if gravity.any() else 2
+    across = next((i for i in range(3) if i not in (along, up)), None)
+    letters = "xyz"
+    found = [Axis("target", group, letters[along], float(np.sign(approach[along])))]
+    if across is not None and along != up:
+        found.append(Axis("target.y", group, letters[across], 1.0))
+        found.append(Axis("target.yaw", group, "yaw", 1.0, angular=True))
+    return found
+
+
+def body(axes: Sequence[Axis], along: float, sensors: Mapping[str, tuple[str, ...]], driven: Sequence[str]) -> Build:
+    """The mechanism of a free body.
+
+    Args:
+        axes: its coordinates.
+        along: gravity along the first of them [m/s^2].
+        sensors: by name, their channels.
+        driven: force channels that were recorded.
+    """
+
+    def build(values: Mapping[str, float], trial: TrialData) -> Mechanism:
+        coordinates, ports, readouts, inputs, forces = {}, {}, {}, [], []
+        for axis in axes:
+            mass = values["body.yaw_inertia"] if axis.angular else values["body.mass"]
+            coordinates[axis.name] = Coordinate(axis.name, mass, angular=axis.angular)
+            ports[axis.name] = {axis.name: 1.0}
+            for channel, kind in axis.shown(trial.channels):
+                readouts[channel] = Readout(channel, kind, axis.name, axis.sign)
+            if axis.force in driven:
+                inputs.append(Input(f"drive {axis.name}", axis.name, axis.force, axis.sign))
+            damping = values.get("body.yaw_damping" if axis.angular else "body.damping")
+            if damping:
+                forces.append(Force(f"{axis.name}.damper", axis.name, DAMPER, (damping,), role="damper"))
+        return Mechanism(
+            coordinates=coordinates,
+            ports=ports,
+            forces=tuple(forces),
+            fields=(Field("target", along),) if along and "target" in coordinates else (),
+            inputs=tuple(inputs),
+            readouts=readouts,
+            sensors={s: tuple(c for c in names if c in readouts or c in driven) for s, names in sensors.items()},
+        )
+
+    return build
+
+
+def body_models(study: Study, trials: Sequence[Trial], group: str = "body") -> list[Simulated]:
+    """Models of the free body of a study: one, or one a condition where the conditions are different bodies."""
+    different = any(n.startswith(f"{group}.") for t in trials for n in t.overrides)
+    if not different:
+        return [_model(study, trials, group, group)]
+    bodies: dict[str, list[Trial]] = {}
+    for trial in trials:
+        bodies.setdefault(study.condition(trial), []).append(trial)
+    return [_model(study, own, group, name) for name, own in bodies.items()]
+
+
+def _model(study: Study, trials: Sequence[Trial], group: str, name: str) -> Simulated:
+    gravity, approach = np.array(study.baseline.gravity), np.array(study.baseline.approach)
+    every = {c for t in trials for c in study.recording(t)}
+    driven = sorted(c for c in every if c.startswith((f"{group}.force.", f"{group}.torque.")))
+    axes = [a for a in axes_of(study, group) if a.shown(sorted(every)) and (not driven or a.force in driven)]
+    whole, drives, sizes = [], {}, _sizes(study, trials, axes, driven, group)
+    for trial in trials:
+        recording = study.recording(trial)
+        blocks = []
+        for axis in axes:
+            for channel, kind in axis.shown(sorted(recording)):
+                series = recording[channel]
+                time, value = series.good()
+                own = sizes[axis.name]
+                noise = FIRST_NOISE * (own.length if kind == "position" else own.length / own.time)
+                noise = series.sigma if series.sigma_stated else noise
+                weight = np.full((1, time.size), 1.0 / noise)
+                blocks.append(Block(series.stream, (channel,), time, value[None, :], weight))
+        start, end = min(b.time[0] for b in blocks), max(b.time[-1] for b in blocks)
+        overrides = {f"body.{n.split('.', 1)[1]}": v for n, v in trial.overrides.items() if n.startswith(f"{group}.")}
+        condition = study.condition(trial)
+        whole.append(TrialData(trial.id, condition, overrides, tuple(blocks), float(start), float(end)))
+        if driven:
+            grids = {c: held(*recording[c].good()) for c in driven}
+            corners = grids[driven[0]][0]
+            drives[trial.id] = Drive(corners, {c: g[1] for c, g in grids.items()}, corners)
+    values = {f"body.{n.split('.', 1)[1]}": v for n, v in study.values().items() if n.startswith(f"{group}.")}
+    unknown, relative = {}, []
+    for key, angular in (("body.mass", False), ("body.yaw_inertia", True)):
+        stated = key in values or all(key in t.overrides for t in whole)
+        if any(a.angular == angular for a in axes) and not stated:
+            if driven:
+                unknown[key] = next(sizes[a.name].mass for a in axes if a.angular == angular)
+            else:  # without a known force only ratios to the mass can be told
+                values[key] = 1.0
+                relative.append(key)
+    sensors: dict[str, tuple[str, ...]] = {}
+    for block in whole[0].blocks:
+        sensors[block.stream] = (*sensors.get(block.stream, ()), *block.channels)
+    if driven:
+        sensors[COMMAND] = tuple(driven)
+    known = study.recording(trials[0])
+    doubted = {f"body.{n.split('.', 1)[1]}": v for n, v in study.sigma.items() if n.startswith(f"{group}.")}
+    sigma = {n: v for n, v in doubted.items() if n in ("body.mass", "body.yaw_inertia") and n not in unknown}
+    fitted = {*sigma, *unknown}
+    covers = {("payload", "target"): "body.mass", ("payload", "target.yaw"): "body.yaw_inertia"}
+    no_table = {(effect, "target") for effect in OF_TABLES} if _falls(study) else set()
+    made = Simulated(
+        name,
+        body(axes, float(gravity @ approach), sensors, driven),
+        whole,
+        drives,
+        believed=Believed(values, sigma, {}, conditions_of(whole), unknown),
+        sizes=sizes,
+        window=_window(whole, sizes[""].time, bool(driven)),
+        covered=frozenset(label for label, value in covers.items() if value in fitted) | no_table,
+    )
+    made.stated = frozenset(c for c in whole[0].channels if known[c].sigma_stated)
+    made.relative_to = tuple(key.replace("body", group, 1) for key in relative)
+    return made
+
+
+def _window(whole: Sequence[TrialData], pace: float, driven: bool) -> float:
+    """Length of a window [s]: a free body's whole trial, or a part of it where there is nothing else to hold out."""
+    if driven:
+        return RESTART * pace
+    return math.inf if len(whole) > 1 else (whole[0].end - whole[0].start) / FOLDS
+
+
+def _falls(study: Study) -> bool:
+    """Whether the body moves along gravity."""
+    gravity, approach = np.array(study.baseline.gravity), np.array(study.baseline.approach)
+    return bool(abs(gravity @ approach) > 0.5 * np.linalg.norm(gravity) > 0.0)
+
+
+def _sizes(
+    study: Study, trials: Sequence[Trial], axes: Sequence[Axis], driven: Sequence[str], group: str
+) -> dict[str, Sizes]:
+    """By coordinate; "" for the one that moves most."""
+    out: dict[str, Sizes] = {}
+    for axis in axes:
+        position, velocity, force = [], [], []
+        for trial in trials:
+            recording = study.recording(trial)
+            for channel, kind in axis.shown(sorted(recording)):
+                time, value = recording[channel].good()
+                if kind == "position":
+                    position.append(value)
+                    velocity.append(np.gradient(value, time))
+                else:
+                    velocity.append(value)
+                    position.append(np.cumsum((value - value.mean()) * np.gradient(time)))
+            if axis.force in recording:
+                force.append(recording[axis.force].good()[1])
+        if not force:  # what it takes to move it as it moves: its mass is known or one
+            mass = np.mean([study.values(t).get(f"{group}.mass", 1.0) for t in trials])
+            rate = float(np.std(np.concatenate(velocity)) ** 2 / np.std(np.concatenate(position)))
+            force = [np.array([mass * rate])]
+        out[axis.name] = sizes_of(np.concatenate(force), np.concatenate(position), np.concatenate(velocity))
+    out[""] = max(out.values(), key=lambda s: s.length)
+    return out

@@ -1,0 +1,129 @@
+"""Which models a study asks for: decided by its baseline and by what was logged, never by its name."""
+
+from __future__ import annotations
+
+from spacerobot.diagnosis.machines.axis import axis_model
+from spacerobot.diagnosis.machines.body import axes_of, body_models
+from spacerobot.diagnosis.machines.grid import even_grid
+from spacerobot.diagnosis.machines.impacts import impact_models
+from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
+from spacerobot.diagnosis.machines.links import robot_of
+from spacerobot.diagnosis.machines.machine import Model
+from spacerobot.diagnosis.machines.platform import platform_models
+from spacerobot.diagnosis.machines.prescribed import carried
+from spacerobot.diagnosis.machines.tossed import tossed_models
+from spacerobot.dynamics.inertia import joint_space_inertia
+from spacerobot.dynamics.joint_kinds import joint_axis
+from spacerobot.recordings.study import Study
+from spacerobot.recordings.trial import Trial
+from spacerobot.support.errors import InputError
+
+
+def models_for(study: Study) -> tuple[Model, ...]:
+    """One model for each part of the study that can be told apart from the others: a joint, a body, a sensor.
+
+    Raises:
+        InputError: nothing that was recorded can be compared with the baseline.
+    """
+    found: list[Model] = []
+    for joints, trials in _logged(study).items():
+        if len(joints) == 1 and _sprung(study, joints[0]):
+            found.append(axis_of(study, trials, joints[0]))
+        else:
+            found += balances(study, trials, joints)
+    tossed = tossed_models(study)
+    found += tossed
+    for group in ("body", "target") if not tossed else ():
+        tracked = [t for t in study.trials if _tracked(study, t, group)]
+        driven = [t for t in tracked if _drives(study, t, group)]
+        # a body that is driven is not free where its drive was not logged
+        chosen = driven or [t for t in tracked if not study.recording(t).inputs()]
+        if chosen:
+            found += body_models(study, chosen, group)
+    found += carried(study)
+    found += platform_models(study)
+    found += impact_models(study)
+    return tuple(found)
+
+
+def some_models_for(study: Study) -> tuple[Model, ...]:
+    """As `models_for`, at least one.
+
+    Raises:
+        InputError: nothing that was recorded can be compared with the baseline.
+    """
+    found = models_for(study)
+    if not found:
+        raise InputError(
+            "nothing that was recorded can be compared with this baseline",
+            given=", ".join(study.channels()[:8]),
+            valid="a wrist that meets a target; joints with position and torque; a body that is tracked",
+            where=str(study.path),
+        )
+    return found
+
+
+def _tracked(study: Study, trial: Trial, group: str) -> bool:
+    recording = study.recording(trial)
+    return any(a.shown(sorted(recording)) for a in axes_of(study, group))
+
+
+def _drives(study: Study, trial: Trial, group: str) -> list[str]:
+    return [c for c in study.recording(trial) if c.startswith((f"{group}.force.", f"{group}.torque."))]
+
+
+def _logged(study: Study) -> dict[tuple[str, ...], list[Trial]]:
+    """Joints whose position and torque were logged -> the trials that log just these."""
+    groups: dict[tuple[str, ...], list[Trial]] = {}
+    for trial in study.trials:
+        recording = study.recording(trial)
+        names = [c.split(".")[1] for c in recording if c.startswith("joint.") and c.endswith(".torque")]
+        both = tuple(n for n in names if f"joint.{n}.position" in recording)
+        if both:
+            groups.setdefault(both, []).append(trial)
+    return groups
+
+
+def _sprung(study: Study, joint: str) -> bool:
+    """Whether a spring holds the joint: only then can a recorded drive be followed for long without drift."""
+    name = f"joint.{joint}.stiffness"
+    return name in study.baseline.unknown or bool(study.value(name))
+
+
+def axis_of(study: Study, trials: list[Trial], joint: str) -> Model:
+    """The simulated axis."""
+    robot = robot_of(study)
+    index = robot.velocity_index(joint)
+    mass = float(joint_space_inertia(robot, robot.configuration())[index, index])
+    return axis_model(study, trials, joint, mass, joint_axis(robot.model, robot.joint_id(joint))[0])
+
+
+def balances(study: Study, trials: list[Trial], joints: tuple[str, ...]) -> list[Model]:
+    """A torque balance for each joint."""
+    robot = robot_of(study)
+    fully = all(f"joint.{j}.velocity" in study.recording(t) for j in joints for t in trials)
+    kinds = ("position", "torque", "velocity")[: 3 if fully else 2]
+    channels = [f"joint.{j}.{kind}" for j in joints for kind in kinds]
+    grids = {t.id: (even_grid(study.recording(t), channels), study.condition(t), dict(t.overrides)) for t in trials}
+    stream = study.recording(trials[0])[f"joint.{joints[0]}.torque"].stream
+    values = {n: v for n, v in study.values().items() if n.startswith("joint.")}
+    logs = [study.recording(t)[c] for t in trials for c in channels]
+    noise = {s.name: s.sigma for s in logs if s.sigma_stated}
+    found: list[Model] = []
+    for joint in joints:
+        unknown = [n for n in sorted(study.baseline.unknown) if n.startswith(f"joint.{joint}.")]
+        found.append(
+            InverseDynamics(
+                robot,
+                study.baseline.gravity,
+                grids,
+                joints,
+                compared=[joint],
+                values=values,
+                unknown=unknown,
+                sigma={n: v for n, v in study.sigma.items() if n.startswith((f"joint.{joint}.", "link."))},
+                sensor=stream,
+                noise=noise,
+            )
+        )
+    return found

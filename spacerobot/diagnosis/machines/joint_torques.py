@@ -1,0 +1,383 @@
+"""Joint logs as a torque balance: what the arm's rigid-body model asks for, against what was measured.
+
+tau = M(q) a + h(q, v) - (what acts at the joints), every term seen through the same test functions. The motion is
+the recorded one, so nothing is simulated, nothing drifts, and most parameters enter linearly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from copy import copy
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pinocchio as pin
+
+from spacerobot.diagnosis.machines.grid import Grid
+from spacerobot.diagnosis.machines.links import carried_links, mass_of, with_masses
+from spacerobot.diagnosis.machines.machine import FIRST_NOISE, Model, Predicted, conditions_of
+from spacerobot.diagnosis.machines.measured import port_forces, through_sensor
+from spacerobot.diagnosis.machines.sizes import Sizes, sizes_of
+from spacerobot.diagnosis.machines.stated_noise import Lens, stated_noise, still_below
+from spacerobot.diagnosis.machines.test_functions import Bump
+from spacerobot.diagnosis.machines.touch import Moment, first_shock
+from spacerobot.diagnosis.terms.data import Block, TrialData, piece_id
+from spacerobot.diagnosis.terms.hypothesis import Believed, Site
+from spacerobot.dynamics.joint_kinds import joint_axis
+from spacerobot.effects.effect import Effect
+from spacerobot.effects.laws import DAMPER, SPRING
+from spacerobot.effects.mechanism import Mechanism
+from spacerobot.effects.primitives import Coordinate, Force
+from spacerobot.model.robot import Robot
+
+SHARP = 5
+"""Least samples to either side of the test function through which velocities are taken, for laws with kinks."""
+
+POINTS = 20
+"""Points to either side at which a balance's test function is evaluated; faster logs are smoothed and thinned."""
+
+WIDTH = 0.1
+"""Half width of the balance's test functions, as a share of the motion's own time (its length over its speed)."""
+
+FEWEST = 4
+"""Half widths of a test function that a piece holds at least."""
+
+FEWEST_READINGS = 4
+"""That a piece holds at least."""
+
+PIECES = 8
+"""Into how many parts a trial is cut, so that there is something to hold out."""
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A stretch of measured motion. T samples, J joints."""
+
+    step: float  # s
+    position: np.ndarray  # (T, J)
+    velocity: np.ndarray  # (T, J)
+    acceleration: np.ndarray  # (T, J)
+    rigid: np.ndarray  # (T, J) torque that the rigid body asks for
+    stride: int
+    by_link: np.ndarray  # (K, T, J) of it, what each link of doubted mass asks for
+
+
+class InverseDynamics(Model):
+    """The torque balance of one joint, or of several, along the measured motion.
+
+    Attributes:
+        joints: the joints whose balance is compared.
+    """
+
+    metric = "torque balance"
+
+    def __init__(
+        self,
+        robot: Robot,
+        gravity: Sequence[float],
+        grids: Mapping[str, tuple[Grid, str, Mapping[str, float]]],
+        joints: Sequence[str],
+        *,
+        compared: Sequence[str] | None = None,
+        values: Mapping[str, float] | None = None,
+        unknown: Sequence[str] = (),
+        sigma: Mapping[str, float] | None = None,
+        sensor: str = "torques",
+        noise: Mapping[str, float] | None = None,
+    ) -> None:
+        """From joint logs.
+
+        Args:
+            robot: its Pinocchio model gives the rigid part; joints without a log are held at neutral.
+            gravity: world axes [m/s^2].
+            grids: trial -> (joint.NAME.position, .torque and perhaps .velocity on an even grid, condition, overrides).
+            joints: names of the logged joints.
+            compared: those whose balance counts; all if None.
+            values: believed values, "joint.NAME.mass", ".damping", ".stiffness", ".armature".
+            unknown: names of values that are to be fitted.
+            sigma: relative deviations of believed values; of a "joint.NAME.mass" that is not among the values it is
+                that of the robot's own inertia about the joint, in its mean pose. A "link.NAME.mass" changes the
+                link's weight and inertia as one; links that no compared joint carries are left out.
+            sensor: what verdicts call the torque sensors.
+            noise: standard deviations by channel, of the torques and of what the motion is taken from, where the study
+                states them all; see `Part.loudness`.
+        """
+        self.joints = tuple(joints)
+        self.compared = tuple(joints if compared is None else compared)
+        self.name = self.compared[0] if len(self.compared) == 1 else "joints"
+        self.sensor = sensor
+        motion = {c for grid, _, _ in grids.values() for c in grid.value}
+        self.given = frozenset(motion - {f"joint.{j}.torque" for j in self.joints})
+        self._turns = {j: bool(joint_axis(robot.model, robot.joint_id(j))[0]) for j in self.joints}
+        weighed = {n.split(".")[1]: mass_of(robot, n.split(".")[1]) for n in sigma or {} if n.startswith("link.")}
+        carried = carried_links(robot, self.compared)
+        self._link_mass = {n: m for n, m in weighed.items() if n in carried}
+        self.links = tuple(self._link_mass)
+        sigma = {n: s for n, s in (sigma or {}).items() if not n.startswith("link.") or n.split(".")[1] in carried}
+        heavier = [_Rigid(with_masses(robot, {n: 2.0 * m}), gravity, self.joints) for n, m in self._link_mass.items()]
+        self._raw = raw = {k: _kinematics(g, self.joints, SHARP) for k, (g, _, _) in grids.items()}
+        self._arm = arm = _Rigid(robot, gravity, self.joints)
+        own = {j: _sizes(raw.values(), i) for i, j in enumerate(self.joints)}
+        self.sizes = {f"joint.{j}": s for j, s in own.items()} | {"": own[self.compared[0]]}
+        self._level = np.array([own[j].force for j in self.compared])
+        self._motion: dict[str, Motion] = {}
+        self._bump: dict[str, Bump] = {}
+        pace = WIDTH * min(own[j].time for j in self.compared)
+        trials: list[TrialData] = []
+        lenses: list[Lens] = []
+        for key, (grid, condition, overrides) in grids.items():
+            own_pace = min(pace, (grid.time[-1] - grid.time[0]) / PIECES / FEWEST / 2.0)
+            thin = max(1, int(own_pace / grid.step / POINTS))
+            sharp = max(SHARP, 3 * thin)  # or noise folds over
+            log = raw[key] if sharp == SHARP else _kinematics(grid, self.joints, sharp)
+            log = log.thinned(thin, arm, heavier)
+            half = max(SHARP, round(own_pace / log.step))
+            narrow = Bump.of(sharp, grid.step)
+            slow = np.array([still_below(noise or {}, j, narrow) for j in self.compared])
+            pieces = self._cut(key, log, condition, overrides, half, slow)
+            pieces = pieces or self._cut(key, log, condition, overrides, half, 0.0 * slow)
+            lenses += [Lens(narrow, self._bump[piece.id], thin) for piece in pieces]
+            trials += pieces
+        self.trials = tuple(trials)
+        mean = arm.inertia(np.concatenate([m.position[:: m.stride] for m in self._motion.values()]))
+        self._mass = {f"joint.{j}": float(x) for j, x in zip(self.joints, np.diag(mean), strict=True)}
+        self._inertia, self._stated = mean, stated_noise(noise or {}, self.joints, lenses)
+        self.base = dict(values or {})
+        centres = {n: own[n.split(".")[1]].of(_UNITS[n.split(".")[2]]) for n in unknown}
+        sigma = {n: s for n, s in sigma.items() if n not in centres}
+        self.base.update({f"link.{n}.mass": m for n, m in self._link_mass.items()})
+        self.base.update(
+            {n: self._mass[n[: -len(".mass")]] for n in sigma if n.endswith(".mass") and n not in self.base}
+        )
+        self.believed = Believed(self.base, sigma, {}, conditions_of(trials), centres)
+
+    def _cut(
+        self, key: str, log: _Log, condition: str, overrides: Mapping[str, float], half: int, slow: np.ndarray
+    ) -> list[TrialData]:
+        """The trial in pieces, each with its motion and with its torque seen through the test functions.
+
+        Where a joint may stand still dry friction holds whatever is asked of it: such readings say nothing.
+        """
+        bump = Bump.of(half, log.step)
+        stride = max(1, half // 2)
+        channels = tuple(f"joint.{j}.torque" for j in self.compared)
+        index = [self.joints.index(j) for j in self.compared]
+        out = []
+        for n, part in enumerate(np.array_split(np.arange(log.time.size), PIECES)):
+            if part.size < FEWEST * half:
+                continue
+            seen = bump.smooth(log.torque[part][:, index])[::stride].T
+            still = np.abs(log.velocity[part][:, index]) < slow
+            bad = (~log.good[part][:, None] | still).astype(float)
+            clean = np.array([np.convolve(b, np.ones(2 * half + 1), "valid")[::stride] < 0.5 for b in bad.T])
+            at = log.time[part][half:-half][::stride]
+            weight = np.where(clean, 1.0, 0.0) / (FIRST_NOISE * self._level[:, None])
+            if clean.sum() < FEWEST_READINGS:
+                continue
+            name = piece_id(key, n)
+            block = Block(self.sensor, channels, at, np.where(clean, seen, 0.0), weight)
+            out.append(TrialData(name, condition, dict(overrides), (block,), float(at[0]), float(at[-1])))
+            motion = (log.position[part], log.velocity[part], log.acceleration[part], log.rigid[part])
+            self._motion[name] = Motion(log.step, *motion, stride, log.by_link[:, part])
+            self._bump[name] = bump
+        return out
+
+    def sites(self, effects: Iterable[Effect] | None = None) -> list[Site]:
+        """As everywhere; of one joint among several, those at it: a shared sensor or a coupling is no joint's own."""
+        felt = {f"joint.{j}" for j in self.compared}
+        covered = {(e, n) for n in felt for e, v in _COVERED.items() if f"{n}.{v}" in self.believed.sigma}
+        covered |= {(e, n) for n in felt for e, v in _COVERED.items() if f"{n}.{v}" in self.believed.unknown}
+        every = [s for s in super().sites(effects) if s.label not in covered]
+        if len(self.compared) == len(self.joints):
+            return every
+        return [s for s in every if s.where in felt and s.effect.name != "transmission_coupling"]
+
+    def mechanism(self, values: Mapping[str, float], trial: TrialData) -> Mechanism:
+        """Joints with their believed springs, dampers and inertia; the coupling between them is the rigid part.
+
+        Links of doubted mass are coordinates without a port: nothing acts at them but their own weight.
+        """
+        coordinates = {f"link.{n}": Coordinate(f"link.{n}", values[f"link.{n}.mass"]) for n in self.links}
+        forces = []
+        for joint in self.joints:
+            name = f"joint.{joint}"
+            mass = values.get(f"{name}.mass", self._mass[name]) + values.get(f"{name}.armature", 0.0)
+            coordinates[name] = Coordinate(name, mass, angular=self._turns[joint])
+            if f"{name}.stiffness" in values:
+                forces.append(Force(f"{name}.spring", name, SPRING, (values[f"{name}.stiffness"],), role="spring"))
+            if values.get(f"{name}.damping"):
+                forces.append(Force(f"{name}.damper", name, DAMPER, (values[f"{name}.damping"],), role="damper"))
+        return Mechanism(
+            coordinates=coordinates,
+            ports={f"joint.{j}": {f"joint.{j}": 1.0} for j in self.joints},
+            forces=tuple(forces),
+            sensors={self.sensor: tuple(f"joint.{j}.torque" for j in self.compared)},
+        )
+
+    def shocks(self) -> dict[str, Moment]:
+        """Of all joints together, at the logs' full rate."""
+        found = {}
+        for trial, log in self._raw.items():
+            rest = log.torque - self._arm.torque(log.position, log.velocity, log.acceleration)
+            moment = first_shock(log.time, rest, SHARP * log.step)
+            if moment is not None:
+                found[trial] = moment
+        return found
+
+    def faster(self, factor: float) -> InverseDynamics:
+        """The same paths at another speed: rates so many times, accelerations its square; weight stays."""
+        other = copy(self)
+        other._motion = {}
+        for name, m in self._motion.items():
+            still = self._arm.torque(m.position, np.zeros_like(m.velocity), np.zeros_like(m.velocity))
+            rigid = still + factor**2 * (m.rigid - still)
+            speed, growth = factor * m.velocity, factor**2 * m.acceleration
+            other._motion[name] = replace(m, velocity=speed, acceleration=growth, rigid=rigid)
+        return other
+
+    def angular(self, joint: str) -> bool:
+        """Whether a logged joint turns, rather than slides."""
+        return self._turns[joint]
+
+    def measured(self, trial: TrialData) -> Motion:
+        """The motion that a piece's balance runs along."""
+        return self._motion[trial.id]
+
+    def expected(self, values: Mapping[str, float]) -> dict[str, float]:
+        """A heavier rotor than believed makes more of the motion's noise."""
+        if self._stated is None:
+            return {}
+        out = {}
+        for joint in self.compared:
+            k, name = self.joints.index(joint), f"joint.{joint}"
+            row = self._inertia[k].copy()
+            row[k] = values.get(f"{name}.mass", self._mass[name])
+            out[f"{name}.torque"] = self._stated.of(joint, row)
+        return out
+
+    def bump(self, trial: TrialData) -> Bump:
+        """The test function that a piece's balance is seen through."""
+        return self._bump[trial.id]
+
+    def seen(self, trial: TrialData, signal: np.ndarray) -> np.ndarray:
+        """A signal along that motion, shape (T, ...), as the piece's readings show it: through its test functions."""
+        return self._bump[trial.id].smooth(signal)[:: self._motion[trial.id].stride]
+
+    def predict(self, mechanism: Mechanism, trial: TrialData, initial: np.ndarray) -> Predicted:
+        """The torques that the model asks for along the measured motion, through the test functions."""
+        motion, bump = self._motion[trial.id], self._bump[trial.id]
+        names = [f"joint.{j}" for j in self.joints]
+        position = {n: motion.position[:, i] for i, n in enumerate(names)}
+        velocity = {n: motion.velocity[:, i] for i, n in enumerate(names)}
+        # inertia beyond the rigid model's: a payload, a mass that is fitted
+        beyond = [mechanism.coordinates[n].mass - self._mass[n] for n in names]
+        asked = motion.rigid + motion.acceleration * beyond
+        for link, own in zip(self.links, motion.by_link, strict=True):
+            asked = asked + (mechanism.coordinates[f"link.{link}"].mass / self._link_mass[link] - 1.0) * own
+        rows = np.array([[mechanism.ports[p].get(c, 0.0) for c in names] for p in names])
+        if not np.array_equal(rows, np.eye(len(names))):  # drives that see their neighbours
+            asked = np.linalg.solve(rows.T, asked.T).T
+        acting = port_forces(mechanism, position, velocity)
+        out = []
+        for joint in self.compared:
+            name = f"joint.{joint}"
+            torque = asked[:, names.index(name)] - acting.get(name, 0.0)
+            maps = tuple(m for m in mechanism.maps if m.channel == f"{name}.torque")
+            torque = through_sensor(maps, torque, motion.step)
+            out.append(bump.smooth(torque)[:: motion.stride])
+        return Predicted((np.array(out),))
+
+
+_COVERED = {"payload": "mass", "viscous_friction": "damping"}
+"""Effects that act exactly as a value of the joint does; where that is fitted, it stands for both."""
+
+_UNITS = {"mass": "kg", "armature": "kg", "damping": "N s/m", "stiffness": "N/m", "friction": "N"}
+
+
+class _Rigid:
+    """Pinocchio's inverse dynamics of the logged joints, the others at rest."""
+
+    def __init__(self, robot: Robot, gravity: Sequence[float], joints: Sequence[str]) -> None:
+        self.robot = robot
+        self.model = pin.Model(robot.model)
+        self.model.gravity.linear = np.array(gravity, dtype=float)
+        self.data = self.model.createData()
+        self.index = [robot.velocity_index(j) for j in joints]
+        self.joints = tuple(joints)
+
+    def _full(self, position: np.ndarray) -> np.ndarray:
+        return self.robot.configuration(others=dict(zip(self.joints, position.tolist(), strict=True)))
+
+    def torque(self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
+        """Shape (T, J) [N m or N]."""
+        v, a = np.zeros(self.model.nv), np.zeros(self.model.nv)
+        out = np.empty_like(position)
+        for t in range(position.shape[0]):
+            v[self.index], a[self.index] = velocity[t], acceleration[t]
+            out[t] = pin.rnea(self.model, self.data, self._full(position[t]), v, a)[self.index]
+        return out
+
+    def inertia(self, positions: np.ndarray) -> np.ndarray:
+        """Mean joint-space inertia over some poses, shape (J, J)."""
+        some = positions[:: max(1, positions.shape[0] // 50)]
+        found = []
+        for position in some:
+            full = pin.crba(self.model, self.data, self._full(position))
+            found.append((np.triu(full) + np.triu(full, 1).T)[np.ix_(self.index, self.index)])
+        return np.asarray(np.mean(found, axis=0))
+
+
+@dataclass(frozen=True, eq=False)
+class _Log:
+    """Smoothed joint logs of one trial. T samples, J joints."""
+
+    time: np.ndarray  # (T,)
+    step: float
+    position: np.ndarray  # (T, J)
+    velocity: np.ndarray
+    acceleration: np.ndarray
+    torque: np.ndarray
+    good: np.ndarray  # (T,) bool
+    rigid: np.ndarray  # (T, J), empty before it is asked for
+    by_link: np.ndarray  # (K, T, J), empty before it is asked for
+
+    def thinned(self, by: int, arm: _Rigid, heavier: Sequence[_Rigid]) -> _Log:
+        """Every `by`-th sample, with the rigid body's torque, and what of it each doubled link adds."""
+        some = slice(None, None, by)
+        q, v, a = self.position[some], self.velocity[some], self.acceleration[some]
+        rigid = arm.torque(q, v, a)
+        good = np.array([self.good[i : i + by].all() for i in range(0, self.time.size, by)])
+        by_link = np.array([other.torque(q, v, a) - rigid for other in heavier]).reshape(len(heavier), *rigid.shape)
+        return _Log(self.time[some], self.step * by, q, v, a, self.torque[some], good, rigid, by_link)
+
+
+def _kinematics(grid: Grid, joints: Sequence[str], half: int) -> _Log:
+    """Position, velocity, acceleration and torque through one narrow test function.
+
+    Where the velocity was logged too it is used: a logger's late rows cost a position derived twice far more.
+    """
+    sharp = Bump.of(half, grid.step)
+    position, torque = (np.stack([grid.value[f"joint.{j}.{w}"] for j in joints], axis=1) for w in _LOGGED)
+    if all(f"joint.{j}.velocity" in grid.value for j in joints):
+        rates = np.stack([grid.value[f"joint.{j}.velocity"] for j in joints], axis=1)
+        velocity, acceleration = sharp.smooth(rates), sharp.rate(rates)
+    else:
+        velocity, acceleration = sharp.rate(position), sharp.acceleration(position)
+    good = np.convolve(~grid.good, np.ones(2 * half + 1), "valid") < 0.5
+    time, empty = grid.time[half:-half], np.zeros((0, len(joints)))
+    smooth = (sharp.smooth(position), velocity, acceleration, sharp.smooth(torque))
+    return _Log(time, grid.step, *smooth, good, empty, empty[None])
+
+
+_LOGGED = ("position", "torque")
+
+
+def _sizes(logs: Iterable[_Log], index: int) -> Sizes:
+    every = list(logs)
+    torque = np.concatenate([g.torque[:, index] for g in every])
+    return sizes_of(
+        torque,
+        np.concatenate([g.position[:, index] for g in every]),
+        np.concatenate([g.velocity[:, index] for g in every]),
+        float(np.sqrt(np.mean(torque**2))),
+    )

@@ -1,0 +1,106 @@
+"""The contract of a model: what fits need of a rig, whatever it is."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from spacerobot.diagnosis.machines.sizes import Sizes, scaled
+from spacerobot.diagnosis.machines.wrist_rig import Nuisance
+from spacerobot.diagnosis.terms.data import TrialData
+from spacerobot.diagnosis.terms.hypothesis import Believed, Hypothesis, Site
+from spacerobot.effects.effect import Effect
+from spacerobot.effects.mechanism import Mechanism
+from spacerobot.effects.registry import all_effects
+
+ONE_TRIAL_ONLY = ("external_impulse",)
+"""Effects at a moment of their own: sought where there is one trial, since every trial would have its own."""
+
+FIRST_NOISE = 0.02
+"""Noise of a channel as a share of its own size, before the best model's residual tells it."""
+
+
+@dataclass(frozen=True)
+class Predicted:
+    """Predicted channels of a trial, block by block, and when something touched (never, here)."""
+
+    blocks: tuple[np.ndarray, ...]  # (C, T) each, as the trial's blocks
+    touches: tuple[float, ...] = ()
+
+
+class Model(ABC):
+    """Base of the models. An implementer sets the attributes and gives `mechanism` and `predict`.
+
+    Attributes:
+        name: what it models, for reports: a joint, a body, a part of the study.
+        trials: the recordings as this model compares them (filtered, or cut into windows).
+        believed: values with their sigma, and what is unknown, for hypotheses.
+        base: values by dotted name, the trials' overrides apart.
+        sizes: what is typical, by place; "" for all others.
+        stated: channels whose noise the study states; the weights of others come from what the best model leaves.
+        relative_to: values that are not known and take part as 1: forces are told per unit of them.
+        given: channels that it takes as they were recorded: drives, motion that is followed.
+        no_balance: why nothing can be located in its balance, where it has none.
+        metric: what the residual is, for tables, e.g. "torque balance" or "simulated motion".
+    """
+
+    name: str
+    trials: tuple[TrialData, ...]
+    believed: Believed
+    base: dict[str, float]
+    sizes: Mapping[str, Sizes]
+    metric: str
+    stated: frozenset[str] = frozenset()
+    relative_to: tuple[str, ...] = ()
+    given: frozenset[str] = frozenset()
+    no_balance: str = ""
+
+    @abstractmethod
+    def mechanism(self, values: Mapping[str, float], trial: TrialData) -> Mechanism:
+        """The baseline of one trial with these values."""
+
+    @abstractmethod
+    def predict(self, mechanism: Mechanism, trial: TrialData, initial: np.ndarray) -> Predicted:
+        """What the trial's channels would show; `initial` has one value a nuisance."""
+
+    def expected(self, values: Mapping[str, float]) -> Mapping[str, float]:
+        """Channel -> noise of what is compared [SI], where it is no reading but made of several whose noise is stated.
+
+        Args:
+            values: by dotted name; the believed ones where a name is missing.
+        """
+        return {}
+
+    def nuisances(self, trial: TrialData) -> tuple[Nuisance, ...]:
+        """What is free in this trial alone."""
+        return ()
+
+    def approach_start(self, trial: TrialData, initial: np.ndarray, residual: np.ndarray) -> np.ndarray:
+        """Initial values to try again from, where a trial's cost has several minima; here it has one."""
+        return initial
+
+    def trial_mechanism(self, hypothesis: Hypothesis, z: np.ndarray, trial: TrialData) -> Mechanism:
+        """The edited mechanism of one trial."""
+        values = hypothesis.trial_values(z, dict(self.base), trial.condition, trial.overrides)
+        return hypothesis.edit(self.mechanism(values, trial), hypothesis.values(z), trial.id)
+
+    def sites(self, effects: Iterable[Effect] | None = None) -> list[Site]:
+        """Every effect at every place where it could sit, its parameters scaled to what is typical there."""
+        trial = self.trials[0]
+        plain = self.mechanism({**self.base, **self.believed.unknown, **trial.overrides}, trial)
+        found = []
+        for effect in all_effects().values() if effects is None else effects:
+            if effect.name in ONE_TRIAL_ONLY and len({t.recorded for t in self.trials}) > 1:
+                continue
+            for where in dict.fromkeys(effect.places(plain)):
+                size = self.sizes.get(where, self.sizes[""])
+                found.append(Site(scaled(effect, size), where))
+        return found
+
+
+def conditions_of(trials: Sequence[TrialData]) -> tuple[str, ...]:
+    """Names of the trials' conditions, in order of appearance."""
+    return tuple(dict.fromkeys(t.condition for t in trials))

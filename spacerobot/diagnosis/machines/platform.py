@@ -1,0 +1,268 @@
+"""A platform that floats in the plane while its arm follows a known motion: momentum says how the base must move.
+
+The common centre of mass moves under outer forces alone, and so does the angular momentum about it:
+
+    m c'' = F,    J_c theta' + h_c = L,    L' = torque of F about c,
+
+with J_c the inertia of the whole about c, and h_c the angular momentum of the arm's motion as seen from the base
+(Umetani and Yoshida 1989, IEEE Trans. Robot. Autom. 5, Eqs. 8 and 9, for linear and angular momentum in the plane).
+Nothing is integrated but the base's own turn and the outer forces, which are evaluated along the measured track.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from spacerobot.diagnosis.machines.links import robot_of
+from spacerobot.diagnosis.machines.machine import FIRST_NOISE, Model, Predicted, conditions_of
+from spacerobot.diagnosis.machines.measured import port_forces, through_sensor
+from spacerobot.diagnosis.machines.sizes import Sizes, sizes_of
+from spacerobot.diagnosis.machines.windows import local
+from spacerobot.diagnosis.machines.wrist_rig import Nuisance
+from spacerobot.diagnosis.terms.data import Block, TrialData
+from spacerobot.diagnosis.terms.hypothesis import Believed, Site
+from spacerobot.effects.effect import Effect
+from spacerobot.effects.mechanism import Mechanism
+from spacerobot.effects.primitives import Coordinate, Readout
+from spacerobot.model.robot import Robot
+from spacerobot.recordings.recording import Recording
+from spacerobot.recordings.series import Series
+from spacerobot.recordings.study import Study
+from spacerobot.recordings.trial import Trial
+
+TRACK = {"base": "base.position.x", "base.y": "base.position.y", "base.yaw": "base.yaw"}
+"""Coordinate -> the channel that shows it."""
+
+ARM = "arm_motion"
+"""What the sensors' effects call the arm's known motion: joints that follow late, or by another amount."""
+
+STEP = 0.05
+"""Grid of the momentum balance [s]."""
+
+EARLY = 1.0
+"""Readings within this time [s] tell how a trial starts."""
+
+VALUES = ("platform.mass", "platform.yaw_inertia")
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """What the arm's motion makes of the whole, in the base's frame, on a grid. T times."""
+
+    mass: float  # kg, of all
+    moment: np.ndarray  # (2, T) kg m, sum of mass times place
+    rate: np.ndarray  # (2, T) kg m/s, its rate seen from the base
+    inertia: np.ndarray  # (T,) kg m^2 about the base's origin
+    spin: np.ndarray  # (T,) N m s about the base's origin, of the arm's motion seen from the base
+
+
+class Platform(Model):
+    """The track of a floating base, from its arm's known motion."""
+
+    metric = "motion of the base"
+
+    def __init__(self, study: Study, trials: Sequence[Trial], drives: Mapping[str, str]) -> None:
+        """From trials without thrust; `drives` says which channel each joint follows."""
+        self.name = "base"
+        self.study, self.drives = study, dict(drives)
+        self.given = frozenset(self.drives.values()) | {s.name for t in trials for s in _thrust(study.recording(t))}
+        self.robot: Robot = robot_of(study, floating=True)
+        own = self.robot.model.inertias[1]
+        believed = {n: v for n, v in study.values().items() if n.startswith("platform.")}
+        self.base = {"platform.mass": own.mass, "platform.yaw_inertia": float(own.inertia[2, 2]), **believed}
+        self._grid: dict[str, np.ndarray] = {}
+        self._joints: dict[str, np.ndarray] = {}
+        self._shape: dict[tuple[object, ...], Shape] = {}
+        self._seen: dict[str, tuple[dict[str, np.ndarray], dict[str, np.ndarray]]] = {}
+        self._raw = {t.id: {c: study.recording(t)[c].good() for c in TRACK.values()} for t in trials}
+        self.sizes = self._sizes()
+        self.trials = tuple(self._trial(t) for t in trials)
+        sigma = {n: s for n, s in study.sigma.items() if n in VALUES}
+        unknown = {n: self.base[n] for n in VALUES if n in study.baseline.unknown}
+        self.believed = Believed(self.base, sigma, {}, conditions_of(self.trials), unknown)
+        self.stated = frozenset(c for c in TRACK.values() if all(study.recording(t)[c].sigma_stated for t in trials))
+
+    def _sizes(self) -> Mapping[str, Sizes]:
+        out = {}
+        for coordinate, channel in TRACK.items():
+            pairs = [raw[channel] for raw in self._raw.values()]
+            place = np.concatenate([v for _, v in pairs])
+            rate = np.concatenate([np.gradient(v, t) for t, v in pairs])
+            inertia = self.base[VALUES[coordinate == "base.yaw"]]
+            force = np.array([inertia * np.var(rate) / max(float(np.std(place)), 1e-12)])
+            out[coordinate] = sizes_of(force, place, rate)
+        return out | {"": max(out.values(), key=lambda s: s.length)}
+
+    def _trial(self, trial: Trial) -> TrialData:
+        recording, blocks = self.study.recording(trial), []
+        for coordinate, channel in TRACK.items():
+            series = recording[channel]
+            time, value = series.good()
+            noise = series.sigma if series.sigma_stated else FIRST_NOISE * self.sizes[coordinate].length
+            blocks.append(Block(series.stream, (channel,), time, value[None], np.full((1, time.size), 1.0 / noise)))
+        start, end = float(min(b.time[0] for b in blocks)), float(max(b.time[-1] for b in blocks))
+        grid = np.arange(start, end + STEP, STEP)
+        self._grid[trial.id] = grid
+        known = [recording[c].good() for c in self.drives.values()]
+        self._joints[trial.id] = np.array([_follow(grid, t, v) for t, v in known])
+        places = {n: np.interp(grid, *self._raw[trial.id][c]) for n, c in TRACK.items()}
+        wide = 2 * int(0.5 / STEP) + 1
+        rates = {n: np.convolve(np.gradient(p, grid), np.full(wide, 1.0 / wide), "same") for n, p in places.items()}
+        self._seen[trial.id] = places, rates
+        return TrialData(trial.id, self.study.condition(trial), {}, tuple(blocks), start, end)
+
+    def sites(self, effects: Iterable[Effect] | None = None) -> list[Site]:
+        """As everywhere, less what nothing tells apart: a payload is the platform's mass, and of two clocks only
+        the difference shows, which is called the arm's.
+        """
+        return [
+            s
+            for s in super().sites(effects)
+            if s.effect.name != "payload" and not (s.effect.name == "time_offset" and s.where != ARM)
+        ]
+
+    def mechanism(self, values: Mapping[str, float], trial: TrialData) -> Mechanism:
+        """The platform's three coordinates, its sensor, and the arm's motion as something that is read."""
+        mass, inertia = (values[n] for n in VALUES)
+        coordinates = {
+            "base": Coordinate("base", mass),
+            "base.y": Coordinate("base.y", mass),
+            "base.yaw": Coordinate("base.yaw", inertia, angular=True),
+        }
+        (stream,) = dict.fromkeys(b.stream for b in trial.blocks)
+        return Mechanism(
+            coordinates=coordinates,
+            ports={n: {n: 1.0} for n in coordinates},
+            readouts={c: Readout(c, "position", n) for n, c in TRACK.items()},
+            sensors={stream: tuple(TRACK.values()), ARM: tuple(self.drives.values())},
+        )
+
+    def nuisances(self, trial: TrialData) -> tuple[Nuisance, ...]:
+        """Where the base is and how it moves at the start."""
+        out = []
+        for coordinate, channel in TRACK.items():
+            near = local(*self._raw[trial.id][channel], trial.start, EARLY)
+            size = self.sizes[coordinate]
+            out.append(Nuisance(coordinate, False, near.value, max(near.value_sigma, 1e-3 * size.length)))
+            out.append(Nuisance(coordinate, True, near.slope, max(near.slope_sigma, 1e-2 * size.length / size.time)))
+        return tuple(out)
+
+    def predict(self, mechanism: Mechanism, trial: TrialData, initial: np.ndarray) -> Predicted:
+        """The base's track that momentum asks for."""
+        grid = self._grid[trial.id]
+        x0, vx, y0, vy, yaw0, spin0 = (float(v) for v in initial)
+        shape = self._shaped(trial, mechanism)
+        force, torque = self._outer(mechanism, trial, shape)
+        about = shape.moment / shape.mass
+        inertia = shape.inertia - shape.mass * (about**2).sum(axis=0)
+        spin = shape.spin - (about[0] * shape.rate[1] - about[1] * shape.rate[0])
+        start = inertia[0] * spin0 + spin[0]
+        yaw = yaw0 + _integral((start + _integral(torque, grid) - spin) / inertia, grid)
+        cos, sin = np.cos(yaw), np.sin(yaw)
+        offset = np.array([cos * about[0] - sin * about[1], sin * about[0] + cos * about[1]])
+        drift = shape.rate[:, 0] / shape.mass + spin0 * np.array([-about[1, 0], about[0, 0]])
+        turn = np.array([[cos[0], -sin[0]], [sin[0], cos[0]]])
+        speed = np.array([vx, vy]) + turn @ drift
+        moved = np.array([_integral(_integral(f / shape.mass, grid), grid) for f in force])
+        centre = np.array([x0, y0])[:, None] + offset[:, :1] + speed[:, None] * (grid - grid[0]) + moved
+        track = dict(zip(TRACK.values(), [*(centre - offset), yaw], strict=True))
+        out = []
+        for block in trial.blocks:
+            (channel,) = block.channels
+            maps = tuple(m for m in mechanism.maps if m.channel == channel)
+            out.append(np.interp(block.time, grid, through_sensor(maps, track[channel], STEP))[None])
+        return Predicted(tuple(out))
+
+    def _outer(self, mechanism: Mechanism, trial: TrialData, shape: Shape) -> tuple[np.ndarray, np.ndarray]:
+        """Force on the whole, shape (2, T), and torque about its centre of mass, shape (T,), in the world."""
+        places, rates = self._seen[trial.id]
+        force = np.zeros((2, self._grid[trial.id].size))
+        torque = np.zeros(force.shape[1])
+        for field in mechanism.fields:  # of gravity: it pulls at the centre of mass
+            force[int(field.body == "base.y")] += shape.mass * field.acceleration
+        acting = port_forces(mechanism, places, rates)
+        if acting:
+            pull = np.array([acting.get(n, 0.0) + np.zeros(force.shape[1]) for n in ("base", "base.y")])
+            cos, sin = np.cos(places["base.yaw"]), np.sin(places["base.yaw"])
+            ahead, left = shape.moment / shape.mass
+            arm = np.array([-(cos * ahead - sin * left), -(sin * ahead + cos * left)])
+            force = force + pull
+            torque = torque + arm[0] * pull[1] - arm[1] * pull[0] + acting.get("base.yaw", 0.0)
+        return force, torque
+
+    def _shaped(self, trial: TrialData, mechanism: Mechanism) -> Shape:
+        """The arm's motion through the maps of its sensor, with the platform's own values; kept while they stay."""
+        maps = tuple(m for m in mechanism.maps if m.channel in self.drives.values())
+        mass, inertia = mechanism.coordinates["base"].mass, mechanism.coordinates["base.yaw"].mass
+        key = (trial.id, maps)
+        if key not in self._shape:
+            if len(self._shape) > 64:
+                self._shape.clear()
+            moved = [
+                through_sensor(tuple(m for m in maps if m.channel == c), q, STEP)
+                for c, q in zip(self.drives.values(), self._joints[trial.id], strict=True)
+            ]
+            self._shape[key] = self._arm(np.array(moved), self._grid[trial.id])
+        arm, own = self._shape[key], self.robot.model.inertias[1]
+        more = mass - own.mass
+        lever = own.lever[:2]
+        return Shape(
+            arm.mass + more,
+            arm.moment + more * lever[:, None],
+            arm.rate,
+            arm.inertia + inertia - float(own.inertia[2, 2]) + more * float(lever @ lever),
+            arm.spin,
+        )
+
+    def _arm(self, joints: np.ndarray, grid: np.ndarray) -> Shape:
+        model = self.robot.model
+        data = model.createData()
+        index = [self.robot.velocity_index(j) for j in self.drives]
+        rates = np.gradient(joints, grid, axis=1)
+        q, v = self.robot.configuration(), np.zeros(model.nv)
+        rows = np.empty((grid.size, 6))
+        place = [model.joints[self.robot.joint_id(j)].idx_q for j in self.drives]
+        for i in range(grid.size):
+            q[place], v[index] = joints[:, i], rates[:, i]
+            matrix = pin.crba(model, data, q)
+            matrix = np.triu(matrix) + np.triu(matrix, 1).T
+            momentum = matrix[:6] @ v
+            rows[i] = matrix[1, 5], -matrix[0, 5], momentum[0], momentum[1], matrix[5, 5], momentum[5]
+        mass = float(matrix[0, 0])
+        return Shape(mass, rows[:, :2].T, rows[:, 2:4].T, rows[:, 4], rows[:, 5])
+
+
+def _follow(grid: np.ndarray, time: np.ndarray, value: np.ndarray) -> np.ndarray:
+    """A known motion on a grid: cubic between its samples, still outside of them."""
+    from scipy.interpolate import CubicSpline
+
+    return np.asarray(CubicSpline(time, value)(np.clip(grid, time[0], time[-1])))
+
+
+def _integral(rate: np.ndarray, grid: np.ndarray) -> np.ndarray:
+    """Trapezoidal integral from the first time on, shape (T,)."""
+    return np.concatenate([[0.0], np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(grid))])
+
+
+def _thrust(recording: Recording) -> list[Series]:
+    """Inputs that push the base."""
+    return [s for s in recording.inputs() if s.name.startswith(("base.force", "base.torque"))]
+
+
+def platform_models(study: Study) -> list[Model]:
+    """The model of a free base whose joints follow a known motion; none for other studies."""
+    if study.baseline.base != "free" or study.robot_source is None:
+        return []
+    found: dict[tuple[tuple[str, str], ...], list[Trial]] = {}
+    for trial in study.trials:
+        recording = study.recording(trial)
+        named = {c.split(".")[1]: c for c in recording if c.startswith("joint.") and c.endswith(".reference")}
+        named |= {c.split(".")[1]: c for c in recording if c.startswith("joint.") and c.endswith(".position")}
+        pushed = any(np.any(s.good()[1] != 0.0) for s in _thrust(recording))
+        if named and set(TRACK.values()) <= set(recording) and not pushed:
+            found.setdefault(tuple(sorted(named.items())), []).append(trial)
+    return [Platform(study, trials, dict(names)) for names, trials in found.items()]

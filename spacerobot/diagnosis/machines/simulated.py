@@ -1,0 +1,189 @@
+"""Motion simulated from a window's start under the recorded drives, against what was recorded: output error."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from copy import copy
+from dataclasses import replace
+
+import numpy as np
+
+from spacerobot.diagnosis.machines.machine import Model, Predicted
+from spacerobot.diagnosis.machines.sizes import Sizes
+from spacerobot.diagnosis.machines.windows import Drive, cut, local, spread_over
+from spacerobot.diagnosis.machines.wrist_rig import Nuisance
+from spacerobot.diagnosis.terms.data import TrialData
+from spacerobot.diagnosis.terms.hypothesis import Believed, Site
+from spacerobot.effects.effect import Effect
+from spacerobot.effects.mechanism import Mechanism
+from spacerobot.effects.primitives import Impulse, Readout
+from spacerobot.simulation.reduced.run import simulate
+from spacerobot.simulation.sensors import read_channels
+
+BUDGET = 4_000
+"""Readings that a fit looks at; windows of longer recordings are taken evenly over them."""
+
+NEAR = 0.05
+"""Readings within this share of the motion's own time tell how a window starts."""
+
+LOOSEST = 1e-4
+"""Relative tolerance of the integrator; drives that are joined by lines make it no better than this."""
+
+Build = Callable[[Mapping[str, float], TrialData], Mechanism]
+
+
+class Simulated(Model):
+    """Any mechanism of the reduced backend, with its recorded drives, window by window."""
+
+    metric = "simulated motion"
+
+    def __init__(
+        self,
+        name: str,
+        build: Build,
+        recorded: Sequence[TrialData],
+        drives: Mapping[str, Drive],
+        *,
+        believed: Believed,
+        sizes: Mapping[str, Sizes],
+        window: float,
+        at_rest: bool = False,
+        budget: int = BUDGET,
+        covered: frozenset[tuple[str, str]] = frozenset(),
+    ) -> None:
+        """From recordings.
+
+        Args:
+            name: of the body or joint.
+            build: values and trial to its baseline mechanism.
+            recorded: whole trials, weighted.
+            drives: trial -> its recorded inputs; none where nothing drives.
+            believed: values and unknowns.
+            sizes: what is typical, by place.
+            window: length of a window [s]; infinite for whole trials.
+            at_rest: whether trials are known to begin at rest.
+            budget: readings that a fit looks at.
+            covered: effects, each with its place, that a fitted value stands for.
+        """
+        self.name, self.build, self.believed, self.sizes = name, build, believed, sizes
+        self.base = dict(believed.values)
+        self.drives = dict(drives)
+        self.given = frozenset(c for d in self.drives.values() for c in d.value)
+        self.recorded = {t.id: t for t in recorded}
+        self.at_rest, self.covered = at_rest, covered
+        windows = [w for t in recorded for w in cut(t, window)]
+        self.trials = tuple(spread_over(windows, budget))
+        self._hidden: tuple[TrialData, ...] = ()
+        self._starts: dict[str, tuple[Nuisance, ...]] = {}
+
+    def in_windows(self, length: float) -> Simulated:
+        """The same recordings in windows of another length [s], all of them."""
+        other = copy(self)
+        windows = (w for t in self.recorded.values() for w in cut(t, length))
+        other.trials = tuple(w for w in windows if not any(_overlap(w, h) for h in self._hidden))
+        other._starts = {}
+        return other
+
+    def but_for(self, out: Sequence[str]) -> Simulated:
+        """The same without some of its windows: nothing that it fits knows a reading of theirs."""
+        other = copy(self)
+        other.trials = tuple(t for t in self.trials if t.id not in out)
+        kept = {t.recorded for t in other.trials}
+        other.recorded = {k: t for k, t in self.recorded.items() if k in kept}
+        other._hidden = (*self._hidden, *(t for t in self.trials if t.id in out))
+        other._starts = {}
+        return other
+
+    def mechanism(self, values: Mapping[str, float], trial: TrialData) -> Mechanism:
+        """The baseline of one trial with these values."""
+        return self.build(values, trial)
+
+    def sites(self, effects: Iterable[Effect] | None = None) -> list[Site]:
+        """As everywhere, less those that a fitted value stands for."""
+        return [s for s in super().sites(effects) if s.label not in self.covered]
+
+    def nuisances(self, trial: TrialData) -> tuple[Nuisance, ...]:
+        """Initial position and velocity of every coordinate that some channel shows."""
+        if trial.id not in self._starts:
+            values = {**self.base, **self.believed.unknown, **trial.overrides}
+            self._starts[trial.id] = tuple(self._start(self.build(values, trial), trial))
+        return self._starts[trial.id]
+
+    def _start(self, mechanism: Mechanism, trial: TrialData) -> list[Nuisance]:
+        whole = self.recorded[trial.recorded]
+        reach = NEAR * self.sizes[""].time
+        found = []
+        for coordinate in mechanism.coordinates:
+            known = [r for r in mechanism.readouts.values() if r.of == coordinate and r.channel in whole.channels]
+            shown = {r.kind: r for r in known}
+            if "position" in shown:
+                time, value = self._seen(whole, shown["position"], trial.end)
+                near = local(time, value, trial.start, reach)
+                found.append(Nuisance(coordinate, False, near.value, max(near.value_sigma, 1e-12)))
+                if not (self.at_rest and trial.start <= whole.start) and "velocity" not in shown:
+                    found.append(Nuisance(coordinate, True, near.slope, max(near.slope_sigma, 1e-12)))
+            if "velocity" in shown:
+                time, value = self._seen(whole, shown["velocity"], trial.end)
+                near = local(time, value, trial.start, reach)
+                found.append(Nuisance(coordinate, True, near.value, max(near.value_sigma, 1e-12)))
+        return found
+
+    def _seen(self, whole: TrialData, readout: Readout, end: float) -> tuple[np.ndarray, np.ndarray]:
+        """Times and values of a channel up to the end of a window, counted as its coordinate is.
+
+        What came before a window tells how it begins, unless that is kept aside.
+        """
+        time, value, _ = whole.channel(readout.channel)
+        known = time <= end + 1e-9
+        for window in self._hidden:
+            if window.recorded == whole.id:
+                known &= (time < window.start - 1e-9) | (time > window.end - 1e-9)
+        return time[known], readout.sign * value[known]
+
+    def predict(self, mechanism: Mechanism, trial: TrialData, initial: np.ndarray) -> Predicted:
+        """Simulate the window from its initial values and read its channels."""
+        position: dict[str, float] = {}
+        velocity: dict[str, float] = {}
+        for nuisance, value in zip(self.nuisances(trial), initial, strict=True):
+            (velocity if nuisance.rate else position)[nuisance.coordinate] = float(value)
+        # what a late sensor shows at the window's start happened before it: the run begins then, with that state
+        late = _delays(mechanism, trial)
+        start, end = trial.start - max(late), trial.end - min(late) + 1e-9
+        drive = self.drives.get(trial.recorded)
+        if drive is not None:
+            drive = drive.through(mechanism.maps, start, end)
+        step, inputs = 0.25 * self.sizes[""].time, None
+        if drive is not None and mechanism.inputs:
+            first, last = np.searchsorted(drive.time, [start, end])
+            part = slice(max(int(first) - 2, 0), int(last) + 2)
+            inputs = (drive.time[part], {c: v[part] for c, v in drive.value.items()})
+            if drive.jumps.size:
+                port, inside = next(iter(mechanism.ports)), (drive.jumps > start) & (drive.jumps < end)
+                stops = tuple(Impulse(port, 0.0, float(t), "command") for t in drive.jumps[inside])
+                mechanism = replace(mechanism, impulses=(*mechanism.impulses, *stops))
+            else:
+                step = min(step, 2.0 * drive.step)
+        run = simulate(
+            mechanism,
+            position=position,
+            velocity=velocity,
+            start=start,
+            end=end,
+            tolerance=LOOSEST,
+            inputs=inputs,
+            max_step=step,
+        )
+        return Predicted(
+            tuple(np.array(list(read_channels(run, mechanism, b.channels, b.time).values())) for b in trial.blocks)
+        )
+
+
+def _overlap(one: TrialData, other: TrialData) -> bool:
+    return one.recorded == other.recorded and one.start < other.end - 1e-9 and other.start < one.end - 1e-9
+
+
+def _delays(mechanism: Mechanism, trial: TrialData) -> list[float]:
+    """By channel of the trial [s]."""
+    return [
+        sum(m.value for m in mechanism.maps if m.channel == channel and m.kind == "delay") for channel in trial.channels
+    ]

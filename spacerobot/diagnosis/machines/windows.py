@@ -1,0 +1,150 @@
+"""Recorded motion cut into windows that restart, how each begins, and the drives that act in it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from spacerobot.diagnosis.machines.measured import through_sensor
+from spacerobot.diagnosis.terms.data import Block, TrialData, piece_id
+from spacerobot.effects.primitives import ChannelMap
+
+FOLDS = 4
+"""Into how many parts a study of one condition is divided."""
+
+ENOUGH = 256
+"""Readings a window keeps; more frequent ones are thinned, since a fit gains nothing from them."""
+
+
+@dataclass(frozen=True, eq=False)
+class Drive:
+    """Recorded inputs of one trial on times of their own. U inputs, T times."""
+
+    time: np.ndarray  # (T,) s
+    value: Mapping[str, np.ndarray]  # channel -> (T,)
+    jumps: np.ndarray = field(default_factory=lambda: np.zeros(0))  # times at which an integrator must stop
+
+    @cached_property
+    def step(self) -> float:
+        """Typical spacing of the times [s]; where a command holds, of its changes."""
+        gaps = np.diff(self.time)
+        return float(np.median(gaps[gaps > 2.0 * EDGE]))
+
+    def through(self, maps: Sequence[ChannelMap], start: float, end: float) -> Drive:
+        """What of the recorded command comes out, from `start` to `end`: weaker, later, or sluggish."""
+        own = {c: tuple(m for m in maps if m.channel == c) for c in self.value}
+        if not any(own.values()):
+            return self
+        if all(m.kind in ("gain", "offset") for some in own.values() for m in some):
+            return replace(self, value={c: through_sensor(own[c], v, 1.0) for c, v in self.value.items()})
+        late = sum(abs(m.value) for some in own.values() for m in some if m.kind == "delay")
+        # points of its own between the corners: a grid that moved with `start` would leap from corner to corner
+        fine = self.step / FINER
+        first, last = ((t - self.time[0]) / fine for t in (start - late - SETTLE * self.step, end + late))
+        grid = self.time[0] + fine * (np.arange(np.floor(first), np.ceil(last) + 1.0) + 0.5)
+        value = {
+            c: through_sensor(own[c], np.interp(grid, self.time, v), self.step / FINER) for c, v in self.value.items()
+        }
+        return Drive(grid, value)
+
+
+FINER = 4
+"""Points between two corners of a command that comes out late or sluggish."""
+
+SETTLE = 40
+"""Corners before a window in which a sluggish command forgets what came before."""
+
+EDGE = 1e-6
+"""Time [s] that a command takes to change."""
+
+
+def held(time: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """A command that holds until the next one, as corner points to be joined by lines: times and values, (2 T,)."""
+    step = float(np.median(np.diff(time)))
+    ends = np.append(time[1:], time[-1] + step)
+    return np.stack([time + EDGE, ends], axis=1).ravel(), np.repeat(value, 2)
+
+
+def band_limited(time: np.ndarray, value: np.ndarray, factor: int) -> tuple[np.ndarray, np.ndarray]:
+    """A sampled signal between its samples: times and values at `factor` times the rate.
+
+    By Fourier interpolation of the signal and its mirror image, so that the ends do not ring.
+    """
+    from scipy.signal import resample
+
+    both = np.concatenate([value, value[::-1]])
+    fine = resample(both, factor * both.size)[: factor * value.size]
+    step = float(np.median(np.diff(time)))
+    return time[0] + step / factor * np.arange(fine.size), np.asarray(fine)
+
+
+BEND = 0.08
+"""Second difference of neighbours, as a share of a signal's spread, that lines may cut short; what reaches the motion
+is a tenth of it (silverbox: 0.2 % of the output)."""
+
+
+def refinement(value: np.ndarray) -> int:
+    """How many points a sample needs for lines between them to follow a signal: 1 where neighbours are alike."""
+    spread = float(np.std(value))
+    if spread == 0.0:
+        return 1
+    bend = float(np.sqrt(np.mean(np.diff(value, 2) ** 2))) / spread  # of the order of (omega dt)^2
+    return int(np.clip(np.ceil(np.sqrt(bend / BEND)), 1, 8))
+
+
+def cut(trial: TrialData, length: float) -> list[TrialData]:
+    """The trial in windows of `length` seconds (an infinite one: whole), a rest of less than half of one left out."""
+    span = trial.end - trial.start
+    count = 1 if span < 1.5 * length else int(span / length + 0.5)
+    out = []
+    for n in range(count):
+        begin = trial.start if n == 0 else trial.start + n * length
+        end = trial.end + 1e-6 if count == 1 else begin + length
+        blocks = tuple(b for b in (_within(b, begin, end) for b in trial.blocks) if b.time.size)
+        if blocks and any((b.weight > 0.0).sum() > 4 for b in blocks):
+            name = piece_id(trial.id, n) if count > 1 else trial.id
+            out.append(replace(trial, id=name, blocks=blocks, start=float(begin), end=float(min(end, trial.end))))
+    return out
+
+
+def _within(block: Block, begin: float, end: float) -> Block:
+    index = np.flatnonzero((block.time >= begin - 1e-9) & (block.time < end - 1e-9))
+    index = index[:: max(1, index.size // ENOUGH)]
+    return replace(block, time=block.time[index], value=block.value[:, index], weight=block.weight[:, index])
+
+
+def spread_over(trials: list[TrialData], samples: int) -> list[TrialData]:
+    """So many of the windows, evenly over all of them, that they hold about this many readings."""
+    total = sum(t.samples for t in trials)
+    keep = max(2, int(len(trials) * min(1.0, samples / max(total, 1))))
+    index = np.unique(np.linspace(0, len(trials) - 1, keep).round().astype(int))
+    return [trials[i] for i in index]
+
+
+@dataclass(frozen=True)
+class Local:
+    """Value and slope of a channel at a moment, with their standard deviations."""
+
+    value: float
+    slope: float
+    value_sigma: float
+    slope_sigma: float
+
+
+def local(time: np.ndarray, value: np.ndarray, at: float, reach: float, least: int = 8) -> Local:
+    """A cubic fitted to the readings within `reach` seconds of a moment, and to `least` of them at least."""
+    order = np.argsort(np.abs(time - at))
+    count = max(least, int((np.abs(time - at) <= reach).sum()))
+    near = np.sort(order[:count])
+    t, y = time[near] - at, value[near]
+    scale = max(float(np.abs(t).max()), 1e-12)
+    powers = (t / scale)[:, None] ** np.arange(min(4, max(2, near.size - 2)))
+    found, *_ = np.linalg.lstsq(powers, y, rcond=None)
+    rest = y - powers @ found
+    variance = float(rest @ rest) / max(near.size - powers.shape[1], 1)
+    covariance = variance * np.linalg.pinv(powers.T @ powers)
+    sigma = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    return Local(float(found[0]), float(found[1] / scale), float(sigma[0]), float(sigma[1] / scale))

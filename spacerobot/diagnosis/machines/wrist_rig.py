@@ -1,0 +1,252 @@
+"""The wrist rig as a model that fits can run: values to mechanism, start of a trial, prediction of its channels."""
+
+from __future__ import annotations
+
+import copy
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from spacerobot.diagnosis.machines.mechanism_cache import Lately
+from spacerobot.diagnosis.terms.data import TrialData
+from spacerobot.diagnosis.terms.hypothesis import Believed, Hypothesis
+from spacerobot.effects.mechanism import Mechanism
+from spacerobot.recordings.study import Study
+from spacerobot.simulation.reduced.run import ReducedRun, simulate
+from spacerobot.simulation.rig import DEFAULTS, rig
+from spacerobot.simulation.sensors import read_channels
+from spacerobot.support.errors import InputError
+
+UNKNOWN_CENTRES = {"contact.damping": 40.0, "contact.stiffness": 5e4}
+"""Where the search for an unstated value begins, SI."""
+
+STEP_LIMIT = 5000
+"""Steps of one trial after which a fit calls its parameters too stiff to be true; a plain trial takes some 400."""
+
+ABSORBING = ("wrist.equivalent_damping",)
+
+CHANNEL_OF = {"target": "target.x", "target.y": "target.y", "target.yaw": "target.yaw"}
+"""The channel that shows a coordinate before contact."""
+
+LEAST = 4
+"""Readings of a coordinate that a straight line before contact is fitted to, at least."""
+
+ONSET_MASK = 0.7e-3
+"""Force samples this close [s] to a predicted touch are left out: the force jumps there."""
+
+
+@dataclass(frozen=True)
+class Nuisance:
+    """One initial value of a trial.
+
+    Attributes:
+        coordinate: whose.
+        rate: whether it is the velocity.
+        guess: first value.
+        scale: step of one unit in a fit.
+    """
+
+    coordinate: str
+    rate: bool
+    guess: float
+    scale: float
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """Predicted channels of a trial, block by block, and when the tip touched."""
+
+    blocks: tuple[np.ndarray, ...]  # (C, T) each, as the trial's blocks
+    touches: tuple[float, ...]
+    run: ReducedRun
+
+
+class RigModel:
+    """A wrist on a spring and a floating target, from a study's baseline.
+
+    Attributes:
+        base: rig values by dotted name, the trials' overrides apart.
+        believed: the same with sigma, scatter and what is unknown, for hypotheses.
+        tolerance: of the integrator in fits.
+    """
+
+    def __init__(self, study: Study, trials: tuple[TrialData, ...], *, tolerance: float = 1e-6) -> None:
+        baseline = study.baseline
+        known = {n: v for n, v in study.values().items() if n in DEFAULTS}
+        unknown = {n: c for n, c in UNKNOWN_CENTRES.items() if n not in known}
+        channels = {c for t in trials for c in t.channels}
+        self.turning = turning(study)
+        self.sideways = "target.y" in channels
+        if not self.turning:
+            known.pop("target.yaw_inertia", None)
+        along = float(np.dot(baseline.gravity, baseline.approach))
+        if along:
+            known["gravity.along"] = along
+        self.base: dict[str, float] = known
+        sigma = {n: s for n, s in study.sigma.items() if n in DEFAULTS and s > 0.0}
+        unstated = [n for n in sigma if n not in known and not all(n in t.overrides for t in study.trials)]
+        if unstated:
+            raise InputError("a value has a sigma but no believed value", given=unstated[0], where=str(study.path))
+        scatter = {n: s for n, s in study.scatter.items() if n in DEFAULTS and s > 0.0}
+        self.believed = Believed(known, sigma, scatter, tuple(study.conditions()), unknown, ABSORBING)
+        self.tolerance = tolerance
+        self.sensors = _sensors(study)
+        self._lately = Lately()
+        self._know(trials)
+
+    def _know(self, trials: tuple[TrialData, ...]) -> None:
+        self._trials = {t.id: t for t in trials}
+        self._touch = {t.id: _touch_time(t) for t in trials}
+        self._motion = {t.id: _nuisances(t, self.turning, self.sideways) for t in trials}
+
+    def of(self, trial: TrialData) -> RigModel:
+        """The same rig, in this trial alone."""
+        other = copy.copy(self)
+        other._know((trial,))
+        return other
+
+    def mechanism(self, values: Mapping[str, float]) -> Mechanism:
+        """The baseline mechanism of these rig values."""
+        inside = {n: v for n, v in values.items() if n in DEFAULTS}
+        return replace(rig(inside, lateral=self.sideways), sensors=self.sensors)
+
+    def trial(self, name: str) -> TrialData:
+        """A trial by its id."""
+        return self._trials[name]
+
+    def nuisances(self, trial: TrialData) -> tuple[Nuisance, ...]:
+        """What is free in this trial alone."""
+        return self._motion[trial.id]
+
+    def approach_start(self, trial: TrialData, initial: np.ndarray, residual: np.ndarray) -> np.ndarray:
+        """Initial values that fit the free approach alone, given the residual at `initial`.
+
+        Args:
+            trial: whose.
+            initial: present initial values, shape (N,).
+            residual: weighted residual there, shape (S,), predicted minus measured.
+
+        Returns:
+            shape (N,); before the touch a start moves the track by dx + dv t, so two unknowns per coordinate.
+        """
+        out = initial.copy()
+        touch = self._touch[trial.id]
+        nuisances = self._motion[trial.id]
+        row = 0
+        for block in trial.blocks:
+            for c, channel in enumerate(block.channels):
+                rows = slice(row, row + block.time.size)
+                row += block.time.size
+                own = [n for n, x in enumerate(nuisances) if CHANNEL_OF[x.coordinate] == channel]
+                early = (block.time < touch) & (block.weight[c] > 0.0)
+                if len(own) != 2 or early.sum() < LEAST:
+                    continue
+                error = residual[rows][early] / block.weight[c][early]
+                slope, offset = np.polyfit(block.time[early] - trial.start, error, 1)
+                for n in own:
+                    out[n] -= slope if nuisances[n].rate else offset
+        return out
+
+    def trial_mechanism(self, hypothesis: Hypothesis, z: np.ndarray, trial: TrialData) -> Mechanism:
+        """The edited mechanism of one trial."""
+
+        def make() -> Mechanism:
+            values = hypothesis.trial_values(z, self.base, trial.condition, trial.overrides)
+            return hypothesis.edit(self.mechanism(values), hypothesis.values(z), trial.id)
+
+        return self._lately.mechanism(hypothesis, z, trial, make)
+
+    def predict(self, mechanism: Mechanism, trial: TrialData, initial: np.ndarray) -> Prediction:
+        """Simulate a trial from its initial values, shape (len(nuisances),), and read its channels."""
+        position: dict[str, float] = {}
+        velocity: dict[str, float] = {}
+        for nuisance, value in zip(self._motion[trial.id], initial, strict=True):
+            if nuisance.coordinate in mechanism.coordinates:
+                (velocity if nuisance.rate else position)[nuisance.coordinate] = float(value)
+        run = simulate(
+            self._lately.prepared(mechanism),
+            position=position,
+            velocity=velocity,
+            start=trial.start,
+            end=trial.end + 1e-9,
+            tolerance=self.tolerance,
+            step_limit=STEP_LIMIT,
+        )
+        blocks = tuple(np.array(list(read_channels(run, mechanism, b.channels, b.time).values())) for b in trial.blocks)
+        touches = tuple(run.touches().tolist())
+        return Prediction(blocks, touches, run)
+
+
+def counted(mechanism: Mechanism, trial: TrialData, touches: tuple[float, ...]) -> np.ndarray:
+    """Samples that count, shape (S,) bool: forces are left out around each touch as their sensor sees it."""
+    keep = trial.valid
+    if not touches or "contact.force" not in trial.channels:
+        return keep
+    keep = keep.copy()
+    late = sum(m.value for m in mechanism.maps if m.channel == "contact.force" and m.kind == "delay")
+    at = np.array(touches) + late
+    row = 0
+    for block in trial.blocks:
+        for channel in block.channels:
+            if channel == "contact.force":
+                first, last = np.searchsorted(block.time, [at - ONSET_MASK, at + ONSET_MASK])
+                for a, b in zip(first.tolist(), last.tolist(), strict=True):
+                    keep[row + a : row + b] = False
+            row += block.time.size
+    return keep
+
+
+def turning(study: Study) -> bool:
+    """Whether the target may turn: its yaw inertia is stated."""
+    return math.isfinite(study.values().get("target.yaw_inertia", math.nan))
+
+
+def readable(study: Study) -> frozenset[str]:
+    """Channels that the rig of this baseline has a readout for; any other is left aside."""
+    return frozenset(rig({"target.yaw_inertia": 1.0} if turning(study) else {}, lateral=True).readouts)
+
+
+def _sensors(study: Study) -> dict[str, tuple[str, ...]]:
+    """Sensors by the names verdicts use: force_sensor, mocap, otherwise the stream's own."""
+    found: dict[str, tuple[str, ...]] = {}
+    shown = readable(study)
+    for stream in study.streams.values():
+        names = tuple(c.name for c in stream.channels if c.name in shown)
+        if not names:
+            continue
+        if all(n == "contact.force" for n in names):
+            label = "force_sensor"
+        elif all(n.split(".")[-1] in ("x", "y", "z", "yaw") for n in names):
+            label = "mocap"
+        else:
+            label = stream.name
+        found[label] = (*found.get(label, ()), *names)
+    return found
+
+
+def _nuisances(trial: TrialData, turning: bool, sideways: bool) -> tuple[Nuisance, ...]:
+    found: list[Nuisance] = []
+    wanted = [("target", "target.x", 5e-5, 1e-4)]
+    if sideways and "target.y" in trial.channels:
+        wanted.append(("target.y", "target.y", 5e-5, 1e-4))
+    if turning and "target.yaw" in trial.channels:
+        wanted.append(("target.yaw", "target.yaw", 1e-4, 3e-4))
+    touch = _touch_time(trial)
+    for coordinate, channel, scale, rate_scale in wanted:
+        time, value, _ = trial.channel(channel)
+        early = time < touch
+        if early.sum() < LEAST:
+            early = np.arange(time.size) < max(LEAST, time.size // 20)
+        slope, offset = np.polyfit(time[early] - trial.start, value[early], 1)
+        found.append(Nuisance(coordinate, False, float(offset), scale))
+        found.append(Nuisance(coordinate, True, float(slope), rate_scale))
+    return tuple(found)
+
+
+def _touch_time(trial: TrialData) -> float:
+    """When the target first comes to within half a millimetre of touching, from its own track."""
+    time, value, _ = trial.channel("target.x")
+    beyond = np.flatnonzero(value > -5e-4)
+    return float(time[beyond[0]]) if beyond.size else float(time[-1])

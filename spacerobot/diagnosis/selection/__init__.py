@@ -1,0 +1,1 @@
+"""Which hypotheses are fitted, kept, and believed."""

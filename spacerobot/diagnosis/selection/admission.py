@@ -1,0 +1,203 @@
+"""What a diagnosis asks of a study before it begins: one door for `study check`, `overlay` and `diagnose`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from spacerobot.diagnosis.machines.mechanism_cache import MOST
+from spacerobot.diagnosis.machines.wrist_rig import LEAST, RigModel, readable
+from spacerobot.diagnosis.terms.data import TrialData, one_trial
+from spacerobot.effects.mechanism import Mechanism
+from spacerobot.recordings.recording import Recording
+from spacerobot.recordings.series import Series
+from spacerobot.recordings.study import Study
+from spacerobot.support.errors import InputError, SpacerobotError
+
+if TYPE_CHECKING:
+    from spacerobot.diagnosis.machines.machine import Model
+
+TRACK = "target.x"
+"""Without it a trial of a wrist has no start."""
+
+
+def has_wrist(study: Study) -> bool:
+    """Whether the study is of a wrist that meets a target; any other machine is diagnosed part by part."""
+    return "wrist.stiffness" in study.values()
+
+
+def admit(study: Study) -> None:
+    """Refuse a study that cannot be diagnosed.
+
+    Raises:
+        InputError: the first reason.
+    """
+    for refusal in of_study(study):
+        raise refusal
+    ask = questions(study)
+    for trial in study.trials:
+        for refusal in ask(study.recording(trial)):
+            raise refusal
+
+
+def of_study(study: Study) -> Iterator[InputError]:
+    """Why no diagnosis can be made, of what shows without the recordings of a wrist's trials."""
+    if not has_wrist(study):
+        from spacerobot.diagnosis.machines.choose import some_models_for  # takes half a second to load
+
+        try:
+            for trial in study.trials:
+                enough(study, study.recording(trial))
+            moving(study)
+            models = some_models_for(study)
+        except InputError as error:
+            yield error
+        else:
+            for model in models:
+                yield from of_model(study, model)
+    elif len(study.trials) < 2:
+        yield InputError("a diagnosis needs at least two trials", given=len(study.trials), where=str(study.path))
+
+
+def enough(study: Study, recording: Recording) -> None:
+    """Refuse a trial in which a channel was hardly recorded.
+
+    Raises:
+        InputError: fewer readings than a line through them needs; of events, fewer than pieces to hold out in turn.
+    """
+    from spacerobot.diagnosis.machines.impacts import PIECES
+
+    for series in recording.values():
+        least = PIECES if study.streams[series.stream].kind == "events" else LEAST
+        count = int(series.valid.sum())
+        if count < least and not series.name.startswith("aux."):
+            given = f"{count} in trial {recording.trial.id}"
+            where = recording.trial.where or str(study.path)
+            raise InputError(f"{series.name} has too few readings", given=given, valid=f"at least {least}", where=where)
+
+
+def moving(study: Study) -> None:
+    """Refuse a reading that is the same from the first sample of the first trial to the last of the last.
+
+    Raises:
+        InputError: with the channel's line.
+    """
+    specs = [
+        c for s in study.streams.values() for c in s.channels if c.use == "output" and not c.name.startswith("aux.")
+    ]
+    for spec in specs:
+        values = [study.recording(t)[spec.name].good()[1] for t in study.trials if spec.name in study.recording(t)]
+        if values and np.ptp(np.concatenate(values)) == 0.0:
+            what = f"{spec.name} is {values[0][0]:g} throughout every trial, so that nothing can be weighed by it"
+            raise InputError(
+                what, valid="a sensor that was at work, or the study without the channel", where=spec.where
+            )
+
+
+def of_model(study: Study, model: Model) -> Iterator[InputError]:
+    """Why a machine's model cannot be fitted and tried: but one piece of data, a channel that has no weight."""
+    from spacerobot.diagnosis.selection.part_held_out import folds
+
+    for piece in model.trials:
+        for block in piece.blocks:
+            for name, weight in zip(block.channels, block.weight, strict=True):
+                if not np.isfinite(weight).all():
+                    trial = study.trial(piece.recorded)
+                    series = study.recording(trial).get(name)
+                    what = f"{name} does not change, so that its noise cannot be estimated, in trial {trial.id}"
+                    valid = f"its sigma in [streams.{block.stream if series is None else series.stream}]"
+                    yield InputError(what, valid=valid, where=trial.where or str(study.path))
+                    return
+    if len(folds(model.trials)) < 2:
+        trial = study.trial(model.trials[0].recorded)
+        what = f"{model.name} was recorded once, in one piece: nothing is left to try a fit on"
+        where = trial.where or str(study.path)
+        yield InputError(what, given=f"trial {trial.id}", valid="a second trial of it", where=where)
+
+
+Questions = Callable[[Recording], Iterator[InputError]]
+"""Asked of a recording: why it cannot be fitted."""
+
+
+def questions(study: Study) -> Questions:
+    """What is asked of each trial; nothing of the trials of other machines, which are asked as a whole."""
+    return WristDoor(study).refusals if has_wrist(study) else lambda recording: iter(())
+
+
+class WristDoor:
+    """Asks trials of a wrist rig, one after the other, and keeps none: they share the rig as it is believed."""
+
+    def __init__(self, study: Study) -> None:
+        self._study, self._shown = study, readable(study)
+        self._models: dict[bool, RigModel] = {}
+        self._mechanisms: dict[object, Mechanism] = {}
+
+    def refusals(self, recording: Recording) -> Iterator[InputError]:
+        """Why a trial cannot be fitted: no track, no noise to weigh it by, no simulation as believed."""
+        where = recording.trial.where or str(self._study.path)
+        used = [s for s in recording.outputs() if s.name in self._shown]
+        refused = [r for r in map(weighable, used) if r is not None]
+        if TRACK not in {s.name for s in used}:
+            valid = "a stream with target.x in every trial"
+            what = "a trial without target.x has no start"
+            yield InputError(what, given=recording.trial.id, valid=valid, where=where)
+        elif recording[TRACK].valid.sum() < LEAST:
+            given = f"{recording[TRACK].valid.sum()} in trial {recording.trial.id}"
+            yield InputError("target.x has too few readings", given=given, valid=f"at least {LEAST}", where=where)
+        elif refused:
+            for what, valid in refused:
+                yield InputError(f"{what} in trial {recording.trial.id}", valid=valid, where=where)
+        else:
+            yield from self._simulated(recording, where)
+
+    def _simulated(self, recording: Recording, where: str) -> Iterator[InputError]:
+        """Whether the rig as believed can be simulated from the trial's start."""
+        trial = one_trial(self._study, recording, self._shown)
+        try:
+            model = self._model(trial)
+            start = np.array([n.guess for n in model.nuisances(trial)])
+            shown = model.predict(self._mechanism(model, trial), trial, start)
+        except SpacerobotError as error:
+            yield InputError(f"the rig as believed cannot be simulated in trial {trial.id}: {error}", where=where)
+        else:
+            if not all(np.isfinite(block).all() for block in shown.blocks):
+                yield InputError(f"the rig as believed leaves every bound in trial {trial.id}", where=where)
+
+    def _model(self, trial: TrialData) -> RigModel:
+        """The rig in this trial."""
+        sideways = "target.y" in trial.channels
+        if sideways not in self._models:
+            self._models[sideways] = RigModel(self._study, (trial,))
+        return self._models[sideways].of(trial)
+
+    def _mechanism(self, model: RigModel, trial: TrialData) -> Mechanism:
+        """The rig as believed with the trial's overrides, made once for all trials that share them."""
+        key = model.sideways, tuple(trial.overrides.items())
+        if key not in self._mechanisms:
+            if len(self._mechanisms) >= MOST:
+                self._mechanisms.clear()
+            self._mechanisms[key] = model.mechanism({**model.base, **model.believed.unknown, **trial.overrides})
+        return self._mechanisms[key]
+
+
+def weighable(series: Series) -> tuple[str, str] | None:
+    """Why a channel has no weight in a fit, and what would give it one; None where it has."""
+    if math.isfinite(series.sigma) and series.sigma > 0.0:
+        return None
+    value = series.good()[1]
+    flat = value.size > 0 and np.ptp(value) == 0.0
+    why = f"is {value[0]:g} throughout" if flat else f"has {value.size} readings"
+    return f"{series.name} {why}, so that its noise cannot be estimated", f"its sigma in [streams.{series.stream}]"
+
+
+def left_aside(study: Study) -> tuple[str, ...]:
+    """Channels that were recorded as readings, and that no model of a wrist rig predicts."""
+    if not has_wrist(study):
+        return ()
+    shown = readable(study)
+    used = {name for trial in study.trials for name in trial.sources}
+    every = (c for s in study.streams.values() if s.name in used for c in s.channels if c.use == "output")
+    return tuple(dict.fromkeys(c.name for c in every if c.name not in shown and not c.name.endswith(".reference")))

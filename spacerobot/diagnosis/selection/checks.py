@@ -1,0 +1,216 @@
+"""The fit's own checks; where one fails, the verdict is not trusted."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from spacerobot.diagnosis.fitting.fitted import Fit
+from spacerobot.diagnosis.fitting.gauss_newton import Fitter
+from spacerobot.diagnosis.fitting.profile import LEVEL_95, profile_interval
+from spacerobot.diagnosis.fitting.starts import effect_starts
+from spacerobot.diagnosis.fitting.workshop import Only, Task, Workshop
+from spacerobot.diagnosis.selection.agreed import agreed
+from spacerobot.diagnosis.selection.search_state import Found, effect_values
+from spacerobot.diagnosis.terms.data import TrialData
+
+SLACK = 3.0
+"""Cost by which a larger model may exceed a smaller one before the optimiser is blamed."""
+
+FRACTION = 0.25
+"""Share of the lead over the nearest rival by which a fit may stop short of the truth: the answer would turn only if
+the chosen set's fit stopped short by all of it.
+"""
+
+APART = 6.0
+"""Standard errors by which a size may come back wrong from a synthetic copy before its interval is blamed."""
+
+ROUGH = 60.0
+"""And by which it may before the fit is: a cost that contacts make jagged has minima beside the one whose curvature and
+profile are known. What a copy missed its size by is then the standard error that is stated, and a second copy tries it.
+"""
+
+SECOND = 2
+"""Seeds from one copy's to the next: each may need a second copy of its own."""
+
+WIDER = 2.0
+"""Half width of such an interval, in what the copy missed by."""
+
+
+def nested(found: Found, chosen: Fit) -> dict[str, Any]:
+    """A model with an effect more never costs more than the one without."""
+    bad = []
+    chosen_label = set(chosen.hypothesis.label)
+    for fit in [found.baseline, *found.fits.values()]:
+        less = set(fit.hypothesis.label) < chosen_label and set(fit.hypothesis.freed) <= set(chosen.hypothesis.freed)
+        if less and fit.cost < chosen.cost - SLACK:
+            bad.append(fit.hypothesis.label)
+    detail = "no smaller model costs less" if not bad else f"a smaller model costs less: {bad[0]}"
+    return {"name": "nested cost", "passed": not bad, "detail": detail}
+
+
+def copied(model: Any, trials: Sequence[TrialData], fit: Fit, seed: int) -> tuple[TrialData, ...]:
+    """The trials as the fit shows them, with white noise as their weights state it."""
+    random = np.random.default_rng(seed)
+    out = []
+    for trial in trials:
+        mechanism = model.trial_mechanism(fit.hypothesis, fit.z, trial)
+        shown = model.predict(mechanism, trial, fit.trials[trial.id].initial)
+        blocks = []
+        for block, value in zip(trial.blocks, shown.blocks, strict=True):
+            good = block.weight > 0.0
+            sigma = np.where(good, 1.0 / np.where(good, block.weight, 1.0), 0.0)
+            blocks.append(replace(block, value=value + sigma * random.standard_normal(value.shape)))
+        out.append(replace(trial, blocks=tuple(blocks)))
+    return tuple(out)
+
+
+def synthetic(workshop: Workshop, chosen: Fit, lead: float = 0.0) -> list[dict[str, Any]]:
+    """On a copy of the study made from the chosen model, the fit ends no worse than the truth, and near it.
+
+    The copies' noise is always the same: what is concluded hangs on no seed.
+
+    Args:
+        workshop: of the study.
+        chosen: the model.
+        lead: by how much the chosen model's cost is below its nearest rival's; a fit of the copy that stops short of
+            the truth by less than FRACTION of it, in one of the many minima that bounces make, endangers no verdict.
+    """
+    return list(agreed(lambda copy: _on_copy(workshop, chosen, SECOND * copy, lead)))
+
+
+def _on_copy(workshop: Workshop, chosen: Fit, seed: int, lead: float) -> list[dict[str, Any]]:
+    done = _copied_fit(workshop, chosen, seed)
+    if done is None:
+        return [{"name": "cost at truth", "passed": False, "detail": "a synthetic copy could not be simulated"}]
+    fitter, again, truth = done
+    passed = again.cost <= truth + max(SLACK, FRACTION * lead)
+    cost = {
+        "name": "cost at truth",
+        "passed": bool(passed),
+        "detail": f"on a synthetic copy the fit costs {again.cost:.1f}, its truth {truth:.1f}",
+    }
+    first = calibration(chosen, again, interval=lambda key: profile_interval(fitter, again, key, 1.0))
+    if first["passed"] or first["worst"] > ROUGH:
+        return [cost, first]
+    missed = misses(chosen, again)
+    second = _copied_fit(workshop, chosen, seed + 1)
+    if second is None:
+        return [cost, first]
+    then = calibration(chosen, second[1], known=missed)
+    if then["passed"]:
+        said = f"{first['detail']}: interval widened to that, and right on a second copy"
+        return [cost, {**first, "passed": True, "detail": said, "missed": missed}]
+    return [cost, first]
+
+
+def _copied_fit(workshop: Workshop, chosen: Fit, seed: int) -> tuple[Fitter, Fit, float] | None:
+    """A synthetic copy of the study fitted: (its fitter, the fit, cost of the truth); None where that cannot be."""
+    copy = Workshop(workshop.study, workshop.make_model)
+    copy.trials = copied(workshop.model, workshop.trials, chosen, seed)
+    copy.model = workshop.make_model(workshop.study, copy.trials)
+    fitter: Fitter = copy.fitter()
+    state = fitter.state(chosen.hypothesis, chosen.z, {k: t.initial for k, t in chosen.trials.items()})
+    start = {f.key: f.centre for f in chosen.hypothesis.free if f.kind == "effect" and f.log}
+    start = {**effect_values(chosen), **start}
+    only = chosen.hypothesis.only
+    again = copy.run(Task(chosen.hypothesis.label, start, only=only, freed=chosen.hypothesis.freed))
+    if state is None or again is None:
+        return None
+    prior = np.array([f.prior for f in chosen.hypothesis.free], dtype=float)
+    truth = state.chi2() + float(prior @ state.z**2)
+    for task in _other_starts(copy, chosen, again, only):  # a search begins more than once too
+        if again.cost <= truth + SLACK:
+            break
+        other = copy.run(task)
+        if other is not None and other.cost < again.cost:
+            again = other
+    return fitter, again, truth
+
+
+def _other_starts(copy: Workshop, chosen: Fit, ended: Fit, only: Only) -> Iterator[Task]:
+    """Where else a fit of the copy begins: where the first one ended, the effects' own starts, their true values, and
+    one effect after the other, as a search finds them.
+    """
+    label, freed = chosen.hypothesis.label, chosen.hypothesis.freed
+    yield Task(label, {}, near=ended, max_iterations=30, freed=freed)
+    for start in effect_starts(chosen.hypothesis.sites)[:2]:
+        yield Task(label, start, only=only, freed=freed)
+    values = effect_values(chosen)
+    yield Task(label, values, only=only, freed=freed)
+    for one in label if len(label) > 1 else ():
+        alone = copy.run(Task((one,), {}, near=_part(chosen, one), only=only, freed=freed))
+        if alone is not None:
+            yield Task(label, values, near=alone, max_iterations=30, only=only, freed=freed)
+
+
+def _part(fit: Fit, one: tuple[str, str]) -> Fit:
+    """A fit without all but one of its effects."""
+    made = fit.hypothesis
+    keys = {s.key(p.name) for s in made.sites if s.label != one for p in s.effect.parameters}
+    kept = [k for k, f in enumerate(made.free) if f.key not in keys]
+    sites = tuple(s for s in made.sites if s.label == one)
+    return replace(fit, hypothesis=replace(made, sites=sites, free=tuple(made.free[k] for k in kept)), z=fit.z[kept])
+
+
+def misses(truth: Fit, again: Fit) -> dict[str, float]:
+    """Effects' key -> what a fit of a copy missed its size by, in units of the parameter's scale."""
+    sizes = truth.values()
+    return {
+        f.key: float(abs(z - f.z(sizes[f.key])))
+        for f, z in zip(again.hypothesis.free, again.z, strict=True)
+        if f.kind == "effect" and f.key in sizes
+    }
+
+
+def widened(fit: Fit, key: str, interval: tuple[float, float], missed: float) -> tuple[float, float]:
+    """An interval that also holds what a synthetic copy says of the cost's further minima; never a narrower one."""
+    index = fit.hypothesis.keys.index(key)
+    free, best = fit.hypothesis.free[index], float(fit.z[index])
+    low, high = free.bounds
+    ends = [free.value(min(max(best + side * WIDER * missed, low), high)) for side in (-1.0, 1.0)]
+    return min(*ends, interval[0]), max(*ends, interval[1])
+
+
+def calibration(
+    truth: Fit,
+    again: Fit,
+    name: str = "calibration",
+    interval: Callable[[str], tuple[float, float]] | None = None,
+    known: Mapping[str, float] = MappingProxyType({}),
+) -> dict[str, Any]:
+    """Whether the effects' sizes that a synthetic copy was made with lie where the fit of it claims.
+
+    Args:
+        truth: what the copy was made from.
+        again: fitted to the copy.
+        name: of the check.
+        interval: 95 % interval of a key, asked for where the curvature alone claims too much: a verdict states it.
+        known: least standard errors by key, in units of the parameter's scale.
+    """
+    sizes = truth.values()
+    worst, key = 0.0, ""
+    covariance = again.covariance
+    errors = np.zeros(again.z.size) if covariance is None else np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    for free, z, curved in zip(again.hypothesis.free, again.z, errors, strict=True):
+        error = max(float(curved), known.get(free.key, 0.0))
+        if free.kind == "effect" and free.key in sizes and error > 0.0:
+            wanted = free.z(sizes[free.key])
+            off = abs(z - wanted) / error
+            if off > APART and interval is not None:
+                end = max((free.z(v) for v in interval(free.key)), key=lambda e: (e - z) * (wanted - z))
+                off = abs(z - wanted) / max(error, abs(end - z) / math.sqrt(LEVEL_95))
+            if off > worst:
+                worst, key = float(off), free.key
+    said = f"{key} {worst:.1f} standard errors" if key else "nothing"
+    return {
+        "name": name,
+        "passed": bool(worst <= APART),
+        "detail": f"on a synthetic copy {said} off what it was made with",
+        "worst": worst,
+    }

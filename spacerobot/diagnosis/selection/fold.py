@@ -1,0 +1,90 @@
+"""One fold: everything decided again without some trials, and these predicted.
+
+Nothing here knows the trials that are left out before they are predicted: the rig as believed is fitted to the others,
+the sets in play are fitted from starts that these lead to, and the same judge decides. What is not shown is taken
+back, by the curvature of the fold's fits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from spacerobot.diagnosis.fitting.pool import Pool
+from spacerobot.diagnosis.fitting.workshop import Workshop
+from spacerobot.diagnosis.selection.decide import conclude
+from spacerobot.diagnosis.selection.intervals import curved
+from spacerobot.diagnosis.selection.refit import refit
+from spacerobot.diagnosis.selection.unseen import Foretold, foretell, seen_sites
+from spacerobot.diagnosis.terms.candidates import contains
+from spacerobot.diagnosis.terms.hypothesis import Site
+from spacerobot.support.errors import SimulationError
+
+SAME, OPEN, PART, OTHER = "the same set", "not told apart from it", "a part of it", "another set"
+"""What a fold leads to by itself. Fewer trials may show less than all of them; they should show nothing else."""
+
+
+@dataclass(frozen=True)
+class Fold:
+    """What was left out, and what was said of it without having seen it.
+
+    Attributes:
+        out: trials left out.
+        before: of the baseline.
+        after: of the set that was chosen on all trials, fitted to the others.
+        selected: of the set that the others alone lead to.
+        leads_to: what that set is to the chosen one, as far as this one's effects act in the others.
+    """
+
+    out: tuple[str, ...]
+    before: Foretold
+    after: Foretold
+    selected: Foretold
+    leads_to: str
+
+    def as_json(self) -> dict[str, Any]:
+        """For a store."""
+        told = {k: getattr(self, k).as_json() for k in ("before", "after", "selected")}
+        return {"out": list(self.out), "leads_to": self.leads_to, **told}
+
+    @classmethod
+    def from_json(cls, kept: Mapping[str, Any]) -> Fold:
+        """Of `as_json`, or of what a store has made of it."""
+        told = {k: Foretold.from_json(kept[k]) for k in ("before", "after", "selected")}
+        return cls(tuple(kept["out"]), leads_to=str(kept["leads_to"]), **told)
+
+
+def folded(
+    workshop: Workshop, out: tuple[str, ...], chosen: Sequence[Site], rivals: Sequence[Sequence[Site]], thorough: bool
+) -> dict[str, Any]:
+    """A fold, as JSON.
+
+    Args:
+        workshop: of all trials.
+        out: trials to leave out.
+        chosen: the set that was chosen on all trials.
+        rivals: further sets that the fold chooses among.
+        thorough: whether they are fitted from more starts where the first ones explain little.
+    """
+    unseen = [t for t in workshop.trials if t.id in out]
+    sites = seen_sites(chosen, out)
+    label = tuple(sorted(s.label for s in sites))
+    try:
+        with Pool(workshop.but_for(out), 1) as pool:
+            found = refit(pool, sites, [seen_sites(r, out) for r in rivals], thorough)
+            decided = curved(pool.workshop, conclude(pool, found, lambda what, done, total: None))
+    except SimulationError as error:
+        none = Foretold((), failed={t.id: str(error) for t in unseen})
+        return Fold(out, none, none, none, OTHER).as_json()
+    said = decided.judgement
+    best = said.chosen.hypothesis.label
+    after = said.chosen if best == label else found.fits.get(label) if label else found.baseline
+    told = {id(f): foretell(workshop.model, f, unseen) for f in (found.baseline, after, said.chosen)}
+    if best == label:
+        leads_to = SAME
+    elif any(f.hypothesis.label == label for f in said.alternatives):
+        leads_to = OPEN
+    else:
+        leads_to = PART if contains(label, best) else OTHER
+    return Fold(out, told[id(found.baseline)], told[id(after)], told[id(said.chosen)], leads_to).as_json()

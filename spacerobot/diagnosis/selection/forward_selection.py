@@ -1,0 +1,303 @@
+"""From a baseline to the simplest model that predicts unseen trials as well as any: effects added while they pay.
+
+For recordings whose noise is not known and whose best model is not exact, where information criteria keep
+rewarding arbitrary terms: what is left out of a fit decides, not what is in it. The search is a beam over the
+number of parameters that effects bring along; the choice among all that it met is made at the end. It was made under
+weights that no noise bears out, so that descents end where they should; where the noise is stated, the choice must
+gain more under it than chance would bring.
+
+Every body, joint and axis grows alone: what is said of it hangs on no other, and on no reading that does not feel the
+effects in question (`model_choice.py`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from spacerobot.diagnosis.fitting.fitted import Fit
+from spacerobot.diagnosis.fitting.interval import interval
+from spacerobot.diagnosis.machines.machine import Model
+from spacerobot.diagnosis.selection.bench import Bench, Promise
+from spacerobot.diagnosis.selection.candidate import Candidate, words
+from spacerobot.diagnosis.selection.growth import Growth
+from spacerobot.diagnosis.selection.likelihood_ratio import by_chance
+from spacerobot.diagnosis.selection.model_choice import TIE, WORTH_OF_REST, as_good, choice, distinct, pays, ratio
+from spacerobot.diagnosis.selection.nested_laws import inherited, not_excluded, wordings
+from spacerobot.diagnosis.selection.part_fit_store import Kept
+from spacerobot.diagnosis.selection.plausible import redundant
+from spacerobot.diagnosis.selection.shown import not_shown
+from spacerobot.diagnosis.terms.candidates import contains
+from spacerobot.diagnosis.terms.hypothesis import Label, Site
+from spacerobot.effects.effect import Effect
+
+PATIENCE = 2
+"""The search ends when so many more parameters have brought nothing that is worth naming."""
+
+BEAM = 3
+"""How many models of one size are built upon."""
+
+TRIED = 5
+"""How many models of one size, those that promise most, are fitted and tried on unseen trials."""
+
+ANYWAY = 2
+"""How many are fitted even where they promise nothing beyond what was reached: promises are linear, gaps are not."""
+
+MOST = 6
+"""Parameters that effects may bring along."""
+
+
+def unshown(fit: Fit) -> str:
+    """Why an effect of a fit is not to be named, as its intervals tell; empty where all are shown."""
+    values = fit.values()
+    for site in fit.hypothesis.sites:
+        intervals = {k: interval(fit, k, 1.0)[1] for k in (site.key(p.name) for p in site.effect.parameters)}
+        why = not_shown(site, values, intervals)
+        if why:
+            return why
+    return ""
+
+
+@dataclass(frozen=True, eq=False)
+class Ahead:
+    """A candidate before it is fitted: what it grows from, and what one effect more promises."""
+
+    near: Candidate
+    promise: Promise
+
+    @property
+    def cost(self) -> float:
+        """That it would come down to."""
+        return self.promise.cost
+
+
+def grow(
+    model: Model,
+    *,
+    effects: Iterable[Effect] | None = None,
+    most: int = MOST,
+    threads: int = 1,
+    say: Callable[[str], None] | None = None,
+    reached: Callable[[int], None] | None = None,
+    kept: Kept | None = None,
+) -> Growth:
+    """The simplest model that predicts unseen trials about as well as the best that a beam search meets.
+
+    Args:
+        model: whose baseline to begin with.
+        effects: the catalogue; all known effects if None.
+        most: parameters that effects may bring along.
+        threads: of the fits.
+        say: told what happens.
+        reached: told how many parameters the candidates have that are now tried.
+        kept: what an earlier run had found.
+
+    Raises:
+        SimulationError: the baseline cannot be fitted.
+    """
+    catalogue = None if effects is None else list(effects)
+    bench = Bench(model, threads, kept)
+    search = _Search(bench, bench.model.sites(catalogue), say or (lambda text: None))
+    return search.run(most, reached or (lambda size: None))
+
+
+def among(bench: Bench, chosen: Sequence[Site], rivals: Sequence[Sequence[Site]]) -> tuple[Growth, Fit | None]:
+    """What a bench's trials alone lead to among some sets, and one of these sets fitted to them, under its weights.
+
+    Args:
+        bench: of the trials.
+        chosen: the set that is fitted whatever is led to.
+        rivals: further sets; all are grown effect by effect from the baseline, the most promising one first, and what
+            is met on the way takes part.
+
+    Raises:
+        SimulationError: the baseline cannot be fitted, or not be tried.
+    """
+    search = _Search(bench, list({s.label: s for one in (chosen, *rivals) for s in one}.values()), lambda text: None)
+    baseline = search.begun()
+    tested = [baseline]
+    for sites in (chosen, *rivals):
+        search.grown(sites, tested)
+    weights = bench.weights
+    growth = search.concluded(tested, baseline)
+    label = tuple(sorted(s.label for s in chosen))
+    if growth.after.label == label:
+        return growth, growth.after.fit
+    met = next((c for c in tested if c.label == label), None)
+    if met is None:
+        return growth, None
+    bench.weights = weights
+    bench.weigh(met.fit)
+    return growth, bench.again(met.fit)
+
+
+class _Search:
+    def __init__(self, bench: Bench, sites: Sequence[Site], say: Callable[[str], None]) -> None:
+        self.bench = bench
+        self.sites = {s.label: s for s in sites}
+        self.say = say
+        self.screened: dict[Label, float] = {}
+        self.reached = np.inf
+
+    def run(self, most: int, reached: Callable[[int], None]) -> Growth:
+        baseline = self.begun()
+        tested = [baseline]
+        self.reached = baseline.cost
+        ahead: dict[int, dict[Label, Ahead]] = {}
+        bests: list[Candidate] = []
+        for size in range(most + 1):
+            reached(size)
+            bests.append(min(tested, key=lambda c: c.error))
+            if size > PATIENCE and as_good(bests[-1 - PATIENCE], bests[-1], baseline):
+                break
+            layer = [baseline] if size == 0 else self.layer(list(ahead.pop(size, {}).values()), baseline)
+            tested += layer if size else []
+            layer.sort(key=lambda c: c.error)
+            better = 1.0 - (TIE if size < 2 else WORTH_OF_REST)  # a pair may need two weak singles, no more
+            ahead_of = [c for c in layer if not size or ratio(c, bests[-1]) < better]
+            for one in distinct(ahead_of)[:BEAM]:
+                self.look_ahead(one, most, ahead)
+        tested += self.reworded(choice(tested, baseline, self.bench.trials), tested)
+        return self.concluded(tested, baseline)
+
+    def begun(self) -> Candidate:
+        """The baseline, under the weights of a search."""
+        fit = self.bench.baseline()
+        self.bench.sharpen(fit)
+        return self.tested(Candidate(self.bench.again(fit)))
+
+    def grown(self, sites: Sequence[Site], tested: list[Candidate]) -> None:
+        """A set, one effect after the other from the largest part of it that was met; all that is met is tried."""
+        label = {s.label for s in sites}
+        here = max((c for c in tested if set(c.label) <= label), key=lambda c: (len(c.sites), -c.error))
+        while left := [s for s in sites if s.label not in here.label]:
+            promises = sorted(self.bench.promises(here.fit, left), key=lambda p: p.cost)
+            fit = next((f for p in promises if (f := self.bench.fitted(here.fit, p)) is not None), None)
+            if fit is None:
+                return
+            here = self.tested(Candidate(fit))
+            tested.append(here)
+
+    def concluded(self, tested: list[Candidate], baseline: Candidate) -> Growth:
+        """The simplest as good as the best that stands: of each that does not, the reason is kept."""
+        refused: dict[Label, str] = {}
+        stated, weights = bool(self.bench.model.expected({})), self.bench.weights
+        while True:
+            self.bench.weights = weights
+            open_to = [c for c in tested if c.label not in refused]
+            chosen = choice(open_to, baseline, self.bench.trials)
+            before, after = self.weighed(chosen, baseline)
+            why = self.refusal(before, after, stated)
+            if not why:
+                break
+            refused[chosen.label] = why
+            self.say(f"  {words(chosen.label)}: {why}")
+        near = [c for c in open_to if c is not chosen and c is not baseline and c.simplicity <= chosen.simplicity]
+        rivals = tuple(c for c in near if ratio(c, chosen) < 1.0 + TIE and not unshown(self.bench.again(c.fit)))
+        if stated:
+            less = self.without_chance(after, [c.label for c in tested])
+            if less is not after:
+                rivals = tuple(r for r in rivals if r.label != less.label and not contains(r.label, less.label))
+                after = less
+            more = not_excluded(self.bench, after.fit, self.sites)
+            rivals = (*rivals, *(self.tested(Candidate(fit)) for fit in more))
+        ranked = tuple(sorted(tested, key=lambda c: c.error))
+        sites = tuple(self.sites.values())
+        return Growth(self.bench, before, after, rivals, ranked, tuple(self.screened.items()), refused, sites)
+
+    def refusal(self, before: Candidate, after: Candidate, stated: bool) -> str:
+        """Why a choice does not stand under the weights that it asks for; empty where it does."""
+        if after is before:
+            return ""
+        if stated:
+            if by_chance(before.cost - after.cost, after.size):
+                return "gains no more than chance would under the stated noise"
+        elif not pays(after, before, self.bench.trials):
+            return "predicts unseen data no better once readings weigh what it leaves over"
+        return unshown(after.fit)
+
+    def without_chance(self, chosen: Candidate, tried: Sequence[Label]) -> Candidate:
+        """Without effects that gain no more than chance would beside the others, of sets that were tried."""
+        for site in chosen.sites:
+            rest = [s for s in chosen.sites if s is not site]
+            if not rest or tuple(sorted(s.label for s in rest)) not in tried:
+                continue
+            fit = self.bench.fitted_as(chosen.fit, rest, {})
+            if fit is not None and by_chance(fit.cost - chosen.cost, len(site.effect.parameters)):
+                self.say(f"  {words((site.label,))}: no more than chance would gain beside the others")
+                return self.without_chance(self.tested(Candidate(fit)), tried)
+        return chosen
+
+    def weighed(self, chosen: Candidate, baseline: Candidate) -> tuple[Candidate, Candidate]:
+        """Baseline and choice, fitted and tried again under the weights that what the choice leaves over asks for.
+
+        Both were fitted under the present weights.
+        """
+        self.bench.weigh(chosen.fit)
+        before = self.tested(self.again(baseline))
+        return before, before if chosen is baseline else self.tested(self.again(chosen))
+
+    def layer(self, ahead: list[Ahead], baseline: Candidate) -> list[Candidate]:
+        """The most promising candidates of one size, fitted and tried on unseen trials."""
+        out: list[Candidate] = []
+        bar = (1.0 - TIE) * self.reached
+        for place, promise in enumerate(sorted(ahead, key=lambda p: p.cost)[: 2 * TRIED]):
+            if len(out) == TRIED or (place >= ANYWAY and promise.cost > bar):
+                break
+            fit = self.bench.fitted(promise.near.fit, promise.promise)
+            if fit is not None:
+                one = self.tested(Candidate(fit))
+                self.reached = min(self.reached, one.cost)
+                out.append(one)
+                self.say(f"  {words(one.label)}: held-out rms x {one.error / baseline.error:.4f}")
+        return out
+
+    def reworded(self, chosen: Candidate, tested: Sequence[Candidate]) -> list[Candidate]:
+        """The chosen model said with a general effect in the place of its special case and of one effect more.
+
+        Friction and a constant force may be one friction of two levels; sensitivities at one start do not see that.
+        """
+        known = {c.label for c in tested}
+        out = []
+        for wording in wordings(chosen.sites, self.sites):
+            label = tuple(sorted(s.label for s, _ in wording))
+            if label in known or redundant([s for s, _ in wording]):
+                continue
+            known.add(label)
+            start: dict[str, float] = {}
+            for new, special in wording:
+                start |= {} if special is None else inherited(new, special, chosen.fit)
+            fit = self.bench.fitted_as(chosen.fit, [s for s, _ in wording], start)
+            if fit is not None:
+                out.append(self.tested(Candidate(fit)))
+        return out
+
+    def look_ahead(self, one: Candidate, most: int, ahead: dict[int, dict[Label, Ahead]]) -> None:
+        """What each further effect promises."""
+        further = [
+            s
+            for s in self.sites.values()
+            if s.label not in one.label
+            and one.size + len(s.effect.parameters) <= most
+            and not redundant((*one.sites, s))
+        ]
+        found = {p.site.label: p for p in self.bench.promises(one.fit, further)}
+        for site in further:
+            if site.label not in found:
+                continue
+            promise = Ahead(one, found[site.label])
+            name = tuple(sorted((*one.label, site.label)))
+            layer = ahead.setdefault(one.size + len(site.effect.parameters), {})
+            if name not in layer or promise.cost < layer[name].cost:
+                layer[name] = promise
+                self.screened[name] = promise.cost
+
+    def again(self, one: Candidate) -> Candidate:
+        """Fitted again under the present weights."""
+        return Candidate(self.bench.again(one.fit))
+
+    def tested(self, one: Candidate) -> Candidate:
+        """Tried on unseen trials."""
+        return replace(one, held_out=self.bench.held_out(one.fit))

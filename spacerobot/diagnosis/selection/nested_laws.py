@@ -1,0 +1,128 @@
+"""General effects beside their special cases: friction of two levels beside friction of one."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from spacerobot.diagnosis.fitting.fitted import Fit
+from spacerobot.diagnosis.fitting.profile import LEVEL_95
+from spacerobot.diagnosis.selection.bench import Bench
+from spacerobot.diagnosis.selection.likelihood_ratio import by_chance
+from spacerobot.diagnosis.selection.plausible import redundant
+from spacerobot.diagnosis.terms.candidates import CONTAINS
+from spacerobot.diagnosis.terms.hypothesis import Site
+
+TWICE = 2.0 / 3.0
+"""Difference of two levels over their mean where one is twice the other: friction that is not the same both ways."""
+
+WIDE = math.sqrt(LEVEL_95)
+"""Standard deviations that a 95 % interval reaches either way."""
+
+Known = Mapping[tuple[str, str], Site]
+"""Sites by effect and place."""
+
+
+def general_sites(special: Site, known: Known) -> Iterator[Site]:
+    """Every effect at its place of which it is a special case."""
+    for general, name in sorted(CONTAINS):
+        if name == special.effect.name and (general, special.where) in known:
+            yield known[general, special.where]
+
+
+def inherited(new: Site, special: Site, fit: Fit) -> dict[str, float]:
+    """Start values of a general effect: its special case's own where the units agree."""
+    first = special.effect.parameters[0]
+    value = fit.values()[special.key(first.name)]
+    return {new.key(p.name): value if p.unit == first.unit else p.starts[0] for p in new.effect.parameters}
+
+
+def not_excluded(bench: Bench, fit: Fit, known: Known) -> list[Fit]:
+    """The fit with a general effect for each special case, where the readings do not exclude it.
+
+    An effect size says what is worth naming; where the noise is stated, the readings say what is not excluded: a
+    general effect that costs less than chance would make it, and one of which they leave open whether a level is twice
+    the other.
+
+    Args:
+        bench: under the weights of the fit.
+        fit: the chosen one.
+        known: sites to take the general effects from.
+    """
+    out = []
+    for special in fit.hypothesis.sites:
+        for new in general_sites(special, known):
+            sites = [new if s is special else s for s in fit.hypothesis.sites]
+            if redundant(sites):
+                continue
+            found = bench.fitted_as(fit, sites, inherited(new, special, fit))
+            spare = len(new.effect.parameters) - len(special.effect.parameters)
+            if found is not None and (not by_chance(fit.cost - found.cost, spare) or left_open(found, new)):
+                out.append(found)
+    return out
+
+
+def left_open(fit: Fit, general: Site) -> bool:
+    """Whether the 95 % interval of an effect's two levels has one twice the other in it.
+
+    Only of effects that are two levels and nothing else: what has a scale of its own as well, as the speed at which
+    friction falls, can always lie where nothing has been.
+    """
+    apart = _apart(fit, general)
+    return apart is not None and apart.difference + WIDE * apart.deviation > TWICE * apart.mean
+
+
+def least_alike(fit: Fit) -> Fit:
+    """The fit with its two levels as far apart as their 95 % interval allows, everything else following them.
+
+    At its best such a fit may be the special case itself; what a further trial is to tell apart lies at this end. To
+    first order in the free parameters; the trials' own initial values stay.
+    """
+    for site in fit.hypothesis.sites:
+        apart = _apart(fit, site)
+        if apart is not None and apart.deviation > 0.0:
+            low, high = fit.hypothesis.bounds()
+            z = fit.z + WIDE / apart.deviation * apart.direction
+            fit = replace(fit, z=np.clip(z, low, high))
+    return fit
+
+
+@dataclass(frozen=True, eq=False)
+class _Apart:
+    """Two levels: their mean, how far they are apart, that number's standard deviation, and its covariance with z."""
+
+    mean: float
+    difference: float
+    deviation: float
+    direction: np.ndarray
+
+
+def _apart(fit: Fit, general: Site) -> _Apart | None:
+    keys = [general.key(p.name) for p in general.effect.parameters]
+    if fit.covariance is None or len(keys) != 2 or len({p.unit for p in general.effect.parameters}) > 1:
+        return None
+    at = [fit.hypothesis.keys.index(k) for k in keys]
+    free = [fit.hypothesis.free[i] for i in at]
+    one, other = (f.value(float(fit.z[i])) for i, f in zip(at, free, strict=True))
+    slope = np.array([f.slope(float(fit.z[i])) for i, f in zip(at, free, strict=True)])
+    slope[int(one >= other)] *= -1.0  # of the greater level over the other
+    direction = fit.covariance[:, at] @ slope
+    return _Apart(0.5 * (one + other), abs(one - other), float(np.sqrt(max(slope @ direction[at], 0.0))), direction)
+
+
+def wordings(chosen: Sequence[Site], known: Known) -> Iterator[list[tuple[Site, Site | None]]]:
+    """Sets with as many parameters in which a general effect stands for its special case and others.
+
+    Yields:
+        The sites, each with the special case that it stands for, or None.
+    """
+    for special in chosen:
+        for new in general_sites(special, known):
+            spare = len(new.effect.parameters) - len(special.effect.parameters)
+            rest = [s for s in chosen if s is not special]
+            for left_out in rest:
+                if len(left_out.effect.parameters) == spare:
+                    yield [(new, special), *((s, None) for s in rest if s is not left_out)]

@@ -1,0 +1,217 @@
+"""Pairs of effects: a single beside what promises most, what the best could do without, and a stream's mirror."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+
+import numpy as np
+
+from spacerobot.diagnosis.fitting.fitted import Fit
+from spacerobot.diagnosis.fitting.pool import Pool
+from spacerobot.diagnosis.fitting.screen import Screen, faint
+from spacerobot.diagnosis.fitting.starts import effect_starts
+from spacerobot.diagnosis.fitting.workshop import Task
+from spacerobot.diagnosis.selection.nameable import held_labels
+from spacerobot.diagnosis.selection.penalty import MARGIN
+from spacerobot.diagnosis.selection.search_state import (
+    WORTH_A_FIT,
+    Found,
+    Report,
+    effect_values,
+    run_tasks,
+    screened,
+    share_of,
+)
+from spacerobot.diagnosis.terms.candidates import contains, mirrored, simpler
+from spacerobot.diagnosis.terms.hypothesis import Label, Site
+from spacerobot.effects.registry import effect
+
+TOP_PAIRS = 4
+TOP_SINGLES = 5
+"""Single effects that are paired with one another by what they were fitted to, whatever their screening promised."""
+
+TOP_BESIDE = 3
+"""Single effects beside which others are sought, where what is found beside the preferred one is not enough."""
+
+TOP_FULL = 6
+"""Effects that are fitted beside a fit for what they promise at full size."""
+
+ROUNDS = 2
+"""Times that pairs are sought; again where what they could do without shows a better single effect."""
+
+ALIKE = 0.9
+"""Cosine between what two effects do to the baseline's residuals from which they count as twins."""
+
+
+def pairs(pool: Pool, found: Found, first: Screen, report: Report) -> None:
+    """Fit the most promising pairs, and what the best of them could do without.
+
+    Args:
+        pool: runs the fits.
+        found: holds the single effects, and takes the pairs.
+        first: the screening at the baseline.
+        report: told of progress.
+    """
+    paired: set[Label] = set()
+    for _ in range(ROUNDS if found.singles_by_cost() else 0):
+        single = found.preferred(found.singles_by_cost())
+        if single.hypothesis.label in paired:
+            break  # the pairs have led to no better single
+        _fit_pairs(pool, found, single, None if paired else first, report)
+        paired.add(single.hypothesis.label)
+        run_tasks(pool, found, _mirrored(found), report, "late for early")
+        run_tasks(pool, found, _twins(found, first), report, "what acts alike")
+        simplify(pool, found, report)
+        if found.explained:
+            break
+
+
+def _fit_pairs(pool: Pool, found: Found, single: Fit, first: Screen | None, report: Report) -> None:
+    """Pairs of a single effect with what promises most beside it, and those that promise most at the baseline."""
+    rest = [s for s in found.singles if s.label not in single.hypothesis.label]
+    report("screening pairs", 0, len(rest))
+    second = screened(pool, single, rest)
+    found.screens.append(second)
+    pairs = [] if first is None else first.pairs()
+    for gain, a, b in pairs:
+        found.screened.setdefault(tuple(sorted((a.site.label, b.site.label))), gain)
+    near, afresh = _beside(found, single, second), []
+    for gain, a, b in pairs[: 0 if found.explains(single) else TOP_PAIRS]:
+        both = tuple(sorted((a.site.label, b.site.label)))
+        nested = contains([a.site.label], [b.site.label]) or contains([b.site.label], [a.site.label])
+        if nested or gain < WORTH_A_FIT or any(t.label == both for t in near):
+            continue
+        afresh.append(Task(both, {**a.start, **b.start}, max_iterations=30))
+    run_tasks(pool, found, near, report, "pairs of effects")  # all of them: two may explain the data
+    if first is not None and not found.explained:
+        run_tasks(pool, found, _of_singles(found), report, "pairs of the best single effects", stop=True)
+        for other in [f for f in found.singles_by_cost()[:TOP_BESIDE] if f is not single]:
+            if found.explained:
+                break
+            others = [s for s in found.singles if s.label not in other.hypothesis.label]
+            run_tasks(pool, found, _beside(found, other, screened(pool, other, others)), report, "pairs of effects")
+    if not found.explained:
+        full = at_full_size(pool, found, single, rest, report)
+        run_tasks(pool, found, full, report, "pairs of effects, full size", stop=True)
+    if not found.explained:
+        run_tasks(pool, found, afresh, report, "pairs of effects, afresh", stop=True)
+    best, best_of = found.best, found.best.hypothesis.label
+    if len(best_of) > 1:
+        # a single that misses much has bent the trials' starts
+        again = [] if found.explains(best) else [Task(best_of, effect_values(best))]
+        again += [] if best.converged else [Task(best_of, {}, near=best, max_iterations=30)]
+        run_tasks(pool, found, again, report, "the best pair to its end")
+
+
+def _beside(found: Found, single: Fit, second: Screen) -> list[Task]:
+    """A single effect with those that promise most beside it."""
+    gained = found.baseline.cost - single.cost
+    tasks = []
+    for label, item in list(second.best().items())[:TOP_PAIRS]:
+        both = tuple(sorted((*single.hypothesis.label, label)))
+        found.screened[both] = max(found.screened.get(both, 0.0), gained + item.gain)
+        if item.gain > WORTH_A_FIT:
+            start = faint(item.site, item.start, share_of(item))
+            bar = single.cost - MARGIN
+            tasks.append(Task(both, start, near=single, max_iterations=20, hopeless=bar, eager=True))
+    return tasks
+
+
+def at_full_size(pool: Pool, found: Found, near: Fit, sites: Sequence[Site], report: Report) -> list[Task]:
+    """Further effects beside a fit that promise more at full size than any fit has found, those that promise most."""
+    report("screening at full size", 0, len(sites))
+    tasks = []
+    for item in screened(pool, near, sites, full=True).scored:
+        label = tuple(sorted((*near.hypothesis.label, item.site.label)))
+        known = found.fits.get(label)
+        least = near.cost if known is None else min(near.cost, known.cost)
+        if near.cost - item.gain < least - WORTH_A_FIT:
+            tasks.append(Task(label, item.start, near=near, max_iterations=20))
+    return tasks[:TOP_FULL]
+
+
+def _of_singles(found: Found) -> list[Task]:
+    """Pairs of the best single effects, from the values that each was fitted to alone.
+
+    Friction that brings a body to rest hardly moves the recordings where it is faint, so no screening promises it.
+    """
+    top = [f for f in found.singles_by_cost() if found.baseline.cost - f.cost > WORTH_A_FIT][:TOP_SINGLES]
+    tasks = []
+    for one, other in itertools.combinations(top, 2):  # the better one first: the fit begins at it
+        a, b = one.hypothesis.label, other.hypothesis.label
+        both = tuple(sorted((*a, *b)))
+        alone = any(s.trials for f in (one, other) for s in f.hypothesis.sites)
+        if not (alone or contains(a, b) or contains(b, a)):
+            tasks.append(Task(both, effect_values(other), near=one, max_iterations=20))
+    return tasks
+
+
+def _mirrored(found: Found) -> list[Task]:
+    """Where the best fit has a stream that is early, the other stream late, from where it ended."""
+    other = mirrored(found.best.hypothesis.label, effect_values(found.best), [s.label for s in found.singles])
+    return [] if other is None else [Task(other[0], {**found.best.values(), **other[1]})]
+
+
+def _twins(found: Found, first: Screen) -> list[Task]:
+    """The best set with an effect exchanged for one that moved the baseline alike.
+
+    Which of the two has led the pairs may be a matter of the last digits: a late stream and a smoothed one.
+    """
+    best, known = found.best, first.best()
+    bound = held_labels(best)
+    here = [s.label for s in best.hypothesis.sites]
+    tasks = []
+    for own in here if len(here) > 1 else ():
+        for other, item in known.items():
+            if other in here or own not in known or not _alike(known[own].column, item.column):
+                continue
+            label = tuple(sorted([*(one for one in here if one != own), other]))
+            alone = found.fits.get((other,))
+            start = item.start if alone is None else effect_values(alone)
+            if label not in found.fits and not bound.intersection(label):
+                tasks.append(Task(label, {**start, **effect_values(best)}, near=best, max_iterations=20))
+    return tasks
+
+
+def _alike(a: np.ndarray, b: np.ndarray) -> bool:
+    size = float(np.linalg.norm(a) * np.linalg.norm(b))
+    return size > 0.0 and abs(float(a @ b)) > ALIKE * size
+
+
+def simplify(pool: Pool, found: Found, report: Report) -> None:
+    """What the best sets could do without: their special cases and subsets, from where they ended.
+
+    Both the one that a verdict would prefer and the one of least cost, whose further effect may have taken the place
+    of the first; what a bound holds is left out of what is tried. Those that were fitted already too: contact makes
+    many minima, and what is left out may have led to a better one.
+    """
+    tasks, known = [], {s.label for s in found.singles}
+    for best in {id(f): f for f in (found.preferred([*found.fits.values()]), found.best)}.values():
+        bound = held_labels(best)
+        for label in simpler(best.hypothesis.label):
+            if not known.issuperset(label):  # a special case that the catalogue was to do without
+                continue
+            if bound.intersection(label):  # it would be held there too
+                continue
+            sites = [Site(effect(name), where) for name, where in label]
+            starts = effect_starts(sites, effect_values(best))[: 1 if label in found.fits else 2]
+            starts += [{**starts[0], **own} for own in _inherited(sites, best)]
+            tasks += [Task(label, start, near=best, max_iterations=20) for start in starts]
+    run_tasks(pool, found, tasks, report, "simpler sets of effects")
+
+
+def _inherited(sites: Sequence[Site], general: Fit) -> list[dict[str, float]]:
+    """Starts of a special case: each value of the same unit that the general effect at its place came to."""
+    values, known = general.values(), general.hypothesis.label
+    out = []
+    for site in sites:
+        if site.label in known:
+            continue
+        for other in general.hypothesis.sites:
+            if other.where != site.where or other.label in [s.label for s in sites]:
+                continue
+            for p in other.effect.parameters:
+                same = [q for q in site.effect.parameters if q.unit == p.unit]
+                out.append({site.key(q.name): values[other.key(p.name)] for q in same})
+    return [start for start in out if start]

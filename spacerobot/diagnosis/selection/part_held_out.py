@@ -1,0 +1,170 @@
+"""Prediction of what a fit has not seen: folds by condition, and a held-out trial's own start."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from spacerobot.diagnosis.fitting.gauss_newton import Fitter
+from spacerobot.diagnosis.fitting.noise import squares_of
+from spacerobot.diagnosis.machines.machine import Model
+from spacerobot.diagnosis.machines.windows import FOLDS
+from spacerobot.diagnosis.terms.data import TrialData, recorded_id
+from spacerobot.diagnosis.terms.hypothesis import Hypothesis
+from spacerobot.support.errors import SimulationError
+
+MOST = 12
+"""Conditions, or trials, that are left out one by one; of more, so many groups are left out in turn."""
+
+HEAD = 1.0
+"""Share of a held-out trial that tells how it starts; how it starts is not what is tested."""
+
+STEPS = 2
+"""Gauss-Newton steps to a held-out trial's start; a start moves the track nearly in proportion."""
+
+
+def folds(trials: Sequence[TrialData], most: int = MOST) -> list[tuple[str, tuple[str, ...]]]:
+    """What is left out in turn: conditions; where there is but one, its trials; where there is but one, parts of it.
+
+    Of more than `most` of them, so many groups.
+
+    Returns:
+        (label, trial ids) each; at least two, unless there is but one trial in one piece.
+    """
+    for label in (lambda t: t.condition, lambda t: t.recorded):
+        names = list(dict.fromkeys(label(t) for t in trials))
+        if len(names) > most:
+            groups = [set(names[k::most]) for k in range(most)]
+            return [(f"every {most}th", tuple(t.id for t in trials if label(t) in g)) for g in groups]
+        if len(names) > 1:
+            return [(n, tuple(t.id for t in trials if label(t) == n)) for n in names]
+    parts = np.array_split(np.array([t.id for t in trials]), min(FOLDS, len(trials)))
+    return [(f"part {i + 1}", tuple(str(x) for x in p)) for i, p in enumerate(parts)]
+
+
+def scheme_of(trials: Sequence[TrialData], most: int = MOST) -> str:
+    """What `folds` leaves out in turn, in words."""
+    for what, of in (("condition", lambda t: t.condition), ("trial", lambda t: t.recorded)):
+        count = len({of(t) for t in trials})
+        if count > most:
+            return f"leave every {most}th {what} out"
+        if count > 1:
+            return f"leave one {what} out"
+    return f"leave one part of {FOLDS} out"
+
+
+@dataclass(frozen=True, eq=False)
+class HeldOut:
+    """Prediction errors of trials that the fit had not seen.
+
+    Attributes:
+        residual: trial -> weighted residual, shape (S,), predicted minus measured, zero where not counted.
+        counted: trial -> which samples count, shape (S,).
+    """
+
+    residual: Mapping[str, np.ndarray]
+    counted: Mapping[str, np.ndarray]
+
+    def squares(self) -> dict[str, float]:
+        """Mean square of the weighted residual, by trial."""
+        return {k: float(r @ r) / max(int(self.counted[k].sum()), 1) for k, r in self.residual.items()}
+
+    @property
+    def mean_square(self) -> float:
+        """Over all samples."""
+        total = sum(float(r @ r) for r in self.residual.values())
+        return total / max(sum(int(c.sum()) for c in self.counted.values()), 1)
+
+    def rms(self, trials: Sequence[TrialData]) -> dict[str, float]:
+        """By channel, in the channel's unit."""
+        sums = squares_of(self.residual, trials, self.counted)
+        return {c: float(np.sqrt(s / max(n, 1))) for c, (s, n) in sums.items()}
+
+
+def start_of(
+    fitter: Fitter,
+    model: Model,
+    hypothesis: Hypothesis,
+    z: np.ndarray,
+    trial: TrialData,
+    head: float = HEAD,
+    trust: float = 1.0,
+) -> np.ndarray:
+    """How an unseen trial starts, shape (N,), given everything else: found from the trial itself.
+
+    Gauss-Newton steps of the head's residual, with the reading at its start as a prior of its own standard deviation,
+    which counts `trust` times.
+    """
+    nuisances = model.nuisances(trial)
+    guess = np.array([n.guess for n in nuisances])
+    if not nuisances or head <= 0.0:
+        return guess
+    early = np.concatenate(
+        [np.tile(b.time <= trial.start + head * (trial.end - trial.start), len(b.channels)) for b in trial.blocks]
+    )
+    scales = np.array([n.scale for n in nuisances])
+    start = guess
+    for _ in range(STEPS):
+        base, keep = fitter.residual(hypothesis, z, trial, start)
+        columns = np.empty((base.size, scales.size))
+        for n, scale in enumerate(scales):
+            moved = start.copy()
+            moved[n] += scale
+            columns[:, n] = fitter.residual(hypothesis, z, trial, moved)[0] - base
+        j, r = columns[early & keep], base[early & keep]
+        prior = (start - guess) / scales
+        start = start - scales * np.linalg.solve(j.T @ j + trust * np.eye(scales.size), j.T @ r + trust * prior)
+    return start
+
+
+def predict_held_out(
+    model: Model,
+    trials: Sequence[TrialData],
+    made: Hypothesis,
+    warm: Mapping[str, float],
+    left_out: Sequence[tuple[str, tuple[str, ...]]],
+    initials: Mapping[str, np.ndarray] | None = None,
+    max_iterations: int = 12,
+    *,
+    shown: Model | None = None,
+    head: float = HEAD,
+    trust: float = 1.0,
+) -> HeldOut:
+    """Every trial predicted by a fit that has not seen its fold.
+
+    Args:
+        model: that is fitted.
+        trials: its trials.
+        made: which effects.
+        warm, initials: where each fit begins.
+        left_out: folds, each a name and ids of trials.
+        max_iterations: of each fit.
+        shown: the same model cut into other pieces, which are predicted instead of the fold's own trials.
+        head, trust: how an unseen trial's start is found, see `start_of`.
+
+    Raises:
+        SimulationError: a fold cannot be fitted, or a trial not be predicted.
+    """
+    residual: dict[str, np.ndarray] = {}
+    counted: dict[str, np.ndarray] = {}
+    for _, ids in left_out:
+        seen = [t for t in trials if t.id not in ids]
+        if not seen:
+            raise SimulationError("nothing is left to fit when a fold is left out")
+        own = None if initials is None else {t.id: initials[t.id] for t in seen}
+        fit = Fitter(model, seen).fit(  # type: ignore[arg-type]
+            made, warm=warm, initials=own, max_iterations=max_iterations, robust=False
+        )
+        if shown is None or shown is model:  # the pieces as they will be compared, with their own weights
+            teller, unseen = model, [t for t in (trials if shown is None else shown.trials) if t.id in ids]
+        else:
+            whole = {recorded_id(i) for i in ids}
+            teller, unseen = shown, [t for t in shown.trials if t.recorded in whole]
+        fitter = Fitter(teller, unseen)  # type: ignore[arg-type]
+        for trial in unseen:
+            start = start_of(fitter, teller, made, fit.z, trial, head, trust)
+            r, keep = fitter.residual(made, fit.z, trial, start)
+            residual[trial.id], counted[trial.id] = np.where(keep, r, 0.0), keep
+    return HeldOut(residual, counted)

@@ -1,0 +1,161 @@
+"""One part of a study after its search: a joint, a body, a sensor, with what it lacks and how sure that is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from spacerobot.diagnosis.fitting.fitted import Fit
+from spacerobot.diagnosis.fitting.noise import squares_of
+from spacerobot.diagnosis.locate.located import LEVEL, Located, Row
+from spacerobot.diagnosis.machines.machine import Model
+from spacerobot.diagnosis.selection.candidate import Candidate, tried
+from spacerobot.diagnosis.selection.growth import Growth
+from spacerobot.diagnosis.selection.judge import (
+    AMBIGUOUS,
+    NAMED,
+    NOT_TRUSTED,
+    NOTHING_MISSING,
+    UNKNOWN,
+    WRONG_PARAMETER,
+    moved,
+)
+from spacerobot.diagnosis.selection.model_choice import TIE, agreeing, ratio
+from spacerobot.diagnosis.selection.part_fold import Unseen
+from spacerobot.diagnosis.selection.part_held_out import HeldOut
+from spacerobot.diagnosis.terms.data import TrialData
+
+STRIKING = 0.2
+"""Share of what a balance leaves over that one pattern must explain to be called a mismatch: an effect size, for in
+long recordings any harmless defect is significant."""
+
+LOUD = 1.3
+"""What is left of a balance is more than noise from so many times on what the stated noise of its sensors makes of it;
+less may be rounding, and filters of the loggers."""
+
+DOUBT = 0.5
+"""Confidence in a choice whose best rival predicts as well as it does."""
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """One model of a study and the search it took part in.
+
+    Attributes:
+        growth: the search.
+        located: its balances; None where it has none of its own.
+        checks: of the fit itself, with "name", "passed" and "detail".
+        unseen: what was decided and predicted without each trial; None before that was asked.
+    """
+
+    growth: Growth
+    located: Located | None = None
+    checks: tuple[dict[str, Any], ...] = field(default=())
+    unseen: Unseen | None = None
+
+    @property
+    def model(self) -> Model:
+        """What was fitted."""
+        return self.growth.bench.model
+
+    @property
+    def name(self) -> str:
+        """Of the model."""
+        return self.model.name
+
+    @property
+    def trials(self) -> tuple[TrialData, ...]:
+        """Under the weights that the chosen model asks for."""
+        return self.growth.bench.trials
+
+    @property
+    def chosen(self) -> Candidate:
+        """The growth's choice; the baseline where nothing pays."""
+        return self.growth.after
+
+    @property
+    def fit(self) -> Fit:
+        """Of the chosen candidate."""
+        return self.chosen.fit
+
+    @property
+    def before(self) -> HeldOut:
+        """The baseline on unseen trials."""
+        return tried(self.growth.before) if self.unseen is None else self.unseen.before
+
+    @property
+    def after(self) -> HeldOut:
+        """The chosen candidate on unseen trials."""
+        return tried(self.chosen) if self.unseen is None else self.unseen.after
+
+    @property
+    def turning(self) -> frozenset[str]:
+        """Places whose displacement is an angle."""
+        trial = self.trials[0]
+        mechanism = self.model.trial_mechanism(self.fit.hypothesis, self.fit.z, trial)
+        return frozenset(p for p in mechanism.ports if mechanism.angular(p))
+
+    @property
+    def rivals(self) -> tuple[Candidate, ...]:
+        """Candidates that predict as well as the chosen one."""
+        return self.growth.rivals if self.chosen is not self.growth.before else ()
+
+    @property
+    def moved(self) -> tuple[str, ...]:
+        """Believed values beyond three of their sigmas."""
+        return moved(self.fit)
+
+    @property
+    def striking(self) -> tuple[Row, ...]:
+        """Patterns in its balances that are significant and large."""
+        rows = self.located.rows if self.located is not None else ()
+        return tuple(r for r in rows if r.p < LEVEL and r.share > STRIKING)
+
+    @property
+    def loudness(self) -> dict[str, float]:
+        """By channel, rms of what the chosen model leaves over the noise that is stated; empty where none is."""
+        expected = self.model.expected(self.fit.values())
+        sums = squares_of({k: f.residual for k, f in self.fit.trials.items()}, self.trials)
+        return {c: float(np.sqrt(sums[c][0] / max(sums[c][1], 1))) / noise for c, noise in expected.items()}
+
+    @property
+    def verdict(self) -> str:
+        """As in verdict.json, of this part alone."""
+        if not all(c["passed"] for c in self.checks):
+            return NOT_TRUSTED
+        if any(x > LOUD for x in self.loudness.values()):
+            return UNKNOWN
+        if self.fit.hypothesis.sites:
+            return AMBIGUOUS if self.rivals else NAMED
+        if self.striking:
+            return UNKNOWN
+        return WRONG_PARAMETER if self.moved else NOTHING_MISSING
+
+    @property
+    def confidence(self) -> float:
+        """Between 0 and 1: how clear the lead over rivals is, and in how many of the unseen pieces it holds."""
+        sites = self.fit.hypothesis.sites
+        if not sites:
+            base = self.growth.considered_baseline
+            lead = min((ratio(c, base) for c in self.growth.considered if c.sites), default=np.inf) - 1.0 + TIE
+            return float(np.clip(1.0 - DOUBT * np.exp(-max(lead, 0.0) / TIE), DOUBT, 0.99))
+        chosen = set(self.growth.after.label)
+        own = next(c for c in self.growth.considered if c.label == self.growth.after.label)
+        others = [(c, ratio(c, own)) for c in self.growth.considered if not chosen <= set(c.label)]
+        leads = [x - 1.0 for c, x in others if not (c.simplicity > own.simplicity and abs(x - 1.0) < TIE)]
+        clear = 1.0 - DOUBT * np.exp(-max(min(leads, default=np.inf), 0.0) / TIE)
+        share = agreeing(self.chosen, self.growth.before)
+        return float(np.clip(clear * share, 0.05, 0.99))
+
+    @property
+    def selected(self) -> HeldOut:
+        """What each fold has itself chosen, on unseen trials."""
+        return self.after if self.unseen is None else self.unseen.selected
+
+    def errors(self) -> dict[str, tuple[float, float, float, int]]:
+        """By channel: sums of squares of what is held out before, after and as selected [SI squared], and readings."""
+        both = [t for t in self.trials if t.id in self.before.residual and t.id in self.after.residual]
+        told = [squares_of(h.residual, both, self.after.counted) for h in (self.before, self.after, self.selected)]
+        return {c: (told[0][c][0], told[1][c][0], *told[2][c]) for c in told[0]}

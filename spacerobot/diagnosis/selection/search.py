@@ -1,0 +1,155 @@
+"""The search: baseline, all singles, all pairs scored and the best fitted. It finds fits; it judges nothing."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import replace
+
+from spacerobot.diagnosis.fitting.fitted import Fit
+from spacerobot.diagnosis.fitting.gauss_newton import HOPE
+from spacerobot.diagnosis.fitting.pool import Pool
+from spacerobot.diagnosis.fitting.screen import faint
+from spacerobot.diagnosis.fitting.starts import effect_starts, informed_starts, sized
+from spacerobot.diagnosis.fitting.workshop import Task
+from spacerobot.diagnosis.selection.one_trial import knocks
+from spacerobot.diagnosis.selection.pairs import at_full_size, pairs, simplify
+from spacerobot.diagnosis.selection.restarts import other_minima
+from spacerobot.diagnosis.selection.search_state import (
+    WORTH_A_FIT,
+    Found,
+    Report,
+    effect_values,
+    noise_of,
+    run_tasks,
+    screened,
+    share_of,
+)
+from spacerobot.diagnosis.terms.data import TrialData
+from spacerobot.diagnosis.terms.hypothesis import Label, Site
+from spacerobot.support.errors import InputError
+
+TOP_SCREENED = 4
+TOP_FITTED = 4
+TOP_RESIZED = 5
+STARTS = 4
+"""Starts of one effect that are fitted, of all that are screened."""
+
+NEAR_ITERATIONS, OTHER_ITERATIONS = 8, 3
+"""Steps of a fit from the best-scored start of an effect, and from its others; the best of all go on from there."""
+
+
+def search(pool: Pool, sites: Sequence[Site], report: Report, *, baseline: Fit | None = None) -> Found:
+    """Fit the baseline, every single effect, and the most promising pairs.
+
+    Args:
+        pool: runs the fits.
+        sites: effects and places to try.
+        report: told of progress.
+        baseline: the refitted baseline, where it is known already.
+    """
+    workshop = pool.workshop
+    report("baseline", 0, 1)
+    if baseline is None:
+        baseline = pool.here(Task((), {}))
+        if baseline is None:  # each trial can be simulated as believed, or the door had refused it; a fit moved on
+            raise InputError("the rig as believed cannot be fitted to these trials", where=str(workshop.study.path))
+    found = Found(baseline, singles=tuple(sites), noise=noise_of(workshop))
+    report("screening", 0, len(sites))
+    first = screened(pool, baseline, sites)
+    found.screens.append(first)
+    found.screened.update({(k,): v.gain for k, v in first.best().items()})
+
+    best = first.best()
+    tasks: list[Task] = []
+    hopeless: list[Task] = []
+    begun = Counter[tuple[str, str]]()
+    for s in first.scored:
+        begun[s.site.label] += 1
+        if begun[s.site.label] > STARTS:
+            continue
+        most = NEAR_ITERATIONS if s is best[s.site.label] else OTHER_ITERATIONS
+        start = faint(s.site, s.start, share_of(s))
+        task = Task((s.site.label,), start, near=baseline, max_iterations=most, loose=True, eager=True)
+        # a further start of which so little is promised would be given up at its first step
+        (tasks if s is best[s.site.label] or HOPE * s.gain > WORTH_A_FIT else hopeless).append(task)
+    given_up = run_tasks(pool, found, tasks, report, "single effects") + hopeless
+    if not found.explained:
+        run_tasks(pool, found, _unfinished(found), report, "single effects, the best to their end")
+    if not found.explained:  # then what its first step promised may have been too little to go by
+        run_tasks(pool, found, [replace(t, eager=False) for t in given_up], report, "single effects, at leisure")
+    if not found.explained:
+        alone = knocks(workshop.fitter(), workshop.model.believed, found.baseline, found.singles)
+        run_tasks(pool, found, alone, report, "knocks in one trial alone")
+        run_tasks(pool, found, at_full_size(pool, found, baseline, sites, report), report, "single effects, full size")
+        run_tasks(pool, found, _resized(found), report, "single effects, from other sizes")
+    promising = [f.hypothesis.label for f in found.singles_by_cost()[:TOP_FITTED]]
+    # what adds little near the baseline may still fit from a start of its own
+    promising += [(k,) for k in list(first.best())[:TOP_SCREENED] if (k,) not in promising]
+    # so may what hardly shows before it is met, where the recordings say how far things went
+    promising += [
+        (s.label,)
+        for s in (() if found.explained else found.singles)
+        if (s.label,) not in promising and informed_starts(s, workshop.trials)
+    ]
+    # and one that takes a law's place: near the baseline, which has that law, it was no fit at all
+    promising += [
+        f.hypothesis.label
+        for f in found.singles_by_cost()
+        if f.cost > found.baseline.cost and f.hypothesis.removed and f.hypothesis.label not in promising
+    ]
+    run_tasks(
+        pool,
+        found,
+        _starts(found, promising, workshop.trials),
+        report,
+        "single effects, from several starts",
+        stop=True,
+    )
+    pairs(pool, found, first, report)
+    chosen = found.preferred([*found.fits.values()])
+    other_minima(pool, found, report)
+    if found.preferred([*found.fits.values()]) is not chosen:
+        simplify(pool, found, report)
+    return found
+
+
+def _starts(found: Found, labels: Sequence[Label], trials: Sequence[TrialData]) -> list[Task]:
+    """From where the near fits stopped, then each from its own first start, then from its second.
+
+    What explains the data already needs no other start.
+    """
+    by_label = {s.label: s for s in found.singles}
+    near = [t for t in _unfinished(found) if t.label in labels]
+    some = {f.hypothesis.label for f in found.fits.values() if any(s.trials for s in f.hypothesis.sites)}
+    good = {label for label, f in found.fits.items() if found.explains(f)}
+    labels = [label for label in labels if label not in some | good]  # the first have begun everywhere already
+    cold: list[list[Task]] = [[], []]
+    for label in labels:
+        sites = [by_label[one] for one in label]
+        starts = [s for site in sites for s in informed_starts(site, trials)] if len(sites) == 1 else []
+        for k, start in enumerate([*starts, *effect_starts(sites)][: 1 if good else 2]):
+            # from the free approaches: a baseline that misses much has bent the trials' starts as well; where a law is
+            # replaced, far from where it will fit, so that it falls by fits and starts
+            cold[k].append(Task(label, start, patient=any(site.effect.removes for site in sites)))
+    return [*near, *cold[0], *cold[1]]
+
+
+def _resized(found: Found) -> list[Task]:
+    """The best single effects from half and from twice the strength that they came to.
+
+    Friction that stops a body in one more trial, or in one less, is a minimum of its own.
+    """
+    tasks = []
+    for fit in found.singles_by_cost()[:TOP_RESIZED]:
+        site, values = fit.hypothesis.sites[0], effect_values(fit)
+        if fit.cost < found.baseline.cost - WORTH_A_FIT and not (site.trials or site.effect.removes):
+            starts = [sized(site, values, by) for by in (0.5, 2.0)]
+            tasks += [Task((site.label,), start, near=found.baseline, max_iterations=20) for start in starts]
+    return tasks
+
+
+def _unfinished(found: Found) -> list[Task]:
+    """The best near fits, from where they stopped."""
+    best = found.singles_by_cost()[:TOP_FITTED]
+    return [Task(f.hypothesis.label, {}, near=f, max_iterations=30) for f in best if not f.converged]

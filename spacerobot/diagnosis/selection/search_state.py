@@ -1,0 +1,142 @@
+"""What a search has fitted so far, and the running of its fits and screenings."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from spacerobot.diagnosis.fitting.fitted import Fit
+from spacerobot.diagnosis.fitting.pool import Pool
+from spacerobot.diagnosis.fitting.screen import Screen, Screened, Screener, together
+from spacerobot.diagnosis.fitting.workshop import Task, Workshop
+from spacerobot.diagnosis.selection.nameable import nameable
+from spacerobot.diagnosis.selection.penalty import score, simplest
+from spacerobot.diagnosis.terms.hypothesis import Label, Site
+
+EXPLAINED = 1.02
+"""chi-squared per sample below which a set may explain the data well enough not to start others afresh."""
+
+WORTH_A_FIT = 15.0
+"""Fall of the cost below which an effect is screened only: far from what it would have to earn."""
+
+PARTS = 4
+"""Parts of a screening, each done by one process; however many there are, the scores are the same."""
+
+CLEAR = 300.0
+"""A fit whose cost is this much above the best may be given up."""
+
+Report = Callable[[str, int, int], None]
+"""(what, done, of how many): told of progress."""
+
+
+@dataclass
+class Found:
+    """All that a search fitted and screened.
+
+    Attributes:
+        baseline: the refitted baseline.
+        fits: the best fit of each set of effects.
+        screens: what was screened, at the baseline and at the best single.
+        screened: predicted fall of the cost by set of effects, fitted or not.
+        singles: every site that was tried.
+        noise: whether a fit leaves nothing but noise.
+    """
+
+    baseline: Fit
+    fits: dict[Label, Fit] = field(default_factory=dict)
+    screens: list[Screen] = field(default_factory=list)
+    screened: dict[Label, float] = field(default_factory=dict)
+    singles: tuple[Site, ...] = ()
+    noise: Callable[[Fit], bool] = lambda fit: True
+
+    def keep(self, fit: Fit | None) -> None:
+        """Remember a fit if it is the best of its kind."""
+        if fit is None:
+            return
+        old = self.fits.get(fit.hypothesis.label)
+        if old is None or fit.cost < old.cost:
+            self.fits[fit.hypothesis.label] = fit
+
+    @property
+    def best(self) -> Fit:
+        """The fit of least cost, the baseline included."""
+        return min([self.baseline, *self.fits.values()], key=lambda f: f.cost)
+
+    def explains(self, fit: Fit) -> bool:
+        """Whether a fit leaves so little over that others need not begin afresh."""
+        return fit.chi2 < EXPLAINED * fit.samples and self.noise(fit)
+
+    @property
+    def explained(self) -> bool:
+        """Whether the best fit does."""
+        return self.explains(self.best)
+
+    def preferred(self, fits: Sequence[Fit]) -> Fit:
+        """The one of these that a verdict would prefer; of those that it could not name, where there is no other."""
+        fits = [f for f in fits if nameable(f)] or fits
+        scores = {id(f): score(f) for f in fits}
+        return simplest(sorted(fits, key=lambda f: scores[id(f)]), scores)
+
+    def singles_by_cost(self) -> list[Fit]:
+        """Fits of one effect, best first."""
+        return sorted((f for f in self.fits.values() if len(f.hypothesis.sites) == 1), key=lambda f: f.cost)
+
+
+def run_tasks(
+    pool: Pool, found: Found, tasks: Sequence[Task], report: Report, what: str, *, stop: bool = False
+) -> list[Task]:
+    """Run tasks, each with a bar of the best cost so far; with `stop`, until one explains what none explained yet.
+
+    Returns:
+        those that were given up on what their first step promised.
+    """
+
+    def prepared(task: Task) -> Task:
+        if task.patient:
+            return task
+        bar = found.best.cost + CLEAR if found.fits else np.inf
+        if task.eager:
+            bar = min(bar, found.baseline.cost - WORTH_A_FIT)
+        return replace(task, hopeless=min(bar, task.hopeless))
+
+    given_up, already = [], found.explained
+    for done, (task, fit) in enumerate(pool.run(tasks, prepared), 1):
+        found.keep(fit)
+        if fit is not None and fit.given_up:
+            given_up.append(task)
+        report(what, done, len(tasks))
+        if stop and not already and found.explained:
+            break
+    return given_up
+
+
+def screened(pool: Pool, fit: Fit, sites: Sequence[Site], *, full: bool = False) -> Screen:
+    """Scores of adding each site to a fit, a part of the sites in each process; `full`: at full sizes."""
+    parts = [pool.aside(_screened_here, fit, sites[k::PARTS], full) for k in range(min(PARTS, max(len(sites), 1)))]
+    return together([part() for part in parts], sites)
+
+
+def _screened_here(workshop: Workshop, fit: Fit, sites: Sequence[Site], full: bool) -> Screen:
+    screener = Screener(workshop.fitter(), workshop.model.believed)
+    return screener.screen_full(fit, sites) if full else screener.screen(fit, sites)
+
+
+def share_of(item: Screened) -> float:
+    """Start of a near fit, as a share of the effect's own start."""
+    share = 0.1 * item.amplitude
+    if item.gain <= 0.0:
+        return 0.05
+    return float(np.copysign(np.clip(abs(share), 0.02, 1.0), share))
+
+
+def effect_values(fit: Fit) -> Mapping[str, float]:
+    """Values of a fit's effect parameters, by key."""
+    return {k: v for k, v in fit.values().items() if "@" in k}
+
+
+def noise_of(workshop: Workshop) -> Callable[[Fit], bool]:
+    """Whether a fit leaves nothing but noise, each asked once."""
+    return functools.cache(lambda fit: workshop.left_by(fit).adequate)

@@ -1,0 +1,1 @@
+"""What all rooms speak in: the data, a hypothesis, its free parameters."""

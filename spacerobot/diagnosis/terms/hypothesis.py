@@ -1,0 +1,194 @@
+"""A hypothesis: the baseline with some effects in it, and which numbers are free."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from spacerobot.diagnosis.terms import parameters
+from spacerobot.diagnosis.terms.parameters import Free
+from spacerobot.effects.effect import Effect
+from spacerobot.effects.mechanism import Mechanism
+from spacerobot.support.errors import InputError, SimulationError
+
+Label = tuple[tuple[str, str], ...]
+"""((effect, where), ...), sorted: what a hypothesis is called."""
+
+
+LOOSE = 30.0
+"""Factor on a believed value's sigma that sets it free."""
+
+
+@dataclass(frozen=True)
+class Site:
+    """An effect at a place, its numbers free.
+
+    Attributes:
+        effect, where: what and where.
+        trials: the only trials in which it acts; all if empty.
+    """
+
+    effect: Effect
+    where: str
+    trials: tuple[str, ...] = ()
+
+    @property
+    def label(self) -> tuple[str, str]:
+        """(effect, where)."""
+        return self.effect.name, self.where
+
+    def key(self, parameter: str) -> str:
+        """Key of one of its parameters among the free ones."""
+        return f"{self.effect.name}@{self.where}.{parameter}"
+
+
+@dataclass(frozen=True)
+class Believed:
+    """What a study says of its values, as fits need it.
+
+    Attributes:
+        values: baseline values by dotted name, without the trials' overrides.
+        sigma: relative deviations by dotted name.
+        scatter: relative deviations between conditions.
+        conditions: names of the conditions.
+        unknown: values that are not stated, with a plausible centre each.
+        absorbing: constants whose job is to absorb left-out physics.
+        freed: values of which what is stated counts for next to nothing.
+    """
+
+    values: Mapping[str, float]
+    sigma: Mapping[str, float]
+    scatter: Mapping[str, float]
+    conditions: tuple[str, ...]
+    unknown: Mapping[str, float] = field(default_factory=dict)
+    absorbing: tuple[str, ...] = ()
+    freed: tuple[str, ...] = ()
+
+    def free_of(self, names: Sequence[str]) -> Believed:
+        """The same with these values set free of what is stated of them."""
+        sigma = {k: v * (LOOSE if k in names else 1.0) for k, v in self.sigma.items()}
+        return replace(self, sigma=sigma, freed=tuple(names)) if names else self
+
+
+@dataclass(frozen=True, eq=False)
+class Hypothesis:
+    """Baseline plus sites, with its free parameters in order."""
+
+    sites: tuple[Site, ...]
+    free: tuple[Free, ...]
+    removed: tuple[str, ...] = ()
+    freed: tuple[str, ...] = ()
+
+    @property
+    def label(self) -> Label:
+        """Which effects where, sorted."""
+        return tuple(sorted(s.label for s in self.sites))
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """Keys of the free parameters."""
+        return tuple(f.key for f in self.free)
+
+    @property
+    def only(self) -> tuple[tuple[tuple[str, str], tuple[str, ...]], ...]:
+        """Effects and places that act in some trials alone, and which."""
+        return tuple((s.label, s.trials) for s in self.sites if s.trials)
+
+    def acting(self, trial: str) -> tuple[Site, ...]:
+        """The sites whose effects act in a trial."""
+        return tuple(s for s in self.sites if not s.trials or trial in s.trials)
+
+    def idle(self, trial: str) -> frozenset[str]:
+        """Keys of effects' parameters that mean nothing in a trial."""
+        return frozenset(
+            s.key(p.name) for s in self.sites if s.trials and trial not in s.trials for p in s.effect.parameters
+        )
+
+    def sigmas(self, z: np.ndarray) -> dict[str, float]:
+        """How far the believed values are from what is stated of them, in stated sigmas."""
+        pairs = zip(self.free, z, strict=True)
+        return {f.key: float(x) * (LOOSE if f.key in self.freed else 1.0) for f, x in pairs if f.kind == "believed"}
+
+    def values(self, z: np.ndarray) -> dict[str, float]:
+        """Physical values of the free parameters."""
+        return {f.key: f.value(float(x)) for f, x in zip(self.free, z, strict=True)}
+
+    def trial_values(
+        self, z: np.ndarray, base: Mapping[str, float], condition: str, overrides: Mapping[str, float]
+    ) -> dict[str, float]:
+        """All rig values of one trial: believed, overridden, moved by the free parameters.
+
+        A believed value that a trial overrides (a target mass) is moved by the same relative amount in every trial:
+        its deviation is one for the whole study.
+        """
+        values = {**base, **overrides}
+        for f, x in zip(self.free, z, strict=True):
+            if f.kind == "believed":
+                ratio = f.value(float(x)) / f.centre if f.centre else 1.0
+                values[f.key] = values.get(f.key, f.centre) * ratio
+            elif f.kind in ("unknown", "absorbing"):
+                values[f.key] = f.value(float(x))
+        for f, x in zip(self.free, z, strict=True):
+            if f.kind == "scatter":
+                where, name = f.key.split("|", 1)
+                if where == condition:
+                    values[name] *= f.value(float(x))
+        for name in self.removed:
+            values[name] = 0.0
+        return values
+
+    def edit(self, mechanism: Mechanism, free: Mapping[str, float], trial: str) -> Mechanism:
+        """The mechanism with every site's effect in it that acts in a trial.
+
+        Raises:
+            SimulationError: no body could be like that (more mass taken away than there is); a fit steps back from it.
+        """
+        try:
+            for site in self.acting(trial):
+                inside = {p.name: free[site.key(p.name)] for p in site.effect.parameters}
+                mechanism = site.effect.edit(mechanism, site.where, inside)
+        except InputError as error:
+            raise SimulationError(str(error)) from None
+        return mechanism
+
+    def start(self, warm: Mapping[str, float] | None = None) -> np.ndarray:
+        """First z: the centre of each, or the value of the same key in `warm`."""
+        warm = warm or {}
+        z = np.array([f.z(warm[f.key]) if f.key in warm else 0.0 for f in self.free])
+        low, high = self.bounds()
+        return np.clip(z, low, high)
+
+    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        """Bounds in z, shape (len(free),) each."""
+        pairs = [f.bounds for f in self.free]
+        return np.array([p[0] for p in pairs]), np.array([p[1] for p in pairs])
+
+
+def hypothesis(believed: Believed, sites: Sequence[Site], starts: Mapping[str, float] | None = None) -> Hypothesis:
+    """The hypothesis that these effects are there.
+
+    Args:
+        believed: what the study says.
+        sites: the effects; none for the baseline.
+        starts: start values of effect parameters by key; the first of each parameter's own where absent.
+    """
+    starts = starts or {}
+    replaced = {name for s in sites for name in s.effect.replaced(s.where)}
+    removed = tuple(n for s in sites for n in s.effect.removes if n in believed.values or n in believed.unknown)
+    free: list[Free] = []
+    for name, sigma in believed.sigma.items():
+        value = believed.values.get(name)
+        if name in believed.absorbing and name in replaced and value is not None:
+            free.append(parameters.absorbing(name, value, sigma))
+        else:
+            free.append(parameters.believed(name, value, sigma))
+    free += [parameters.unknown(n, c) for n, c in believed.unknown.items() if n not in removed]
+    for condition in believed.conditions if len(believed.conditions) > 1 else ():
+        free += [parameters.scatter(condition, n, s) for n, s in believed.scatter.items()]
+    for site in sites:
+        for parameter in site.effect.parameters:
+            start = starts.get(site.key(parameter.name), parameter.starts[0])
+            free.append(parameters.of_effect(site.effect.name, site.where, parameter, start))
+    return Hypothesis(tuple(sites), tuple(free), removed, believed.freed)
