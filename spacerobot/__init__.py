@@ -121,7 +121,7 @@ _LAZY: dict[str, str] = {
     "Overlay": "diagnosis.overlay",
     "overlay": "diagnosis.overlay",
     "write_overlay": "view.overlay.write",
-    "Diagnosis": "diagnosis.result",
+    "Diagnosis": "diagnosis.answer.result",
     "diagnose": "diagnosis.diagnose",
     "save_diagnosis": "view.report.save",
     "all_effects": "effects.registry",

@@ -55,7 +55,7 @@ def tried(residual: dict[str, np.ndarray]) -> Candidate:
 
 
 def named(count: int) -> list[Any]:
-    return [SimpleNamespace(id=f"{k:02d}") for k in range(count)]
+    return [SimpleNamespace(id=f"{k:02d}", recorded=f"{k:02d}") for k in range(count)]
 
 
 def against(factors: list[float], size: float = 30.0) -> tuple[Candidate, Candidate]:

@@ -2,8 +2,9 @@
 
 In each fold the part's model has the other trials alone. From these come starts, weights and the choice among the sets
 in play: the chosen one, its parts and its nearest rivals, each grown from the fold's own baseline and tried by the same
-rules (`forward_selection.py`), on parts of these trials that are left out in turn. Of an unseen trial only its own start
-is taken from its readings. The part's typical sizes, by which steps of a fit are scaled, are those of all recordings.
+rules (`forward_selection.py`), on parts of these trials that are left out in turn. Of an unseen trial only its own
+start is taken from its readings. The part's typical sizes, by which steps of a fit are scaled, are those of all
+recordings.
 """
 
 from __future__ import annotations

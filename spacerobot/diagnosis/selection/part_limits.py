@@ -1,11 +1,11 @@
 """Detection limits of a part: the size from which its own decision names an effect in 95 of 100 campaigns like this.
 
-What the decision asks for (`model_choice.py`, `forward_selection.py`) is no single threshold: readings of unseen trials
-must be predicted better by an effect size and throughout, rivals worse by one, and the interval must show it. So it is asked itself, of
-DRAWN campaigns with the effect in them, to first order: an effect moves the residuals by a column freed of what the
-free parameters imitate, at full size in the end; each fold finds the size from the other trials, as every rival does;
-noise takes part by its inner products with these columns. Where no noise is stated the weights are those of what the
-part leaves over, by which a draw counts independent samples.
+What the decision asks for (`model_choice.py`, `forward_selection.py`) is no single threshold: readings of unseen
+trials must be predicted better by an effect size and throughout, rivals worse by one, and the interval must show it.
+So it is asked itself, of DRAWN campaigns with the effect in them, to first order: an effect moves the residuals by a
+column freed of what the free parameters imitate, at full size in the end; each fold finds the size from the other
+trials, as every rival does; noise takes part by its inner products with these columns. Where no noise is stated the
+weights are those of what the part leaves over, by which a draw counts independent samples.
 """
 
 from __future__ import annotations
