@@ -30,6 +30,7 @@ from spacerobot.support.scratch import scratch
 
 RECORDS = Path("docs/proof_records.jsonl")
 MAY_DIFFER = ("seconds", "spacerobot")
+ABSENT = "(absent)"
 
 
 def studies(sealed: int) -> Iterator[tuple[str, Path | Any]]:
@@ -60,7 +61,7 @@ def differences(before: Any, after: Any, where: str = "") -> list[str]:
     """What differs between two verdicts, field by field; nothing where only MAY_DIFFER does."""
     if isinstance(before, dict) and isinstance(after, dict):
         keys = [k for k in dict.fromkeys([*before, *after]) if where or k not in MAY_DIFFER]
-        return [d for k in keys for d in differences(before.get(k), after.get(k), f"{where}.{k}")]
+        return [d for k in keys for d in differences(before.get(k, ABSENT), after.get(k, ABSENT), f"{where}.{k}")]
     if isinstance(before, list) and isinstance(after, list) and len(before) == len(after):
         pairs = enumerate(zip(before, after, strict=True))
         return [d for i, (a, b) in pairs for d in differences(a, b, f"{where}[{i}]")]
