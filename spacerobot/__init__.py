@@ -57,6 +57,8 @@ if TYPE_CHECKING:
     from spacerobot.view.capture.tumble_figure import compare_tumbles as compare_tumbles
     from spacerobot.view.capture.tumble_figure import tumble_figure as tumble_figure
     from spacerobot.view.compare.page import compare_page as compare_page
+    from spacerobot.view.live.live_view import LiveView as LiveView
+    from spacerobot.view.live.live_view import live_view as live_view
     from spacerobot.view.mass.choose import mass_film as mass_film
     from spacerobot.view.mass.frequency_figure import frequency_figure as frequency_figure
     from spacerobot.view.mass.frequency_figure import responses as responses
@@ -129,6 +131,8 @@ _LAZY: dict[str, str] = {
     # pictures
     "show": "view.notebook.show",
     "film": "view.scene3d.choose",
+    "live_view": "view.live.live_view",
+    "LiveView": "view.live.live_view",
     "mass_film": "view.mass.choose",
     "write_page": "view.scene3d.page",
     "mass_pictures": "view.mass.page",

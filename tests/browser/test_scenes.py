@@ -15,6 +15,7 @@ from helpers_scene import free, held
 
 from spacerobot.model.library import load
 from spacerobot.recordings.study import load_study
+from spacerobot.view.live.live_view import live_view
 from spacerobot.view.scene3d.page import page as page_of
 from spacerobot.view.scene3d.robot_film import robot_film
 from spacerobot.view.scene3d.serve import PageServer
@@ -175,3 +176,24 @@ def test_live_page_works_over_loopback(visit: Any) -> None:
         seen.calm(server.url)
     finally:
         server.close()
+
+
+def test_sliders_move_the_arm_and_follow_python(visit: Any) -> None:
+    with live_view("pa10_wrist") as view:
+        seen = visit(view.url)
+        assert seen.page.locator("#joints input[type=range]").count() == len(view.sliders)
+        assert not seen.page.locator("#bar").is_visible(), "a still has no time line"
+        mass = seen.page.locator("#readouts dd").first
+        before, told = picture(seen.page, CANVAS), mass.inner_text()
+        elbow = "#joints input[type=range][aria-label=E1]"
+        seen.page.locator(elbow).evaluate("e => { e.value = 0.5; e.dispatchEvent(new Event('input')); }")
+        seen.page.wait_for_function("told => document.querySelector('#readouts dd').textContent !== told", arg=told)
+        assert view.positions["E1"] == pytest.approx(0.5)
+        assert mass.inner_text() == f"{view.still()['readouts'][0]:.2f} kg"
+        drawn(seen.page)
+        assert difference(before, picture(seen.page, CANVAS)) > 0.002
+        view.pose = {"E1": 1.5}
+        seen.page.wait_for_function("where => Math.abs(document.querySelector(where).value - 1.5) < 1e-6", arg=elbow)
+        assert not seen.errors
+        assert not seen.console
+        assert {r.partition("?")[0] for r in seen.requests} == {view.url, f"{view.url}/pose"}

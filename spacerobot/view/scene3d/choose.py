@@ -77,10 +77,7 @@ def film_of(what: str, *, trial: str | None = None, data: str | None = None, pos
     Raises:
         InputError: it is none of these, or an option does not go with it.
     """
-    kind, path = _kind(what)
-    for option, value, wanted in (("--trial", trial, "study"), ("--data", data, "study"), ("--q", pose, "robot")):
-        if value is not None and kind != wanted:
-            raise InputError(f"goes with a {wanted}", given=f"{what} is a {kind}", where=option)
+    kind, path = kind_of(what, trial=trial, data=data, q=pose)
     if kind == "trajectory":
         return trajectory_film(Trajectory.load(path))
     if kind == "verdict":
@@ -95,6 +92,27 @@ def film_of(what: str, *, trial: str | None = None, data: str | None = None, pos
         valid = f"{len(robot.chain)} numbers, one each for {', '.join(robot.chain)}"
         raise InputError("wrong length", given=f"{len(pose)} numbers", valid=valid, where="--q")
     return robot_film(robot, None if pose is None else np.array(pose))
+
+
+_WANTED = {"trial": "study", "data": "study", "q": "robot", "joints": "robot"}
+"""Option -> the only kind that it goes with."""
+
+
+def kind_of(what: str, **options: object) -> tuple[str, Path]:
+    """What a person names, "robot", "scene", "trajectory", "study" or "verdict", and the path that it would be.
+
+    Args:
+        what: name or path.
+        options: of the command line, None where not given: `trial`, `data`, `q`, `joints`.
+
+    Raises:
+        InputError: an option does not go with it.
+    """
+    kind, path = _kind(what)
+    for option, value in options.items():
+        if value is not None and kind != _WANTED[option]:
+            raise InputError(f"goes with a {_WANTED[option]}", given=f"{what} is a {kind}", where=f"--{option}")
+    return kind, path
 
 
 def _kind(what: str) -> tuple[str, Path]:

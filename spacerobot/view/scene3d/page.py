@@ -31,18 +31,26 @@ def write_page(film: Film, path: str | Path) -> Path:
     return Path(path)
 
 
-def page(film: Film) -> str:
-    """The film as HTML text that opens offline and asks nothing of any network."""
-    scripts = (_viewer(), *(_asset(name) for name in _SCRIPTS))
+def page(film: Film, *, live: dict[str, Any] | None = None) -> str:
+    """The film as HTML text that opens offline and asks nothing of any network.
+
+    Args:
+        film: what is shown.
+        live: what the sliders of a live page are told; such a page asks the server that it came from for poses, and
+            nobody else.
+    """
+    names = (*_SCRIPTS, "live.js") if live is not None else _SCRIPTS
+    scripts = (_viewer(), *(_asset(name) for name in names))
     template = _environment().get_template("scene.html")
     return template.render(
         film=film,
         version=__version__,
         style=_asset("scene.css"),
         scripts=scripts,
-        policy=_policy(scripts),
+        live=live is not None,
+        policy=_policy(scripts) + ("; connect-src 'self'" if live is not None else ""),
         messages=Markup(_script_safe([base64.b64encode(m).decode() for m in messages(film)])),  # noqa: S704
-        data=Markup(_script_safe(_data(film))),  # noqa: S704 - JSON with every bracket escaped
+        data=Markup(_script_safe(_data(film) | ({} if live is None else {"live": live}))),  # noqa: S704 - JSON with every bracket escaped
     )
 
 

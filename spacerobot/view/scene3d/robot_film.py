@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 
+from spacerobot.dynamics.hand_pose import chain_limits
 from spacerobot.model.robot import Robot
 from spacerobot.view.scene3d.extent import view_of, views_of
 from spacerobot.view.scene3d.film import Array, Film, Mark, Readout, Trail
@@ -98,24 +99,10 @@ def resting_pose(robot: Robot) -> Array:
     if robot.chain == PA10_JOINTS:
         return np.array(PA10_POSE)
     pose = np.zeros(len(robot.chain))
-    for i, (low, high) in enumerate(_limits(robot)):
+    for i, (low, high) in enumerate(zip(*chain_limits(robot), strict=True)):
         room = 0.15 * (high - low) if np.isfinite(high - low) else 0.0
         pose[i] = min(max(0.0, low + room), high - room)
     return pose
-
-
-def _limits(robot: Robot) -> list[tuple[float, float]]:
-    """Bounds of each joint of the chain; infinite for continuous ones."""
-    found = []
-    for name in robot.chain:
-        joint = robot.model.joints[robot.joint_id(name)]
-        if joint.nq != 1:
-            found.append((-np.inf, np.inf))
-            continue
-        low = float(robot.model.lowerPositionLimit[joint.idx_q])
-        high = float(robot.model.upperPositionLimit[joint.idx_q])
-        found.append((low, high) if low < high else (-np.inf, np.inf))
-    return found
 
 
 def _tour(robot: Robot, centre: Array) -> tuple[Array, Array, tuple[Mark, ...]]:
@@ -128,7 +115,7 @@ def _tour(robot: Robot, centre: Array) -> tuple[Array, Array, tuple[Mark, ...]]:
     poses = np.tile(centre, (len(time), 1))
     slider = np.zeros(len(time))
     swing = np.sin(2.0 * np.pi * np.arange(per) / per) * np.sin(np.pi * np.arange(per) / per) ** 2 * 1.54
-    for i, (low, high) in enumerate(_limits(robot)):
+    for i, (low, high) in enumerate(zip(*chain_limits(robot), strict=True)):
         joint = robot.model.joints[robot.joint_id(robot.chain[i])]
         size = SWING if "R" in joint.shortname() else 0.1 * SWING
         up, down = min(size, 0.9 * (high - centre[i])), min(size, 0.9 * (centre[i] - low))

@@ -188,7 +188,7 @@
     if (ellipsoid) ellipsoid.set(mix(ellipsoid.centre, 3, v3), mix(ellipsoid.mobility, 9, v9));
     film.readouts.forEach(function (r) {
       const unit = r.unit ? " " + r.unit : "";
-      r.cell.textContent = text(mix(take(r.values), 1, v1)[0], r.digits) + (r.recorded ? "" : unit);
+      r.cell.textContent = text(r.now === undefined ? mix(take(r.values), 1, v1)[0] : r.now, r.digits) + (r.recorded ? "" : unit);
       if (r.recorded) r.second.textContent = text(mix(take(r.recorded), 1, v1)[0], r.digits) + unit;
     });
     $("clock").textContent = (film.start + t).toFixed(film.length < 5 ? 3 : 2) + " s";
@@ -345,11 +345,11 @@
   $("play").addEventListener("click", function () { play(!playing); });
   $("time").addEventListener("input", function () { play(false); seek(Number(this.value)); });
   document.addEventListener("keydown", function (event) {
-    if (event.ctrlKey || event.metaKey || event.altKey || /^(SELECT|TEXTAREA)$/.test(event.target.tagName)) return;
+    if (event.ctrlKey || event.metaKey || event.altKey || /^(SELECT|TEXTAREA)$/.test(event.target.tagName) || event.target.type === "number") return;
     const step = film.length / (event.shiftKey ? 20 : 200);
     if (event.key === " " && !/^(BUTTON|INPUT)$/.test(event.target.tagName)) play(!playing);
-    else if (event.key === "ArrowRight" && event.target.id !== "time") { play(false); seek(now + step); }
-    else if (event.key === "ArrowLeft" && event.target.id !== "time") { play(false); seek(now - step); }
+    else if (event.key === "ArrowRight" && event.target.type !== "range") { play(false); seek(now + step); }
+    else if (event.key === "ArrowLeft" && event.target.type !== "range") { play(false); seek(now - step); }
     else if (/^[1-9]$/.test(event.key) && film.views[event.key - 1]) see(film.views[event.key - 1].name);
     else return;
     event.preventDefault();
@@ -362,4 +362,22 @@
   if (!asked.has("t") && !window.matchMedia("(prefers-reduced-motion: reduce)").matches) play(true);
   window.addEventListener("load", function () { see(asked.get("view") || ""); });
   requestAnimationFrame(tick);
+
+  // A film of one moment may be put into another pose.
+  window.SpacerobotPlayer = {
+    film: film,
+    put: function (still) {
+      bodies.forEach(function (body, i) {
+        body.poses = still.poses[i];
+        if (body.stretch) body.stretch = [still.stretch[i]];
+      });
+      if (centre) centre.track = still.centreOfMass;
+      if (ellipsoid) {
+        ellipsoid.centre = still.centre;
+        ellipsoid.mobility = still.mobility.flat();
+      }
+      film.readouts.forEach(function (r, i) { r.now = still.readouts[i]; });
+      show(now);
+    },
+  };
 })();

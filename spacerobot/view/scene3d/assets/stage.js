@@ -86,7 +86,7 @@ window.SpacerobotStage = (function () {
     // What the card on the left and the bar below leave of the window: the camera's middle is moved into the middle of that.
     const w = window.innerWidth, h = window.innerHeight, card = document.querySelector("header.card"), bar = document.getElementById("bar");
     const wide = card && card.offsetWidth < 0.5 * w, left = wide ? card.offsetLeft + card.offsetWidth : 0;
-    const low = bar ? h - bar.offsetTop : 0, top = card && !wide ? card.offsetTop + card.offsetHeight : 0;
+    const low = bar && !bar.hidden ? h - bar.offsetTop : 0, top = card && !wide ? card.offsetTop + card.offsetHeight : 0;
     viewer.camera.setViewOffset(w, h, -left / 2, (low - top) / 2, w, h);
     return Math.max(0.2, Math.min((w - left) / h, (h - low - top) / h));
   }

@@ -1,0 +1,1 @@
+"""A robot whose joints a person drags: sliders beside the scene, answered by Pinocchio."""
