@@ -119,10 +119,11 @@ def test_joints_stay_within_their_limits_on_tour() -> None:
     film = robot_film(robot)
     assert film.marks[0].label == robot.chain[0]
     assert len(film.marks) == len(robot.chain)
-    from spacerobot.view.scene3d.robot_film import _limits, _tour
+    from spacerobot.dynamics.hand_pose import chain_limits
+    from spacerobot.view.scene3d.robot_film import _tour
 
     _, configurations, _ = _tour(robot, resting_pose(robot))
-    for i, (low, high) in enumerate(_limits(robot)):
+    for i, (low, high) in enumerate(zip(*chain_limits(robot), strict=True)):
         assert low <= configurations[:, i].min() <= configurations[:, i].max() <= high
         assert np.ptp(configurations[:, i]) > 0.1
 
