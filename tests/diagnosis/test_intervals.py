@@ -19,8 +19,7 @@ from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.profile import LEVEL_95, _Profiler
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
-from spacerobot.diagnosis.machines.machine import Predicted
-from spacerobot.diagnosis.machines.wrist_rig import Nuisance
+from spacerobot.diagnosis.machines.contract import Nuisance, Predicted
 from spacerobot.diagnosis.selection import intervals
 from spacerobot.diagnosis.selection.penalty import STAND_IN
 from spacerobot.diagnosis.selection.search_state import Found

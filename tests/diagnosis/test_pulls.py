@@ -13,9 +13,9 @@ import pytest
 
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.fitting.normal_equations import Normal
-from spacerobot.diagnosis.machines.machine import Model, Predicted, conditions_of
+from spacerobot.diagnosis.machines.contract import Nuisance, Predicted
+from spacerobot.diagnosis.machines.machine import Model, conditions_of
 from spacerobot.diagnosis.machines.sizes import Sizes
-from spacerobot.diagnosis.machines.wrist_rig import Nuisance
 from spacerobot.diagnosis.terms.data import Block, TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed, hypothesis
 from spacerobot.effects.mechanism import Mechanism

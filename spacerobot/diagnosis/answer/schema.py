@@ -45,7 +45,8 @@ def _validator() -> Any:
     # Where Jupyter is installed, jsonschema comes with a checker of IRIs that takes longer than a second to import.
     # There are none in our schema, and jsonschema takes its absence well.
     held = None if _SLOW in sys.modules else {_SLOW: None}
-    sys.modules.update(held or {})  # type: ignore[arg-type]
+    modules: dict[str, Any] = sys.modules
+    modules.update(held or {})
     try:
         from jsonschema import Draft202012Validator
     finally:

@@ -10,7 +10,8 @@ import numpy as np
 
 from spacerobot.diagnosis.fitting.fitted import Fit, State, TrialFit
 from spacerobot.diagnosis.fitting.normal_equations import Normal
-from spacerobot.diagnosis.machines.wrist_rig import RigModel, counted
+from spacerobot.diagnosis.machines.contract import Machine
+from spacerobot.diagnosis.machines.wrist_rig import counted
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Hypothesis
 from spacerobot.support.errors import SimulationError
@@ -55,7 +56,7 @@ class Fitter:
 
     def __init__(
         self,
-        model: RigModel,
+        model: Machine,
         trials: Sequence[TrialData],
         *,
         threads: int = 1,

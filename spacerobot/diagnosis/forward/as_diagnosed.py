@@ -84,7 +84,7 @@ class AsDiagnosed(ForwardModel):
         channels: list[ChannelOverlay] = []
         for model, made, z in self.parts:
             pieces = [t for t in model.trials if t.recorded == trial.id]
-            fitter = Fitter(model, pieces)  # type: ignore[arg-type]
+            fitter = Fitter(model, pieces)
             joined: dict[str, list[tuple[np.ndarray, np.ndarray, np.ndarray]]] = {}
             for piece in pieces:
                 start = start_of(fitter, model, made, z, piece)

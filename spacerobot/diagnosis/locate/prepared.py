@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
 
 import numpy as np
 
@@ -14,16 +13,8 @@ from spacerobot.diagnosis.locate.beliefs import deviations, directions
 from spacerobot.diagnosis.locate.integral import Integral
 from spacerobot.diagnosis.locate.weak_trial import WeakTrial
 from spacerobot.diagnosis.locate.whitening import Whitener, noise, with_directions
+from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.terms.data import TrialData
-from spacerobot.diagnosis.terms.hypothesis import Believed
-from spacerobot.effects.mechanism import Mechanism
-
-
-class BalanceModel(Protocol):
-    """What locating needs of a model, beside `mechanism(values)` or `mechanism(values, trial)`."""
-
-    believed: Believed
-    base: dict[str, float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,9 +52,9 @@ class Prepared:
     """
 
     def __init__(
-        self, model: BalanceModel, trial: TrialData, values: Mapping[str, float], trials: Sequence[TrialData]
+        self, model: Machine, trial: TrialData, values: Mapping[str, float], trials: Sequence[TrialData]
     ) -> None:
-        self.mechanism = mechanism_of(model, values, trial)
+        self.mechanism = model.mechanism(values, trial)
         self.weak = WeakTrial(trial, self.mechanism)
         self.found: dict[str, Balance] = balances(self.weak, self.mechanism)
         clean = self.weak.without_noise()
@@ -71,7 +62,7 @@ class Prepared:
             values,
             deviations(model.believed, values, trials),
             balances(clean, self.mechanism),
-            lambda v: balances(clean, mechanism_of(model, v, trial)),
+            lambda v: balances(clean, model.mechanism(v, trial)),
         )
         self._tested: dict[str, Tested] = {}
 
@@ -96,10 +87,3 @@ class Prepared:
             return {}
         reference = max(listed, key=lambda n: sum(c in self.weak.observers.rows for c in listed[n]))
         return {n: c for n, c in listed.items() if n != reference}
-
-
-def mechanism_of(model: BalanceModel, values: Mapping[str, float], trial: TrialData) -> Mechanism:
-    """The baseline of one trial, from a rig (one mechanism for all) or a model whose mechanism asks for the trial."""
-    make = model.mechanism  # type: ignore[attr-defined]
-    alone = make.__code__.co_argcount == 2
-    return make(values) if alone else make(values, trial)  # type: ignore[no-any-return]

@@ -13,9 +13,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pinocchio as pin
 
+from spacerobot.diagnosis.machines.contract import Predicted
 from spacerobot.diagnosis.machines.grid import Grid
 from spacerobot.diagnosis.machines.links import carried_links, mass_of, with_masses
-from spacerobot.diagnosis.machines.machine import FIRST_NOISE, Model, Predicted, conditions_of
+from spacerobot.diagnosis.machines.machine import FIRST_NOISE, Model, conditions_of
 from spacerobot.diagnosis.machines.measured import port_forces, through_sensor
 from spacerobot.diagnosis.machines.sizes import Sizes, sizes_of
 from spacerobot.diagnosis.machines.stated_noise import Lens, stated_noise, still_below

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
+from spacerobot.diagnosis.machines.contract import Nuisance, Predicted
 from spacerobot.diagnosis.machines.sizes import Sizes, scaled
-from spacerobot.diagnosis.machines.wrist_rig import Nuisance
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed, Hypothesis, Site
 from spacerobot.effects.effect import Effect
@@ -21,14 +20,6 @@ ONE_TRIAL_ONLY = ("external_impulse",)
 
 FIRST_NOISE = 0.02
 """Noise of a channel as a share of its own size, before the best model's residual tells it."""
-
-
-@dataclass(frozen=True)
-class Predicted:
-    """Predicted channels of a trial, block by block, and when something touched (never, here)."""
-
-    blocks: tuple[np.ndarray, ...]  # (C, T) each, as the trial's blocks
-    touches: tuple[float, ...] = ()
 
 
 class Model(ABC):

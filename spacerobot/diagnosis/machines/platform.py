@@ -17,12 +17,12 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
+from spacerobot.diagnosis.machines.contract import Nuisance, Predicted
 from spacerobot.diagnosis.machines.links import robot_of
-from spacerobot.diagnosis.machines.machine import FIRST_NOISE, Model, Predicted, conditions_of
+from spacerobot.diagnosis.machines.machine import FIRST_NOISE, Model, conditions_of
 from spacerobot.diagnosis.machines.measured import port_forces, through_sensor
 from spacerobot.diagnosis.machines.sizes import Sizes, sizes_of
 from spacerobot.diagnosis.machines.windows import local
-from spacerobot.diagnosis.machines.wrist_rig import Nuisance
 from spacerobot.diagnosis.terms.data import Block, TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed, Site
 from spacerobot.effects.effect import Effect

@@ -8,10 +8,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from spacerobot.diagnosis.machines.machine import Model, Predicted
+from spacerobot.diagnosis.machines.contract import Nuisance, Predicted
+from spacerobot.diagnosis.machines.machine import Model
 from spacerobot.diagnosis.machines.sizes import Sizes
 from spacerobot.diagnosis.machines.windows import Drive, cut, local, spread_over
-from spacerobot.diagnosis.machines.wrist_rig import Nuisance
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed, Site
 from spacerobot.effects.effect import Effect

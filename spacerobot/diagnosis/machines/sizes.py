@@ -80,8 +80,10 @@ def sizes_of(force: np.ndarray, position: np.ndarray, velocity: np.ndarray, read
 def scaled(effect: Effect, sizes: Sizes) -> Effect:
     """The same effect, with its parameters' scales and starts of these sizes; null values and bounds are kept."""
     parameters = tuple(_scaled(p, sizes) for p in effect.parameters)
-    made = type(type(effect).__name__, (type(effect),), {"parameters": parameters, "__doc__": type(effect).__doc__})()
-    return made  # type: ignore[no-any-return]
+    made: Effect = type(
+        type(effect).__name__, (type(effect),), {"parameters": parameters, "__doc__": type(effect).__doc__}
+    )()
+    return made
 
 
 def _scaled(parameter: Parameter, sizes: Sizes) -> Parameter:

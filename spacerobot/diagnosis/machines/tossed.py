@@ -8,7 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from spacerobot.diagnosis.machines.machine import FIRST_NOISE, Model, Predicted, conditions_of
+from spacerobot.diagnosis.machines.contract import Predicted
+from spacerobot.diagnosis.machines.machine import FIRST_NOISE, Model, conditions_of
 from spacerobot.diagnosis.machines.measured import through_sensor
 from spacerobot.diagnosis.machines.sizes import Sizes, sizes_of
 from spacerobot.diagnosis.terms.data import Block, TrialData, piece_id

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from spacerobot.diagnosis.machines.contract import Nuisance, Predicted
 from spacerobot.diagnosis.machines.mechanism_cache import Lately
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed, Hypothesis
@@ -37,29 +38,10 @@ ONSET_MASK = 0.7e-3
 """Force samples this close [s] to a predicted touch are left out: the force jumps there."""
 
 
-@dataclass(frozen=True)
-class Nuisance:
-    """One initial value of a trial.
+@dataclass(frozen=True, kw_only=True)
+class RigPredicted(Predicted):
+    """With the run that it was read from."""
 
-    Attributes:
-        coordinate: whose.
-        rate: whether it is the velocity.
-        guess: first value.
-        scale: step of one unit in a fit.
-    """
-
-    coordinate: str
-    rate: bool
-    guess: float
-    scale: float
-
-
-@dataclass(frozen=True)
-class Prediction:
-    """Predicted channels of a trial, block by block, and when the tip touched."""
-
-    blocks: tuple[np.ndarray, ...]  # (C, T) each, as the trial's blocks
-    touches: tuple[float, ...]
     run: ReducedRun
 
 
@@ -107,8 +89,8 @@ class RigModel:
         other._know((trial,))
         return other
 
-    def mechanism(self, values: Mapping[str, float]) -> Mechanism:
-        """The baseline mechanism of these rig values."""
+    def mechanism(self, values: Mapping[str, float], trial: TrialData | None = None) -> Mechanism:
+        """The baseline mechanism of these rig values, alike in every trial."""
         inside = {n: v for n, v in values.items() if n in DEFAULTS}
         return replace(rig(inside, lateral=self.sideways), sensors=self.sensors)
 
@@ -158,7 +140,7 @@ class RigModel:
 
         return self._lately.mechanism(hypothesis, z, trial, make)
 
-    def predict(self, mechanism: Mechanism, trial: TrialData, initial: np.ndarray) -> Prediction:
+    def predict(self, mechanism: Mechanism, trial: TrialData, initial: np.ndarray) -> RigPredicted:
         """Simulate a trial from its initial values, shape (len(nuisances),), and read its channels."""
         position: dict[str, float] = {}
         velocity: dict[str, float] = {}
@@ -176,7 +158,7 @@ class RigModel:
         )
         blocks = tuple(np.array(list(read_channels(run, mechanism, b.channels, b.time).values())) for b in trial.blocks)
         touches = tuple(run.touches().tolist())
-        return Prediction(blocks, touches, run)
+        return RigPredicted(blocks=blocks, touches=touches, run=run)
 
 
 def counted(mechanism: Mechanism, trial: TrialData, touches: tuple[float, ...]) -> np.ndarray:

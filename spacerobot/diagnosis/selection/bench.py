@@ -50,7 +50,7 @@ class Bench:
 
     def fitter(self) -> Fitter:
         """Under the present weights."""
-        return Fitter(self.model, self.trials, threads=self.threads)  # type: ignore[arg-type]
+        return Fitter(self.model, self.trials, threads=self.threads)
 
     def baseline(self) -> Fit:
         """The model without any effect."""

@@ -42,7 +42,7 @@ def synthetic(part: Part, fit: Fit, copy: int) -> tuple[dict[str, Any], ...]:
     """
     name = f"cost at truth, {part.name}"
     trials = copied(part.model, part.trials, fit, copy)
-    fitter = Fitter(part.model, trials)  # type: ignore[arg-type]
+    fitter = Fitter(part.model, trials)
     state = fitter.state(fit.hypothesis, fit.z, fit.initials())
     try:
         again = fitter.fit(
@@ -75,7 +75,7 @@ def synthetic(part: Part, fit: Fit, copy: int) -> tuple[dict[str, Any], ...]:
 
 def _careful(part: Part, trials: Sequence[TrialData], ended: Fit) -> Fit:
     """A fit taken to its last digit: differences to one side lead to a place beside the best one."""
-    fitter = Fitter(part.model, trials, careful=True)  # type: ignore[arg-type]
+    fitter = Fitter(part.model, trials, careful=True)
     with contextlib.suppress(SimulationError):
         return fitter.fit(
             ended.hypothesis, warm=ended.values(), initials=ended.initials(), max_iterations=STEPS, robust=False

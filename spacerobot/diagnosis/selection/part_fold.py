@@ -154,7 +154,7 @@ def decided(growth: Growth, out: Sequence[str]) -> Decided:
     own, again = among(bench, [sites[one] for one in growth.after.label], _in_play(growth, sites))
     fits = {"before": own.before.fit, "after": again, "selected": own.after.fit}
     if bench.model is not rest:
-        fitter = Fitter(rest, reweighted(rest.trials, bench.weights))  # type: ignore[arg-type]
+        fitter = Fitter(rest, reweighted(rest.trials, bench.weights))
         fits = {name: None if fit is None else _undivided(fitter, fit) for name, fit in fits.items()}
     return Decided(own, bench.weights, fits)
 
@@ -238,7 +238,7 @@ def _rows(
         try:
             if fit is None:
                 raise SimulationError(why)
-            fitter = Fitter(model, [trial])  # type: ignore[arg-type]
+            fitter = Fitter(model, [trial])
             start = start_of(fitter, model, fit.hypothesis, fit.z, trial)
             raw, keep = fitter.residual(fit.hypothesis, fit.z, trial, start)
             by = {c: (weights.get(c) or 1.0) / (whole.weights.get(c) or 1.0) for c in trial.channels}

@@ -154,15 +154,13 @@ def predict_held_out(
         if not seen:
             raise SimulationError("nothing is left to fit when a fold is left out")
         own = None if initials is None else {t.id: initials[t.id] for t in seen}
-        fit = Fitter(model, seen).fit(  # type: ignore[arg-type]
-            made, warm=warm, initials=own, max_iterations=max_iterations, robust=False
-        )
+        fit = Fitter(model, seen).fit(made, warm=warm, initials=own, max_iterations=max_iterations, robust=False)
         if shown is None or shown is model:  # the pieces as they will be compared, with their own weights
             teller, unseen = model, [t for t in (trials if shown is None else shown.trials) if t.id in ids]
         else:
             whole = {recorded_id(i) for i in ids}
             teller, unseen = shown, [t for t in shown.trials if t.recorded in whole]
-        fitter = Fitter(teller, unseen)  # type: ignore[arg-type]
+        fitter = Fitter(teller, unseen)
         for trial in unseen:
             start = start_of(fitter, teller, made, fit.z, trial, head, trust)
             r, keep = fitter.residual(made, fit.z, trial, start)

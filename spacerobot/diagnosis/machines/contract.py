@@ -1,0 +1,70 @@
+"""What a fit asks of a machine: the wrist rig's answer and every other's are alike."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from spacerobot.diagnosis.terms.data import TrialData
+from spacerobot.diagnosis.terms.hypothesis import Believed, Hypothesis
+from spacerobot.effects.mechanism import Mechanism
+
+
+@dataclass(frozen=True)
+class Nuisance:
+    """One initial value of a trial.
+
+    Attributes:
+        coordinate: whose.
+        rate: whether it is the velocity.
+        guess: first value.
+        scale: step of one unit in a fit.
+    """
+
+    coordinate: str
+    rate: bool
+    guess: float
+    scale: float
+
+
+@dataclass(frozen=True)
+class Predicted:
+    """Predicted channels of a trial, block by block, and when something touched (never, where nothing can)."""
+
+    blocks: tuple[np.ndarray, ...]  # (C, T) each, as the trial's blocks
+    touches: tuple[float, ...] = ()
+
+
+class Machine(Protocol):
+    """Runs hypotheses: values to a mechanism, a trial's start, what its channels would show.
+
+    Attributes:
+        base: values by dotted name, the trials' overrides apart.
+        believed: values with their sigma, and what is unknown.
+    """
+
+    base: dict[str, float]
+    believed: Believed
+
+    def mechanism(self, values: Mapping[str, float], trial: TrialData, /) -> Mechanism:
+        """The baseline of one trial with these values."""
+        ...
+
+    def trial_mechanism(self, hypothesis: Hypothesis, z: np.ndarray, trial: TrialData, /) -> Mechanism:
+        """The mechanism of one trial with a hypothesis' effects in it."""
+        ...
+
+    def nuisances(self, trial: TrialData, /) -> tuple[Nuisance, ...]:
+        """What is free in this trial alone."""
+        ...
+
+    def approach_start(self, trial: TrialData, initial: np.ndarray, residual: np.ndarray, /) -> np.ndarray:
+        """Initial values to try again from, shape (N,), where a trial's cost has several minima."""
+        ...
+
+    def predict(self, mechanism: Mechanism, trial: TrialData, initial: np.ndarray, /) -> Predicted:
+        """What the trial's channels would show; `initial` has one value a nuisance, shape (N,)."""
+        ...
