@@ -10,17 +10,17 @@ from spacerobot.diagnosis.locate.located import Located
 from spacerobot.diagnosis.locate.prepared import Prepared
 from spacerobot.diagnosis.locate.search import Search
 from spacerobot.diagnosis.locate.surfaces import surfaces
-from spacerobot.diagnosis.machines.contract import Machine
+from spacerobot.diagnosis.machines.contract import Baseline
 from spacerobot.diagnosis.terms.data import TrialData
 
 
-def believed_values(model: Machine, trials: Sequence[TrialData]) -> dict[str, dict[str, float]]:
+def believed_values(model: Baseline, trials: Sequence[TrialData]) -> dict[str, dict[str, float]]:
     """Trial id -> the values as believed, the trial's overrides on top."""
     return {t.id: {**model.believed.unknown, **model.base, **t.overrides} for t in trials}
 
 
 def locate(
-    model: Machine,
+    model: Baseline,
     trials: Sequence[TrialData],
     values_by_trial: Mapping[str, Mapping[str, float]] | None = None,
     *,

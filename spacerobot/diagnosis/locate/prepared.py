@@ -13,7 +13,7 @@ from spacerobot.diagnosis.locate.beliefs import deviations, directions
 from spacerobot.diagnosis.locate.integral import Integral
 from spacerobot.diagnosis.locate.weak_trial import WeakTrial
 from spacerobot.diagnosis.locate.whitening import Whitener, noise, with_directions
-from spacerobot.diagnosis.machines.contract import Machine
+from spacerobot.diagnosis.machines.contract import Baseline
 from spacerobot.diagnosis.terms.data import TrialData
 
 
@@ -52,7 +52,7 @@ class Prepared:
     """
 
     def __init__(
-        self, model: Machine, trial: TrialData, values: Mapping[str, float], trials: Sequence[TrialData]
+        self, model: Baseline, trial: TrialData, values: Mapping[str, float], trials: Sequence[TrialData]
     ) -> None:
         self.mechanism = model.mechanism(values, trial)
         self.weak = WeakTrial(trial, self.mechanism)

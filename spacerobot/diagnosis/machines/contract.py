@@ -38,8 +38,8 @@ class Predicted:
     touches: tuple[float, ...] = ()
 
 
-class Machine(Protocol):
-    """Runs hypotheses: values to a mechanism, a trial's start, what its channels would show.
+class Baseline(Protocol):
+    """What is believed of a machine, and the mechanism that this makes; all that locating needs.
 
     Attributes:
         base: values by dotted name, the trials' overrides apart.
@@ -52,6 +52,10 @@ class Machine(Protocol):
     def mechanism(self, values: Mapping[str, float], trial: TrialData, /) -> Mechanism:
         """The baseline of one trial with these values."""
         ...
+
+
+class Machine(Baseline, Protocol):
+    """Runs hypotheses too: a trial's start, and what its channels would show."""
 
     def trial_mechanism(self, hypothesis: Hypothesis, z: np.ndarray, trial: TrialData, /) -> Mechanism:
         """The mechanism of one trial with a hypothesis' effects in it."""

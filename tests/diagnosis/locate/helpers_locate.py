@@ -34,7 +34,7 @@ class Rig:
     believed: Believed
     base: dict[str, float] = field(default_factory=lambda: dict(VALUES))
 
-    def mechanism(self, values: Mapping[str, float]) -> Mechanism:
+    def mechanism(self, values: Mapping[str, float], trial: TrialData) -> Mechanism:
         return rig(values)
 
 

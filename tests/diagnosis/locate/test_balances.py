@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -109,7 +110,7 @@ def test_nonlinear_laws_are_balanced_too() -> None:
     _, trials = record(stiff.apply, noise=0.0, speeds=(0.15,), masses=(23.2,))
 
     class Hardening(Rig):
-        def mechanism(self, values: dict[str, float]) -> Mechanism:  # type: ignore[override]
+        def mechanism(self, values: Mapping[str, float], trial: TrialData) -> Mechanism:
             return stiff.apply(rig(values))
 
     values = {**VALUES, **trials[0].overrides}
@@ -157,7 +158,7 @@ def test_force_read_backwards_is_understood() -> None:
     turned = replace(trials[0], blocks=(trials[0].blocks[0], replace(block, value=-block.value)))
 
     class Reversed(Rig):
-        def mechanism(self, values: dict[str, float]) -> Mechanism:  # type: ignore[override]
+        def mechanism(self, values: Mapping[str, float], trial: TrialData) -> Mechanism:
             plain = rig(values)
             flipped = replace(plain.readouts["contact.force"], sign=-1.0)
             return replace(plain, readouts={**plain.readouts, "contact.force": flipped})

@@ -28,7 +28,7 @@ class Axis:
         self.believed = Believed({}, {}, {}, ("all",), unknown)
         self.base: dict[str, float] = {}
 
-    def mechanism(self, values: Mapping[str, float]) -> Mechanism:
+    def mechanism(self, values: Mapping[str, float], trial: TrialData) -> Mechanism:
         return Mechanism(
             {AXIS: Coordinate(AXIS, values[f"{AXIS}.mass"])},
             {AXIS: {AXIS: 1.0}},
