@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.optimize import nnls
 from scipy.stats import ncx2, norm
 
 from spacerobot.diagnosis.fitting.fitted import Fit
@@ -98,7 +99,7 @@ def test_more_noise_and_a_rival_ask_for_more(shop: Workshop) -> None:
         assert loud[label] == pytest.approx(2.0 * np.float64(alone[label]), rel=0.25)
         assert np.float64(beside[label].smallest) > 0.93 * np.float64(alone[label])
     drag = beside["viscous_drag", "target"]
-    assert drag.instead == ("coulomb_friction", "target")
+    assert drag.instead[0] == ("coulomb_friction", "target")
     assert np.float64(drag.smallest) > 1.1 * np.float64(alone["viscous_drag", "target"])
 
 
@@ -159,6 +160,7 @@ class Straight(Limits):
 
 
 ONE, DRAG, BIAS = ("coulomb_friction", "wrist"), ("viscous_drag", "target"), ("bias", "mocap")
+ONE_TARGET = ("coulomb_friction", "target")
 
 
 @given(st.floats(0.2, 0.7))
@@ -173,6 +175,20 @@ def test_a_rival_imitates_with_the_signs_that_it_may_have(angle: float) -> None:
         toward, against = (Straight({ONE: own, rival: sign * beside}).smallest(ONE) for sign in (1.0, -1.0))
         assert toward > 1.05 * alone
         assert against == pytest.approx(toward if either else alone, rel=0.07)
+
+
+@given(st.floats(0.2, 1.2), st.floats(0.2, 1.2), st.floats(0.2, 1.2))
+def test_two_together_imitate_what_neither_does_alone(a: float, b: float, c: float) -> None:
+    """A limit asks for what the nearest point of the cone that two rivals span leaves over, their price counted."""
+    own = 30.0 * np.array([1.0, 0.0, math.tan(0.2 * c)])
+    first = 30.0 * np.array([math.cos(a), math.sin(a), 0.0])
+    second = 30.0 * np.array([math.cos(b), -math.sin(b), 0.0])
+    alone, beside = (Straight({ONE: own, **rivals}) for rivals in ({DRAG: first}, {DRAG: first, ONE_TARGET: second}))
+    cone = np.stack([first, second], axis=1)
+    _, left = nnls(cone, own)
+    pair = math.sqrt(must_lead(PENALTY - 2.0 * PENALTY)) / left
+    wanted = max(alone.smallest(ONE), Straight({ONE: own, ONE_TARGET: second}).smallest(ONE), pair)
+    assert beside.smallest(ONE) == pytest.approx(wanted, rel=0.07)
 
 
 def test_beside_wrong_values_an_effect_pays_less_by_what_these_cost() -> None:

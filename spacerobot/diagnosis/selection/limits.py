@@ -6,8 +6,8 @@ faint, and contacts add at full size what a refit would take away. Named it is w
 
 - chi-squared falls by EARN and the price of its parameters. The fall is (sqrt(lambda) + n)^2, n of unit variance.
 - so it does against a baseline whose believed values, where the effect moves them beyond belief, are set free.
-- every rival stays MARGIN behind, its price counted. Of what the effect does to the recordings a rival imitates the
-  part along its own columns; the rest is mu, and the lead mu + 2 sqrt(mu) n.
+- every rival, one effect or two together, stays MARGIN behind, its price counted. Of what the effect does to the
+  recordings a rival imitates the part along its own columns; the rest is mu, and the lead mu + 2 sqrt(mu) n.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -29,6 +30,11 @@ from spacerobot.diagnosis.selection.penalty import MARGIN, PENALTY
 from spacerobot.diagnosis.terms.candidates import contains, plausible
 from spacerobot.diagnosis.terms.hypothesis import Believed, Site
 from spacerobot.effects.effect import Parameter
+
+Label = tuple[str, str]
+
+ALONG = 0.999
+"""Cosine beyond which two effects do the same, so that the pair is no more than either."""
 
 QUANTILE = 1.959963984540054
 """Of the standard normal distribution, at 2.5 %: of the 5 % that may be missed, half for falling short of what is to be
@@ -103,20 +109,67 @@ class Limit:
         site: the effect at its place.
         parameter: its strength.
         smallest: from nothing; of a strength that is null at infinity, the value itself. None where no size would do.
-        instead: the rival that it would not be told from, where that is what the limit comes from.
+        instead: the effects, one or two together, that it would not be told from, where the limit comes from that.
     """
 
     site: Site
     parameter: Parameter
     smallest: float | None
-    instead: tuple[str, str] | None
+    instead: tuple[tuple[str, str], ...] = ()
 
     def entry(self) -> dict[str, Any]:
         """As in verdict.json."""
         effect, where = self.site.label
         entry = {"effect": effect, "where": where, "parameter": self.parameter.name}
-        rival = {} if self.instead is None else {"instead": {"effect": self.instead[0], "where": self.instead[1]}}
+        placed = [{"effect": name, "where": place} for name, place in self.instead]
+        rival = {"instead": {**placed[0], **({"beside": placed[1]} if placed[1:] else {})}} if placed else {}
         return {**entry, "smallest": self.smallest, "unit": self.parameter.unit, **rival}
+
+
+class _Rivals:
+    """What would imitate an effect, one other or two together, each by what it does along its own columns.
+
+    Args:
+        item: the effect.
+        columns: (R,), of all effects that may stand in its place.
+        units: (R, S + P), their directions.
+    """
+
+    def __init__(self, item: Column, columns: Sequence[Column], units: np.ndarray) -> None:
+        self.columns, self.units = columns, units
+        self.one_sided = np.array([not c.site.effect.two_sided for c in columns], dtype=bool)
+        self.leads = np.array([must_lead(item.price - c.price) for c in columns])
+        pairs = [p for p in combinations(range(len(columns)), 2) if len({columns[n].site.label for n in p}) == 2]
+        i, j = np.array(pairs, dtype=int).reshape(-1, 2).T
+        ask = np.array([must_lead(item.price - columns[a].price - columns[b].price) for a, b in pairs])
+        cosine = (units @ units.T)[i, j]
+        keep = (ask > 0.0) & (np.abs(cosine) < ALONG)
+        self.i, self.j, self.ask, self.cosine = i[keep], j[keep], ask[keep], cosine[keep]
+
+    def least(self, column: np.ndarray, inflation: float) -> tuple[float, tuple[Label, ...]]:
+        """How many times the size is what the nearest rival asks for, and that rival; infinite if none asks."""
+        if not len(self.columns):
+            return math.inf, ()
+        norm = float(column @ column)
+        along = self.units @ column
+        taken = np.square(np.where(self.one_sided, np.maximum(along, 0.0), along))
+        one = self._lead(norm - taken, self.leads, inflation)
+        a, b = along[self.i], along[self.j]
+        left = 1.0 - np.square(self.cosine)
+        x, y = (a - self.cosine * b) / left, (b - self.cosine * a) / left
+        # with a sign that it may not have, one of the two is no help to the other
+        fits = ~((self.one_sided[self.i] & (x < 0.0)) | (self.one_sided[self.j] & (y < 0.0)))
+        both = np.where(fits, a * x + b * y, 0.0)
+        two = self._lead(norm - both, self.ask, inflation)
+        k, m = int(np.argmin(one)), int(np.argmin(two)) if len(two) else -1
+        if m >= 0 and two[m] < one[k]:
+            return float(two[m]), tuple(self.columns[n].site.label for n in (self.i[m], self.j[m]))
+        return float(one[k]), (self.columns[k].site.label,)
+
+    def _lead(self, left: np.ndarray, asked: np.ndarray, inflation: float) -> np.ndarray:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            found = np.sqrt(np.maximum(left, 0.0) / inflation / asked)
+        return np.where(asked > 0.0, found, np.inf)
 
 
 class Limits:
@@ -190,35 +243,29 @@ class Limits:
 
     def _limit(self, item: Column, columns: Sequence[Column], units: np.ndarray) -> Limit:
         parameter = strength(item.site.effect.parameters)
-        rivals = [
-            (k, must_lead(item.price - c.price))
+        others = [
+            k
             for k, c in enumerate(columns)
-            if not _akin(c.site.label, item.site.label) or contains([item.site.label], [c.site.label])
+            if c.site.label != item.site.label
+            and (not _akin(c.site.label, item.site.label) or contains([item.site.label], [c.site.label]))
         ]
-        rivals = [(k, m) for k, m in rivals if m > 0.0 and columns[k].site.label != item.site.label]
-        signs = np.array([not columns[k].site.effect.two_sided for k, _ in rivals], dtype=bool)
-        rows, leads = units[[k for k, _ in rivals]], np.array([m for _, m in rivals])
+        rivals = _Rivals(item, [columns[k] for k in others], units[others])
         earn = must_earn(item.price, not self.fit.hypothesis.sites)
 
-        def enough(column: np.ndarray) -> tuple[float, tuple[str, str] | None]:
+        def enough(column: np.ndarray) -> tuple[float, tuple[Label, ...]]:
             """How many times the size is what it must be, and the rival that asks most."""
-            norm = float(column @ column) / self.inflation
-            found, rival = math.sqrt(norm / earn), None
-            if len(leads):
-                along = rows @ column
-                along = np.where(signs, np.maximum(along, 0.0), along)
-                rest = np.sqrt(np.maximum(norm - np.square(along) / self.inflation, 0.0) / leads)
-                k = int(np.argmin(rest))
-                if rest[k] < found:
-                    found, rival = float(rest[k]), columns[rivals[k][0]].site.label
-            return found, rival
+            found = math.sqrt(float(column @ column) / self.inflation / earn)
+            asked, rival = rivals.least(column, self.inflation)
+            return (asked, rival) if asked < found else (found, ())
 
         linear, _ = enough(item.column)
-        share, low, high, instead = item.share / max(linear, 1e-12), 0.0, math.inf, None
+        instead: tuple[Label, ...] = ()
+        rival: tuple[Label, ...] = ()
+        share, low, high = item.share / max(linear, 1e-12), 0.0, math.inf
         for _ in range(STEPS):
             share = min(share, LARGEST)
             change = self._change(item.site, sized(item.site, item.start, share))
-            found, rival = 0.0, None
+            found, rival = 0.0, ()
             if change is not None:
                 found, rival = enough(self.project.free(change, np.zeros_like(self.fit.z)))
                 found = min(found, self._wrong_instead(change, item.price), linear * share / item.share)

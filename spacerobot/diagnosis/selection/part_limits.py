@@ -20,7 +20,7 @@ import numpy as np
 from spacerobot.diagnosis.fitting.starts import sized
 from spacerobot.diagnosis.selection.candidate import tried
 from spacerobot.diagnosis.selection.growth import Growth
-from spacerobot.diagnosis.selection.limits import LARGEST, NEAR, Column, Limit, Limits, strength
+from spacerobot.diagnosis.selection.limits import LARGEST, NEAR, Column, Label, Limit, Limits, strength
 from spacerobot.diagnosis.selection.model_choice import TIE, Told, groups, slack
 from spacerobot.diagnosis.selection.nested_laws import TWICE, WIDE
 from spacerobot.diagnosis.terms.candidates import CONTAINS
@@ -39,8 +39,6 @@ GROWTH = 1.2
 
 PASSES = 4
 """How often a column is taken again at the size that was found."""
-
-Label = tuple[str, str]
 
 
 class PartLimits(Limits):
@@ -76,21 +74,22 @@ class PartLimits(Limits):
         parameter = strength(item.site.effect.parameters)
         count = len(item.site.effect.parameters)
         rivals = [c for c in columns if c.site.label != item.site.label and len(c.site.effect.parameters) <= count]
-        column, size, instead, faintest = item.column / item.share, 0.0, None, 0.0
+        column, size, faintest = item.column / item.share, 0.0, 0.0
+        instead: Label | None = None
         for _ in range(PASSES):
             size, instead = self._size(item, column, rivals)
             if math.isinf(size):
-                return Limit(item.site, parameter, None, instead)
+                return Limit(item.site, parameter, None, _placed(instead))
             size = faintest = max(size, faintest)  # of faint and full-size sensitivities, the smaller counts
             change = self._change(item.site, sized(item.site, item.start, size))
             if change is None:
-                return Limit(item.site, parameter, None, None)
+                return Limit(item.site, parameter, None)
             before, column = column, self.project.free(change, np.zeros_like(self.fit.z)) / size
             if abs(math.log(max(float(column @ column), 1e-300) / float(before @ before))) < 2.0 * NEAR:
                 break
         value = sized(item.site, item.start, size)[item.site.key(parameter.name)]
         smallest = value if math.isinf(parameter.null) else abs(value - parameter.null)
-        return Limit(item.site, parameter, smallest, instead)
+        return Limit(item.site, parameter, smallest, _placed(instead))
 
     def _size(self, item: Column, column: np.ndarray, rivals: Sequence[Column]) -> tuple[float, Label | None]:
         """The size, in units of the start, from which the effect is named; and the rival that asks most there."""
@@ -129,6 +128,10 @@ class PartLimits(Limits):
             deviation = math.sqrt(max(float(apart @ np.linalg.pinv(both @ both.T) @ apart), 0.0)) * item.share
             return 2.0 * WIDE * deviation / TWICE  # the difference itself scatters as much as its interval reaches
         return 0.0
+
+
+def _placed(rival: Label | None) -> tuple[Label, ...]:
+    return () if rival is None else (rival,)
 
 
 class _Drawn:
