@@ -22,6 +22,7 @@ from spacerobot.simulation.exact.batch import collide
 from spacerobot.simulation.exact.structure import piecewise_linear
 from spacerobot.simulation.multibody.assembly import assemble_bodies
 from spacerobot.simulation.multibody.dynamics import Dynamics
+from spacerobot.simulation.multibody.machine import GUARDS, RATES
 from spacerobot.simulation.multibody.run import integrate_scene
 from spacerobot.simulation.reduced.run import prepare, simulate
 from spacerobot.simulation.scene import Scene
@@ -48,28 +49,12 @@ def _scene(label: str) -> Scene:
     return Scene(load(robot), joints=joints, wrist=WRIST, target=TARGET, backend="reduced")
 
 
-@contextlib.contextmanager
-def _counted(owner: Any, name: str) -> Iterator[list[int]]:
-    """Counts the calls of a method in the list's only element."""
-    original, count = getattr(owner, name), [0]
-
-    def counting(*args: Any, **options: Any) -> Any:
-        count[0] += 1
-        return original(*args, **options)
-
-    setattr(owner, name, counting)
-    try:
-        yield count
-    finally:
-        setattr(owner, name, original)
-
-
 def _multibody(label: str, repeats: int) -> dict[str, Any]:
     """Calls times what one costs: right-hand sides, guards, the assembly; the rest is the loop around them."""
     scene = _scene(label)
     end, mechanism = default_duration(scene), scene.mechanism("multibody")
-    with _counted(Dynamics, "rate") as rates, _counted(Dynamics, "guard") as guards:
-        run = integrate_scene(scene, end, tolerance=TOLERANCE)
+    run = integrate_scene(scene, end, tolerance=TOLERANCE)
+    rates, guards = run.dynamics.settings[[RATES, GUARDS]].astype(int).tolist()
     assembly = assemble_bodies(scene, mechanism)
     dynamics = Dynamics(assembly, mechanism)
     y, out, slope = np.zeros(dynamics.size), np.empty(dynamics.size), np.empty(dynamics.size)
@@ -89,8 +74,8 @@ def _multibody(label: str, repeats: int) -> dict[str, Any]:
     )
     return {
         "scene": label,
-        "rates": rates[0],
-        "guards": guards[0],
+        "rates": rates,
+        "guards": guards,
         "steps": int(run.steps.time.size),
         "events": len(run.events),
         "seconds": {k: c.median for k, c in found.items()},

@@ -41,8 +41,9 @@ class Ledger:
 
     @property
     def closure(self) -> float:
-        """Largest imbalance over the initial energy (or over the most that ever moved, if all began at rest)."""
-        scale = self.initial if self.initial > 0.0 else float(self.kinetic.max())
+        """Largest imbalance over the initial energy; over the most that ever moved, if all began at rest."""
+        most = float(self.kinetic.max())
+        scale = self.initial if self.initial > np.finfo(float).eps * most else most
         return float(np.abs(self.imbalance).max() / scale) if scale > 0.0 else 0.0
 
     @property

@@ -87,6 +87,9 @@ def peak(of: Callable[[np.ndarray], np.ndarray], ends: np.ndarray, within: np.nd
     top = Peak(float(values.flat[best]), float(grid.flat[best]))
     for flat in np.argsort(values, axis=None)[::-1][:CANDIDATES]:
         step, k = divmod(int(flat), pieces + 1)
+        here, near = float(values[step, k]), float(values[step, max(k - 1, 0) : k + 2].min())
+        if here + (here - near) < top.value:
+            continue  # between three samples a top stands above the middle one by less than that above the lowest
         low, high = float(grid[step, max(k - 1, 0)]), float(grid[step, min(k + 1, pieces)])
         top = _narrowed(of, low, high, top)
     return top

@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import numpy as np
-import pinocchio as pin
 
 from spacerobot.dynamics.joint_kinds import joint_axis
 from spacerobot.effects.mechanism import Mechanism
@@ -119,9 +118,7 @@ def _multibody_channels(scene: Scene, run: MultibodyRun, taken: MultibodySample)
     bodies = {"target": assembly.target, **({"base": 1} if scene.base == "free" else {})}
     for body, joint in bodies.items():
         q, v = assembly.model.joints[joint].idx_q, assembly.model.joints[joint].idx_v
-        world = np.array(
-            [_rotated(c[q + 3 : q + 7], r[v : v + 6]) for c, r in zip(taken.configuration, taken.rates, strict=True)]
-        )
+        world = _rotated(taken.configuration[:, q + 3 : q + 7], taken.rates[:, v : v + 6])
         for i, axis in enumerate("xyz"):
             out[f"{body}.position.{axis}"] = taken.configuration[:, q + i]
             out[f"{body}.velocity.{axis}"] = world[:, i]
@@ -162,10 +159,12 @@ def _tangential(
         out[f"contact.friction.{axis}"] = friction[:, acting].sum(axis=1)
 
 
-def _rotated(quaternion: np.ndarray, twist: np.ndarray) -> np.ndarray:
-    """A free-flyer's body twist in world axes, shape (6,)."""
-    rotation = pin.Quaternion(np.ascontiguousarray(quaternion)).toRotationMatrix()
-    return np.concatenate([rotation @ twist[:3], rotation @ twist[3:]])
+def _rotated(quaternions: np.ndarray, twists: np.ndarray) -> np.ndarray:
+    """Body twists of a free-flyer, shape (T, 6), in world axes; quaternions (x, y, z, w), shape (T, 4)."""
+    u, w = quaternions[:, None, :3], quaternions[:, None, 3:]
+    parts = twists.reshape(-1, 2, 3)
+    across = 2.0 * np.cross(u, parts)
+    return np.asarray((parts + w * across + np.cross(u, across)).reshape(-1, 6))
 
 
 def _actuation(run: MultibodyRun, taken: MultibodySample, port: str) -> np.ndarray:

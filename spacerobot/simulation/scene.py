@@ -261,12 +261,19 @@ class Scene:
         return tuple(said)
 
     @cached_property
+    def _baselines(self) -> dict[str, Mechanism]:
+        return {}
+
+    @cached_property
     def _mechanisms(self) -> dict[str, Mechanism]:
         return {}
 
     def baseline(self, backend: str | None = None) -> Mechanism:
         """The mechanism without the scene's effects."""
-        return baseline(self, backend or self.backend)
+        backend = backend or self.backend
+        if backend not in self._baselines:
+            self._baselines[backend] = baseline(self, backend)
+        return self._baselines[backend]
 
     def mechanism(self, backend: str | None = None) -> Mechanism:
         """The mechanism with the scene's effects in it.

@@ -98,3 +98,40 @@ def call_law() -> Any:
         return real(types.int64, real, real, real, array, types.int64), codegen
 
     return call
+
+
+@functools.cache
+def by_address() -> tuple[Any, Any, Any]:
+    """What keeps a large compiled function out of its callers, where LLVM would copy it to every call.
+
+    Returns:
+        outlined: decorator, `(int64, float, pointer, pointer, pointer) -> float` in plain Python to a C function.
+        pointer: intrinsic, an address to what `numba.carray` takes.
+        call: intrinsic `(function, here, t, a, b, c) -> float`, both addresses, that calls such a function on arrays.
+    """
+    from llvmlite import ir
+    from numba.core import cgutils, types
+    from numba.extending import intrinsic
+
+    module, real, address = numba(), types.float64, types.int64
+    numbers = types.CPointer(real)
+    outlined = module.cfunc(real(address, real, numbers, numbers, numbers), cache=True, error_model="numpy")
+
+    @intrinsic
+    def pointer(typingctx: Any, at: Any) -> Any:
+        def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+            return builder.inttoptr(args[0], cgutils.voidptr_t)
+
+        return types.voidptr(address), codegen
+
+    @intrinsic
+    def call(typingctx: Any, function: Any, here: Any, t: Any, a: Any, b: Any, c: Any) -> Any:
+        def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+            double, data = ir.DoubleType(), ir.DoubleType().as_pointer()
+            kind = ir.FunctionType(double, [ir.IntType(64), double, data, data, data])
+            arrays = [context.make_array(k)(context, builder, x).data for k, x in zip(signature.args[3:], args[3:])]
+            return builder.call(builder.inttoptr(args[0], kind.as_pointer()), [args[1], args[2], *arrays])
+
+        return real(address, address, real, a, b, c), codegen
+
+    return outlined, pointer, call

@@ -200,7 +200,7 @@ def test_breaking_away_dissipates_most(b: tuple[float, float], give: tuple[float
     mixed = give[2] * math.sqrt(give[0] * give[1])
     matrix = np.array([[give[0], mixed], [mixed, give[1]]])
     limit = share * float(np.hypot(*np.linalg.solve(matrix, b)))
-    force = against(np.array(b), matrix, limit)
+    force = np.array(against(*b, *matrix.ravel(), limit))
     assert float(np.hypot(*force)) == pytest.approx(limit, rel=1e-9)
     left = np.array(b) + matrix @ force
     assert float(left @ force) == pytest.approx(-float(np.hypot(*left)) * limit, rel=1e-6, abs=1e-9)

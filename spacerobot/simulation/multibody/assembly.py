@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import threading
+from collections import OrderedDict
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
 
+from spacerobot.dynamics.tree_arrays import TreeArrays, tree_arrays
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Coordinate
 from spacerobot.simulation.multibody.tree import WORLD, Link, links_of, put_together
@@ -24,7 +28,8 @@ class Assembly:
     """One model, and where everything sits in it. World axes.
 
     Attributes:
-        model: robot (held joints removed), target on a free-flyer, appendages on slides.
+        model: robot (held joints removed), target on a free-flyer, appendages on slides. Not to be changed.
+        tree: the model's arrays.
         joints: coordinate or "slider" -> joint index, of those that are one joint's own displacement.
         hand, tip, base: joint that carries the frame (0: the world) and the frame's origin in it, shape (3,).
         target: joint of the target; its origin is the centre of mass.
@@ -39,6 +44,7 @@ class Assembly:
     """
 
     model: pin.Model
+    tree: TreeArrays
     joints: dict[str, int]
     hand: tuple[int, np.ndarray]
     tip: tuple[int, np.ndarray]
@@ -54,12 +60,100 @@ class Assembly:
     velocity: np.ndarray
 
 
+@dataclass(frozen=True, eq=False)
+class Bodies:
+    """What of an assembly no initial state changes: kept between runs, and never to be changed.
+
+    Attributes:
+        model, joints, hand, tip, base, target: as in Assembly.
+        tree: the model's arrays.
+        configuration: shape (nq,), at the start, but slider and riders at rest and the target at the origin.
+        touch: where the tip is then, world axes, shape (3,) [m].
+    """
+
+    model: pin.Model
+    joints: dict[str, int]
+    hand: tuple[int, np.ndarray]
+    tip: tuple[int, np.ndarray]
+    base: tuple[int, np.ndarray]
+    target: int
+    tree: TreeArrays
+    configuration: np.ndarray
+    touch: np.ndarray
+
+
+KEPT = 32
+"""Machines whose bodies are kept."""
+
+_kept_bodies: OrderedDict[Any, Bodies] = OrderedDict()
+_lock = threading.Lock()
+
+
 def assemble_bodies(scene: Scene, mechanism: Mechanism) -> Assembly:
-    """Build the model of a scene whose effects have edited `mechanism`.
+    """The model of a scene whose effects have edited `mechanism`, and its start.
 
     Raises:
         InputError: a coordinate of the mechanism that no body of the scene can be.
     """
+    key = _key(scene, mechanism)
+    with _lock:
+        bodies = _kept_bodies.get(key)
+    if bodies is None:
+        bodies = _bodies(scene, mechanism)
+        with _lock:
+            _kept_bodies[key] = bodies
+            while len(_kept_bodies) > KEPT:
+                _kept_bodies.popitem(last=False)
+    model, joints, approach = bodies.model, bodies.joints, np.array(scene.approach)
+    target = model.joints[bodies.target]
+    q, v = bodies.configuration.copy(), np.zeros(model.nv)
+    q[target.idx_q : target.idx_q + 3] = bodies.touch - scene.lever - scene.target.gap * approach
+    if scene.base == "free":
+        v[:3], v[3:6] = -scene.hand_speed * approach, scene.motion.base_spin  # the base stands unturned at the start
+    for name, rate in scene.motion.joint_rates.items():
+        v[model.joints[joints[f"joint.{name}"]].idx_v] = rate
+    start = q.copy()
+    slider = model.joints[joints["slider"]]
+    start[slider.idx_q], v[slider.idx_v] = scene.wrist.deflection, scene.wrist.deflection_rate
+    for name, (displacement, rate) in scene.motion.carried.items():
+        joint = model.joints[joints[name]]
+        start[joint.idx_q], v[joint.idx_v] = displacement, rate
+    at = target.idx_v
+    v[at : at + 3] = scene.attitude.T @ (scene.target.speed * approach + scene.target.drift * scene.axes[:, 1])
+    v[at + 3 : at + 6] = scene.attitude.T @ np.array(scene.target.spin)
+    return Assembly(
+        model=model,
+        tree=bodies.tree,
+        joints=joints,
+        hand=bodies.hand,
+        tip=bodies.tip,
+        base=bodies.base,
+        target=bodies.target,
+        point=scene.attitude.T @ scene.lever,
+        axes=scene.axes,
+        split=at,
+        lever=scene.lever_at_zero_yaw,
+        ahead=scene.level.T @ approach,
+        configuration=q,
+        start=start,
+        velocity=v,
+    )
+
+
+def _key(scene: Scene, mechanism: Mechanism) -> Any:
+    """Everything that `_bodies` reads. A robot by its name can change with its file, so its text counts."""
+    robot, target = scene.robot, scene.target
+    before = scene.baseline("multibody").coordinates
+    return (
+        (robot, scene.prepared.urdf) if isinstance(robot, str) else robot,
+        (scene.base, scene.joints, scene.pose, scene.tip, tuple(sorted(scene.others.items()))),
+        (scene.approach, scene.gravity, scene.wrist.mass, repr(scene.spacecraft)),
+        (target.attitude, target.inertia_matrix().tobytes()),
+        tuple((c, before[n].mass if n in before else None) for n, c in mechanism.coordinates.items()),
+    )
+
+
+def _bodies(scene: Scene, mechanism: Mechanism) -> Bodies:
     robot = scene.prepared
     full = robot.model
     start = scene.start
@@ -93,9 +187,6 @@ def assemble_bodies(scene: Scene, mechanism: Mechanism) -> Assembly:
     turned = {model.names[i]: np.array(data.oMi[i].rotation) for i in range(model.njoints)}
     touch = data.oMi[model.getJointId(tip[0])].act(tip[1])
     links = links_of(model, q, armature)
-
-    lever = scene.lever
-    place = touch - lever - scene.target.gap * np.array(scene.approach)
     attitude = pin.Quaternion(scene.attitude)
     attitude.normalize()
     links.append(
@@ -105,7 +196,7 @@ def assemble_bodies(scene: Scene, mechanism: Mechanism) -> Assembly:
             pin.JointModelFreeFlyer(),
             pin.SE3.Identity(),
             pin.Inertia(mechanism.coordinates["target"].mass, np.zeros(3), scene.target.inertia_matrix()),
-            np.concatenate([place, attitude.coeffs()]),
+            np.concatenate([np.zeros(3), attitude.coeffs()]),
         )
     )
     turned[TARGET] = scene.attitude
@@ -119,39 +210,16 @@ def assemble_bodies(scene: Scene, mechanism: Mechanism) -> Assembly:
     model, q = put_together(sorted(links, key=lambda link: link.name == TARGET))
     model.gravity.linear = np.array(scene.gravity)
     _require_inertia(scene, mechanism, model, q)
-    joints = {name: model.getJointId(joint) for name, joint in moved_by.items()}
-
-    v = np.zeros(model.nv)
-    approach = np.array(scene.approach)
-    if scene.base == "free":
-        v[:3], v[3:6] = -scene.hand_speed * approach, scene.motion.base_spin  # the base stands unturned at the start
-    for name, rate in scene.motion.joint_rates.items():
-        v[model.joints[joints[f"joint.{name}"]].idx_v] = rate
-    start = q.copy()
-    start[model.joints[joints["slider"]].idx_q] = scene.wrist.deflection
-    for name, (displacement, rate) in scene.motion.carried.items():
-        joint = model.joints[joints[name]]
-        start[joint.idx_q], v[joint.idx_v] = displacement, rate
-    target = model.joints[model.getJointId(TARGET)]
-    at = target.idx_v
-    v[at : at + 3] = scene.attitude.T @ (scene.target.speed * approach + scene.target.drift * scene.axes[:, 1])
-    v[at + 3 : at + 6] = scene.attitude.T @ np.array(scene.target.spin)
-    v[model.joints[joints["slider"]].idx_v] = scene.wrist.deflection_rate
-    return Assembly(
+    return Bodies(
         model=model,
-        joints=joints,
+        joints={name: model.getJointId(joint) for name, joint in moved_by.items()},
         hand=(model.getJointId(hand[0]), hand[1]),
         tip=(model.getJointId(tip[0]), tip[1]),
         base=(model.getJointId(base[0]), base[1]),
-        target=int(target.id),
-        point=scene.attitude.T @ lever,
-        axes=scene.axes,
-        split=at,
-        lever=scene.lever_at_zero_yaw,
-        ahead=scene.level.T @ approach,
+        target=int(model.getJointId(TARGET)),
+        tree=tree_arrays(model),
         configuration=q,
-        start=start,
-        velocity=v,
+        touch=touch,
     )
 
 

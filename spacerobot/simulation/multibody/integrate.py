@@ -1,27 +1,39 @@
-"""The integration loop: adaptive steps of order 8, events, kicks, and the record of every step."""
+"""The integration loop: adaptive steps of order 8, events, kicks, and the record of every step. Compiled.
+
+Python hands the loop room for some rows at a time, so that a long run can be interrupted and its record grows.
+"""
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from spacerobot.simulation.events import Event
 from spacerobot.simulation.multibody.dop853 import ALL_STAGES, ORDER, POWERS, STAGES, C
-from spacerobot.simulation.multibody.dynamics import Dynamics
-from spacerobot.simulation.multibody.events import Modes, Probe
 from spacerobot.simulation.multibody.kernel import load, solve
+from spacerobot.simulation.multibody.layout import SPLIT, layout_inside, scratch_inside
+from spacerobot.simulation.multibody.machine import Machine, guards_at, rate_at
+from spacerobot.simulation.multibody.modes import start, switch, turn
 from spacerobot.simulation.multibody.stepper import error_norm, interpolant, stage
-from spacerobot.simulation.reduced.forces import APART, PRESSED, RELEASED, STICK
-from spacerobot.simulation.reduced.integrate import NEAR
-from spacerobot.simulation.unfinished import remedy, too_many
-from spacerobot.support.errors import SimulationError
+from spacerobot.simulation.multibody.watch import SAMPLES, first_event
+from spacerobot.simulation.reduced.arrays import FRICTIONS, HEADING, W_ROWS
+from spacerobot.support.jit import jit, lean
 
 MAX_STEPS, MAX_EVENTS = 150_000, 5_000
 """The record of so many steps takes most of 1 GB."""
-_CONTACT = {APART: "apart", PRESSED: "touch", RELEASED: "release"}
+
+NEAR = 1e-7
+"""Share of a step: what Newton's correction of an event's time leaves is the square of it, so that the state goes there
+along its slope."""
+
 _SAFETY, _SHRINK, _GROW = 0.9, 0.2, 6.0
+FIRST_ROWS, MOST_ROWS = 128, 4096
+"""Steps that a part of the record has room for, doubled from part to part."""
+
+DONE, FULL, VANISHED, TOO_MANY_STEPS, TOO_MANY_EVENTS = range(5)
+TIME, STEP, END, LONGEST, FIXED = range(5)
+BEGUN, ROWS, EVENTS, KICKS = range(4)
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +47,7 @@ class Steps:
         modes: shape (m, G).
         heading: shape (m, R), direction in which discs of friction slid at the start of the step.
         last: shape (N,), at the end.
+        rows: all of it, as `_onwards` wrote it.
     """
 
     time: np.ndarray
@@ -44,156 +57,224 @@ class Steps:
     modes: np.ndarray
     heading: np.ndarray
     last: np.ndarray
+    rows: np.ndarray
 
 
-@dataclass(frozen=True)
-class Kick:
-    """A known impulse that happened: when, by whom, and the energy it brought [J]."""
+@dataclass(frozen=True, eq=False)
+class Record:
+    """What a run leaves, and how it ended.
 
-    time: float
-    name: str
-    work: float
-
-
-class Integrator:
-    """Carries a Dynamics from start to end.
-
-    Args:
-        dynamics: equations of motion.
-        scale: shape (N,), error per step that is tolerated in each ambient state.
-        first_step, max_step: [s].
-        fixed: take every step at `max_step`, whatever its error; for measuring the order.
+    Attributes:
+        steps: all steps.
+        events: shape (E, 3), time [s], which mode, and what it became.
+        kicks: shape (K,), energy that each known impulse brought [J]; of those that happened.
+        status: DONE, TOO_MANY_STEPS, TOO_MANY_EVENTS, or VANISHED (no step is short enough).
+        reached: [s].
     """
 
-    def __init__(
-        self, dynamics: Dynamics, scale: np.ndarray, first_step: float, max_step: float, *, fixed: bool = False
-    ) -> None:
-        self.dynamics, self.scale = dynamics, scale
-        self._first, self._longest, self._fixed = first_step, max_step, fixed
-        self._k = np.zeros((ALL_STAGES, dynamics.size))
-        self._new, self._temp = np.empty(dynamics.size), np.empty(dynamics.size)
-        self._guard = np.empty(dynamics.modes.size)
-        self._slope = np.empty(dynamics.size)
-        self._modes, self._probe = Modes(dynamics), Probe(dynamics)
-        self.events: list[Event] = []
-        self.kicks: list[Kick] = []
+    steps: Steps
+    events: np.ndarray
+    kicks: np.ndarray
+    status: int
+    reached: float
 
-    def run(self, y: np.ndarray, start: float, end: float) -> Steps:
-        """Integrate from `start` to `end` [s]; `y` is the state at the start.
 
-        Raises:
-            SimulationError: no end in sight: too many steps or events, or a state that is not finite.
-        """
-        dyn, t, y = self.dynamics, start, y.copy()
-        record: list[tuple[float, float, np.ndarray, np.ndarray, np.ndarray, np.ndarray]] = []
-        pending = sorted((i for i in dyn.mechanism.impulses if i.time >= start), key=lambda i: i.time)
-        self._modes.start(t, y)
-        dyn.rate(t, y, self._k[0])
-        h = min(self._first, self._longest)
-        while t < end:
-            stop = min(end, pending[0].time) if pending else end
-            if pending and pending[0].time - t <= 1e-15 * max(1.0, abs(t)):
-                self._kick(t, y, pending.pop(0))
+@lean
+def _advance(m: Any, t: float, y: Any, h: float, k: Any, temp: Any, new: Any) -> None:
+    """Stages 1 to 12 from stage 0; the state at the end is left in `new`."""
+    for s in range(1, STAGES):
+        stage(y, k, s, h, temp)
+        rate_at(m, t + C[s] * h, temp, k[s])
+    stage(y, k, STAGES, h, new)
+    rate_at(m, t + h, new, k[STAGES])
+
+
+@lean
+def _interpolated(m: Any, t: float, y: Any, h: float, k: Any, temp: Any, new: Any, f: Any) -> None:
+    """The interpolant of the step just taken, into f shape (POWERS, N)."""
+    for s in range(STAGES + 1, ALL_STAGES):
+        stage(y, k, s, h, temp)
+        rate_at(m, t + C[s] * h, temp, k[s])
+    interpolant(y, new, k, h, f)
+
+
+@lean
+def _polished(
+    m: Any, hit: int, t: float, y: Any, full: float, part: float, k: Any, temp: Any, new: Any, slope: Any, g: Any
+) -> float:
+    """Length at which guard `hit` is zero, by Newton on the step itself (the interpolant is less accurate)."""
+    _advance(m, t, y, part, k, temp, new)
+    for _ in range(4):
+        guards_at(m, t + part, new, g, slope)
+        value = g[hit]
+        probe = max(1e-7 * full, 1e-12)
+        for i in range(y.size):
+            temp[i] = new[i] + probe * k[STAGES, i]
+        guards_at(m, t + part + probe, temp, g, slope)
+        rate = (g[hit] - value) / probe
+        if rate >= 0.0:
+            break
+        change = -value / rate
+        if part + change <= 0.0 or part + change > full:
+            break
+        part += change
+        if abs(change) < max(NEAR * full, 1e-15 * max(1.0, abs(t))):
+            for i in range(y.size):
+                new[i] += change * k[STAGES, i]
+            rate_at(m, t + part, new, k[STAGES])
+            break
+        _advance(m, t, y, part, k, temp, new)
+    return part
+
+
+@lean
+def _onto(m: Any, new: Any, y: Any) -> None:
+    """y = new, back on the manifold of configurations."""
+    load(new, layout_inside(m.ints, m.floats).joints, m.q, m.v)
+    for i in range(y.size):
+        y[i] = m.q[i] if i < m.q.size else new[i]
+
+
+@lean
+def _kick(m: Any, t: float, y: Any, port: int, impulse: float, slope: Any) -> float:
+    """A known impulse at a port; returns the energy it brings [J]."""
+    nq, nv = m.q.size, m.v.size
+    scratch, contact = scratch_inside(m.ints, m.work), m.modes[0]
+    rate_at(m, t, y, slope)
+    row, jump, speed, gain = m.c[W_ROWS] + port * nv, scratch.held[0], 0.0, 0.0
+    for i in range(nv):
+        jump[i] = impulse * m.w[row + i]
+        speed += m.w[row + i] * y[nq + i]
+    solve(scratch.factor, m.ints[SPLIT], jump)
+    for i in range(nv):
+        gain += m.w[row + i] * jump[i]
+        y[nq + i] += jump[i]
+    start(m, t, y, slope)
+    m.modes[0] = contact
+    return float(impulse * (speed + 0.5 * gain))
+
+
+@jit
+def _onwards(
+    m: Any, y: Any, clock: Any, count: Any, k: Any, scale: Any,
+    kicks: Any, ports: Any, work: Any, rows: Any, happened: Any,
+) -> int:  # fmt: skip
+    """Goes on from (clock, y) until the end, or until `rows` or `happened` are full.
+
+    Args:
+        m: the machine, in its modes.
+        y: ambient state, shape (N,); overwritten.
+        clock, count: where it stands, TIME to FIXED and BEGUN to KICKS; overwritten.
+        k: slopes, shape (ALL_STAGES, N); the first is that of y.
+        scale: error per step that is tolerated, shape (N,).
+        kicks, ports: times [s] and sizes of known impulses, shape (I, 2), and their ports, shape (I,).
+        work: energy each of them brings [J], shape (I,); filled.
+        rows: room for (time, length, state, interpolant, modes, heading) of each step; filled.
+        happened: room for (time, which, what it became) of each event; filled.
+    """
+    size, modes, frictions = y.size, m.modes.size, m.c[FRICTIONS]
+    new, temp, slope, f = np.empty(size), np.empty(size), np.empty(size), np.empty((POWERS, size))
+    g, samples, rates = np.empty(modes), np.empty((SAMPLES + 1, modes)), np.empty(SAMPLES + 1)
+    t, h, end = clock[TIME], clock[STEP], clock[END]
+    if count[BEGUN] == 0:
+        start(m, t, y, slope)
+        rate_at(m, t, y, k[0])
+        count[BEGUN] = 1
+    status = DONE
+    while t < end:
+        if count[ROWS] == rows.shape[0] or count[EVENTS] == happened.shape[0]:
+            status = FULL
+            break
+        stop, i = end, count[KICKS]
+        if i < ports.size and kicks[i, 0] <= end:
+            stop = kicks[i, 0]
+            if stop - t <= 1e-15 * max(1.0, abs(t)):
+                work[i] = _kick(m, t, y, ports[i], kicks[i, 1], slope)
+                rate_at(m, t, y, k[0])
+                count[KICKS] += 1
                 continue
-            full = min(h, self._longest)
-            final = full >= (stop - t) * (1.0 - 1e-12)
-            full = stop - t if final else full
-            self._advance(t, y, full)
-            norm = 0.0 if self._fixed else error_norm(self._k, full, self.scale)
-            if not math.isfinite(norm) or norm > 1.0:
-                factor = max(_SHRINK, _SAFETY * norm ** (-1.0 / ORDER)) if math.isfinite(norm) else 0.1
-                h = full * factor
-                if h < 1e-15 * max(1.0, abs(t)):
-                    advice = remedy(dyn.mechanism, dyn.give)
-                    raise SimulationError(f"multibody model: the step vanished at t = {t:.6g} s: {advice}")
-                continue
-            grow = _GROW if norm < 1e-12 else min(_GROW, _SAFETY * norm ** (-1.0 / ORDER))
-            dense = self._dense(t, y, full)
-            hit, theta = self._probe.first(t, y, full, dense)
-            part = full
-            if hit >= 0:
-                part = self._polish(hit, t, y, full, theta * full)
-                dense = self._dense(t, y, part)
-            record.append((t, part, y.copy(), dense, dyn.modes.copy(), dyn.heading.copy()))
-            y[:] = self._new
-            load(y, dyn.layout.joints, dyn.q, dyn.v)
-            y[: dyn.nq] = dyn.q  # back onto the manifold
-            t = stop if final and hit < 0 else t + part
-            if hit >= 0:
-                self._modes.switch(hit, t, y)
-                self.events.append(self._event(t, hit))
-            else:
-                h = max(h, full * grow) if final else full * grow
-            dyn.rate(t, y, self._k[0])
-            dyn.turn()
-            if len(record) > MAX_STEPS or len(self.events) > MAX_EVENTS:
-                what = "steps" if len(record) > MAX_STEPS else "events"
-                raise too_many("multibody", what, t, end, remedy(dyn.mechanism, dyn.give))
-        time, length, state, dense_, modes, heading = (np.array(column) for column in zip(*record, strict=True))
-        return Steps(time, length, state, dense_, modes, heading, y)
-
-    def _advance(self, t: float, y: np.ndarray, h: float) -> None:
-        """Stages 1 to 12 from stage 0; the new state is left in `_new`."""
-        dyn, k = self.dynamics, self._k
-        for s in range(1, STAGES):
-            stage(y, k, s, h, self._temp)
-            dyn.rate(t + C[s] * h, self._temp, k[s])
-        stage(y, k, STAGES, h, self._new)
-        dyn.rate(t + h, self._new, k[STAGES])
-
-    def _dense(self, t: float, y: np.ndarray, h: float) -> np.ndarray:
-        """The interpolant of the step just taken, shape (POWERS, N)."""
-        for s in range(STAGES + 1, ALL_STAGES):
-            stage(y, self._k, s, h, self._temp)
-            self.dynamics.rate(t + C[s] * h, self._temp, self._k[s])
-        dense = np.empty((POWERS, y.size))
-        interpolant(y, self._new, self._k, h, dense)
-        return dense
-
-    def _polish(self, hit: int, t: float, y: np.ndarray, full: float, part: float) -> float:
-        """Length at which guard `hit` is zero, by Newton on the step itself (the interpolant is less accurate)."""
-        dyn = self.dynamics
-        for _ in range(4):
-            self._advance(t, y, part)
-            dyn.guard(t + part, self._new, self._guard, self._slope)
-            value = self._guard[hit]
-            probe = max(1e-7 * full, 1e-12)
-            np.multiply(self._k[STAGES], probe, out=self._temp)
-            self._temp += self._new
-            dyn.guard(t + part + probe, self._temp, self._guard, self._slope)
-            rate = (self._guard[hit] - value) / probe
-            if rate >= 0.0:
+        full = min(h, clock[LONGEST])
+        final = full >= (stop - t) * (1.0 - 1e-12)
+        if final:
+            full = stop - t
+        _advance(m, t, y, full, k, temp, new)
+        norm = 0.0 if clock[FIXED] > 0.0 else error_norm(k, full, scale)
+        if not norm <= 1.0:
+            h = full * (max(_SHRINK, _SAFETY * norm ** (-1.0 / ORDER)) if np.isfinite(norm) else 0.1)
+            if h < 1e-15 * max(1.0, abs(t)):
+                status = VANISHED
                 break
-            change = -value / rate
-            if part + change <= 0.0 or part + change > full:
-                break
-            part += change
-            if abs(change) < max(NEAR * full, 1e-15 * max(1.0, abs(t))):
-                break
-        self._advance(t, y, part)
-        return part
+            continue
+        grow = _GROW if norm < 1e-12 else min(_GROW, _SAFETY * norm ** (-1.0 / ORDER))
+        _interpolated(m, t, y, full, k, temp, new, f)
+        hit, theta = first_event(m, t, y, full, f, temp, slope, g, samples, rates)
+        part = full
+        if hit >= 0:
+            part = _polished(m, hit, t, y, full, theta * full, k, temp, new, slope, g)
+            _interpolated(m, t, y, part, k, temp, new, f)
+        row = rows[count[ROWS]]
+        row[0], row[1] = t, part
+        for i in range(size):
+            row[2 + i] = y[i]
+            for p in range(POWERS):
+                row[2 + size + p * size + i] = f[p, i]
+        at = 2 + size + POWERS * size
+        for i in range(modes):
+            row[at + i] = m.modes[i]
+        for r in range(frictions):
+            row[at + modes + r] = m.w[m.c[HEADING] + r]
+        count[ROWS] += 1
+        _onto(m, new, y)
+        t = stop if final and hit < 0 else t + part
+        if hit >= 0:
+            switch(m, hit, t, y, slope)
+            event = happened[count[EVENTS]]
+            event[0], event[1], event[2] = t, hit, m.modes[hit]
+            count[EVENTS] += 1
+        else:
+            h = max(h, full * grow) if final else full * grow
+        rate_at(m, t, y, k[0])
+        turn(m)
+    clock[TIME], clock[STEP] = t, h
+    return status
 
-    def _kick(self, t: float, y: np.ndarray, impulse: object) -> None:
-        dyn = self.dynamics
-        dyn.rate(t, y, self._slope)
-        row = dyn.port_row(impulse.port).copy()  # type: ignore[attr-defined]
-        jump = impulse.impulse * row  # type: ignore[attr-defined]
-        solve(dyn.scratch.factor, dyn.assembly.split, jump)
-        speed = float(row @ y[dyn.nq : dyn.nq + dyn.nv])
-        work = impulse.impulse * (speed + 0.5 * float(row @ jump))  # type: ignore[attr-defined]
-        y[dyn.nq : dyn.nq + dyn.nv] += jump
-        self.kicks.append(Kick(t, impulse.name, work))  # type: ignore[attr-defined]
-        contact = int(dyn.modes[0])
-        self._modes.start(t, y)
-        dyn.modes[0] = contact
-        dyn.rate(t, y, self._k[0])
 
-    def _event(self, t: float, index: int) -> Event:
-        dyn, t = self.dynamics, float(t)
-        mode = int(dyn.modes[index])
-        if index == 0:
-            return Event(t, "contact", _CONTACT[mode])
-        if index <= dyn.forces:
-            return Event(t, dyn.names.forces[index - 1], "edge")
-        name = dyn.names.frictions[index - 1 - dyn.forces]
-        return Event(t, name, "stick" if mode == STICK else "slip")
+def integrate(
+    machine: Machine, y: np.ndarray, scale: np.ndarray, clock: np.ndarray, kicks: np.ndarray, ports: np.ndarray
+) -> Record:
+    """Carry a machine from its state to the end.
+
+    Args:
+        machine: its work arrays are used.
+        y: shape (N,), overwritten: the state at the end.
+        scale: shape (N,), error per step that is tolerated in each ambient state.
+        clock: start, first step, end, longest step [s], and 1 for steps of that length whatever their error.
+        kicks, ports: known impulses by time, see `_onwards`.
+    """
+    size, modes, frictions = y.size, machine.modes.size, int(machine.c[FRICTIONS])
+    count, k, work = np.zeros(4, dtype=np.int64), np.zeros((ALL_STAGES, size)), np.zeros(ports.size)
+    parts, events = [], []
+    done, happened, room, status = 0, 0, FIRST_ROWS, FULL
+    while status == FULL and done <= MAX_STEPS and happened <= MAX_EVENTS:
+        rows = np.empty((room, 2 + (1 + POWERS) * size + modes + frictions))
+        some = np.empty((room, 3))
+        count[ROWS] = count[EVENTS] = 0
+        status = _onwards(machine, y, clock, count, k, scale, kicks, ports, work, rows, some)
+        parts.append(rows[: count[ROWS]])
+        events.append(some[: count[EVENTS]])
+        done, happened, room = done + count[ROWS], happened + count[EVENTS], min(2 * room, MOST_ROWS, MAX_STEPS + 1)
+    if status == FULL:
+        status = TOO_MANY_STEPS if done > MAX_STEPS else TOO_MANY_EVENTS
+    whole = parts[0] if len(parts) == 1 else np.concatenate(parts)
+    at = 2 + (1 + POWERS) * size
+    steps = Steps(
+        whole[:, 0].copy(),
+        whole[:, 1].copy(),
+        whole[:, 2 : 2 + size],
+        whole[:, 2 + size : at].reshape(-1, POWERS, size),
+        whole[:, at : at + modes].astype(np.int64),
+        whole[:, at + modes :],
+        y,
+        whole,
+    )
+    return Record(steps, np.concatenate(events), work[: count[KICKS]], status, float(clock[TIME]))

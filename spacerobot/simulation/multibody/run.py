@@ -3,27 +3,28 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
-import pinocchio as pin
 
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.simulation.events import Event
 from spacerobot.simulation.multibody.assembly import Assembly, assemble_bodies
 from spacerobot.simulation.multibody.balance import balanced
 from spacerobot.simulation.multibody.dynamics import Dynamics
-from spacerobot.simulation.multibody.integrate import Integrator, Kick, Steps
+from spacerobot.simulation.multibody.integrate import DONE, TOO_MANY_STEPS, VANISHED, Steps, integrate
 from spacerobot.simulation.multibody.kernel import load
-from spacerobot.simulation.multibody.stepper import interpolate
-from spacerobot.simulation.reduced.arrays import FORCE, FRICTION, TAU
-from spacerobot.simulation.reduced.forces import AT_REST, PRESSED, STICK
+from spacerobot.simulation.multibody.machine import SLACK, STILL
+from spacerobot.simulation.multibody.sample import displacements, pushes, read, widths
+from spacerobot.simulation.reduced.forces import APART, AT_REST, PRESSED, RELEASED, STICK
 from spacerobot.simulation.scene import Scene
-from spacerobot.support.errors import InputError
+from spacerobot.simulation.unfinished import remedy, too_many
+from spacerobot.support.errors import InputError, SimulationError
 
 MARGIN = 0.1
 """Error per step as a share of the tolerance, so that what a whole run gathers stays within it."""
+
+_CONTACT = {APART: "apart", PRESSED: "touch", RELEASED: "release"}
 
 ROUNDING = 4e-15
 """Least error per step that is asked of a configuration [m, rad]."""
@@ -69,6 +70,15 @@ class MultibodySample:
     modes: np.ndarray
 
 
+@dataclass(frozen=True)
+class Kick:
+    """A known impulse that happened: when, by whom, and the energy it brought [J]."""
+
+    time: float
+    name: str
+    work: float
+
+
 @dataclass(frozen=True, eq=False)
 class MultibodyRun:
     """A finished integration.
@@ -109,58 +119,34 @@ class MultibodyRun:
         last = self._memo.get("last")
         if last is not None and np.array_equal(last.time, times):
             return last
-        dyn, steps, model = self.dynamics, self.steps, self.assembly.model
-        n, count = len(self.mechanism.coordinates), times.size
-        shapes: dict[str, tuple[int, ...]] = {
-            **dict.fromkeys(("position", "velocity", "acceleration"), (n,)),
-            "force": (dyn.forces,),
-            "friction": (dyn.frictions,),
-            "configuration": (dyn.nq,),
-            "rates": (dyn.nv,),
-            "features": (len(dyn.features), 2),
-            "slider": (2,),
-            "contact": (6,),
-            "generalized": (dyn.nv,),
-            "place": (4, 3),
-            "kinetic": (),
-            "potential": (),
-            "momentum": (6,),
-            "work": (dyn.forces + dyn.frictions,),
-            "modes": (dyn.modes.size,),
-        }
-        out = MultibodySample(time=times, **{k: np.empty((count, *shape)) for k, shape in shapes.items()})
-        rate = np.empty(dyn.size)
-        ints, w, slider = dyn.packed.ints, dyn.w, dyn.features.index("slider")
-        touch, centre = dyn.contact_places(), np.empty((count, 3))
-        with dyn.with_bias():
-            for i, (t, step, y) in enumerate(self._placed(times)):
-                dyn.modes[:] = out.modes[i] = steps.modes[step]
-                dyn.heading[:] = steps.heading[step]
-                dyn.rate(t, y, rate)
-                value, row = dyn.scratch.value, dyn.scratch.row
-                free = rate[dyn.nq : dyn.nq + dyn.nv]
-                out.position[i] = dyn.coordinates @ value[:, 0]
-                out.velocity[i] = dyn.coordinates @ value[:, 1]
-                out.acceleration[i] = dyn.coordinates @ (row @ free + value[:, 2])
-                out.features[i] = value[:, :2]
-                out.slider[i] = value[slider, :2]
-                out.force[i] = w[ints[FORCE] : ints[FORCE] + dyn.forces]
-                out.friction[i] = w[ints[FRICTION] : ints[FRICTION] + dyn.frictions]
-                out.generalized[i] = w[ints[TAU] : ints[TAU] + dyn.nv]
-                for r in range(dyn.frictions):
-                    if dyn.modes[1 + dyn.forces + r] == STICK:  # what holds is not in TAU yet
-                        out.generalized[i] += out.friction[i, r] * dyn.port_row(self.mechanism.frictions[r].port)
-                out.contact[i] = w[touch]
-                out.configuration[i], out.rates[i] = dyn.q, dyn.v
-                out.place[i] = dyn.scratch.place[1:]
-                out.kinetic[i] = 0.5 * dyn.v @ dyn.inertia @ dyn.v
-                out.potential[i] = pin.computePotentialEnergy(model, dyn.data, dyn.q)
-                momentum = pin.computeCentroidalMomentum(model, dyn.data, dyn.q, dyn.v)
-                out.momentum[i, :3], out.momentum[i, 3:] = momentum.linear, momentum.angular
-                centre[i] = dyn.data.com[0]
-                out.work[i] = y[dyn.nq + dyn.nv :]
-        out.momentum[:, 3:] += np.cross(centre, out.momentum[:, :3])
-        self._memo["last"] = out
+        dyn = self.dynamics
+        nf = len(dyn.features)
+        columns = widths(nf, dyn.nq, dyn.nv, dyn.forces, dyn.frictions)
+        ends = np.cumsum(list(columns.values()))
+        rows = np.empty((times.size, int(ends[-1])))
+        read(dyn.machine, self.steps.rows, self._index(times), times, rows)
+        parts = dict(zip(columns, np.split(rows, ends[:-1], axis=1), strict=True))
+        features = parts["feature"].reshape(times.size, nf, 2)
+        self._memo["last"] = out = MultibodySample(
+            time=times,
+            position=features[:, :, 0] @ dyn.coordinates.T,
+            velocity=features[:, :, 1] @ dyn.coordinates.T,
+            acceleration=parts["acceleration"] @ dyn.coordinates.T,
+            force=parts["force"],
+            friction=parts["friction"],
+            configuration=parts["configuration"],
+            rates=parts["rates"],
+            features=features,
+            slider=features[:, dyn.features.index("slider")],
+            contact=parts["contact"],
+            generalized=parts["generalized"],
+            place=parts["place"].reshape(times.size, 4, 3),
+            kinetic=parts["kinetic"][:, 0],
+            potential=parts["potential"][:, 0],
+            momentum=parts["momentum"],
+            work=parts["work"],
+            modes=parts["modes"].astype(np.int64),
+        )
         return out
 
     def states(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -172,22 +158,16 @@ class MultibodyRun:
         """Positions alone at `times`."""
         return self.sample(times).position
 
-    def _placed(self, times: np.ndarray) -> Iterator[tuple[float, int, np.ndarray]]:
-        """Each time with its step and the ambient state there, a work array."""
-        steps, y = self.steps, np.empty(self.dynamics.size)
-        index = np.clip(np.searchsorted(steps.time, times, side="right") - 1, 0, steps.time.size - 1)
-        for t, step in zip(times.tolist(), index.tolist(), strict=True):
-            length = steps.length[step]
-            theta = min(max((t - steps.time[step]) / length, 0.0), 1.0) if length > 0.0 else 0.0
-            interpolate(steps.state[step], steps.dense[step], theta, y)
-            yield t, step, y
+    def _index(self, times: np.ndarray) -> np.ndarray:
+        """The step of each time."""
+        steps = self.steps
+        return np.clip(np.searchsorted(steps.time, times, side="right") - 1, 0, steps.time.size - 1)
 
     def contact_at(self, times: np.ndarray) -> np.ndarray:
         """Contact force, positive in compression, at `times`, shape (T,) [N]."""
-        dyn, out = self.dynamics, np.empty(len(times))
-        for i, (t, step, y) in enumerate(self._placed(np.asarray(times, dtype=float))):
-            dyn.modes[:] = self.steps.modes[step]
-            out[i] = dyn.contact_force(t, y)
+        times = np.ascontiguousarray(times, dtype=float)
+        out = np.empty(times.size)
+        pushes(self.dynamics.machine, self.steps.rows, self._index(times), times, out)
         return out
 
     @property
@@ -201,8 +181,10 @@ class MultibodyRun:
 
     def deflection_at(self, times: np.ndarray) -> np.ndarray:
         """Of the wrist, positive pushed in, at `times`, shape (T,) [m]."""
-        at = self.assembly.model.joints[self.assembly.joints["slider"]].idx_q
-        return np.array([y[at] for _, _, y in self._placed(np.asarray(times, dtype=float))])
+        times = np.ascontiguousarray(times, dtype=float)
+        at, out = self.assembly.model.joints[self.assembly.joints["slider"]].idx_q, np.empty(times.size)
+        displacements(self.steps.rows, self.dynamics.size, self._index(times), times, at, out)
+        return out
 
     def port(self, name: str, states: np.ndarray) -> np.ndarray:
         """A port's displacement, rate or acceleration from the coordinates', shape (T,)."""
@@ -259,18 +241,45 @@ def integrate_scene(
         raise InputError("the multibody backend takes no recorded inputs", given=[i.name for i in mechanism.inputs])
     assembly = assemble_bodies(scene, mechanism)
     dynamics = Dynamics(assembly, balanced(scene, mechanism, assembly))
-    scale, dynamics.slack = _scale(scene, dynamics, tolerance)
-    dynamics.still = max(AT_REST, float(scale[dynamics.nq]))
-    integrator = Integrator(dynamics, scale, first_step, min(max_step, end), fixed=fixed)
+    scale, slack = _scale(scene, dynamics, tolerance)
+    dynamics.settings[SLACK], dynamics.settings[STILL] = slack, max(AT_REST, float(scale[dynamics.nq]))
     y = np.zeros(dynamics.size)
     y[: dynamics.nq] = assembly.start
     y[dynamics.nq : dynamics.nq + dynamics.nv] = assembly.velocity
     load(y, dynamics.layout.joints, dynamics.q, dynamics.v)
     y[: dynamics.nq] = dynamics.q
-    steps = integrator.run(y, 0.0, end)
+    impulses = sorted((i for i in dynamics.mechanism.impulses if i.time >= 0.0), key=lambda i: i.time)
+    kicks = np.array([(i.time, i.impulse) for i in impulses]).reshape(-1, 2)
+    ports = np.array([dynamics.names.port(i.port) for i in impulses], dtype=np.int64)
+    longest = min(max_step, end)
+    clock = np.array([0.0, min(first_step, longest), end, longest, float(fixed)])
+    record = integrate(dynamics.machine, y, scale, clock, kicks, ports)
+    if record.status != DONE:
+        advice = remedy(dynamics.mechanism, dynamics.give)
+        if record.status == VANISHED:
+            raise SimulationError(f"multibody model: the step vanished at t = {record.reached:.6g} s: {advice}")
+        what = "steps" if record.status == TOO_MANY_STEPS else "events"
+        raise too_many("multibody", what, record.reached, end, advice)
     return MultibodyRun(
-        dynamics.mechanism, assembly, steps, tuple(integrator.events), tuple(integrator.kicks), 0.0, end, dynamics
+        mechanism=dynamics.mechanism,
+        assembly=assembly,
+        steps=record.steps,
+        events=tuple(_event(dynamics, *row) for row in record.events.tolist()),
+        kicks=tuple(Kick(i.time, i.name, work) for i, work in zip(impulses, record.kicks.tolist(), strict=False)),
+        start=0.0,
+        end=end,
+        dynamics=dynamics,
     )
+
+
+def _event(dynamics: Dynamics, t: float, index: float, mode: float) -> Event:
+    """An event by the names of what switched."""
+    i = int(index)
+    if i == 0:
+        return Event(t, "contact", _CONTACT[int(mode)])
+    if i <= dynamics.forces:
+        return Event(t, dynamics.names.forces[i - 1], "edge")
+    return Event(t, dynamics.names.frictions[i - 1 - dynamics.forces], "stick" if mode == STICK else "slip")
 
 
 def _scale(scene: Scene, dynamics: Dynamics, tolerance: float) -> tuple[np.ndarray, float]:

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 from spacerobot.simulation.multibody.dop853 import ALL_STAGES, E3, E5, POWERS, STAGES, A, D
-from spacerobot.support.jit import jit
+from spacerobot.support.jit import lean
 
 
-@jit
+@lean
 def stage(y: Any, k: Any, number: int, h: float, out: Any) -> None:
     """out = y + h sum_j A[number, j] k[j]; stage 12 is the step's end."""
     for i in range(y.size):
@@ -24,7 +24,7 @@ def stage(y: Any, k: Any, number: int, h: float, out: Any) -> None:
         out[i] = y[i] + h * out[i]
 
 
-@jit
+@lean
 def error_norm(k: Any, h: float, scale: Any) -> float:
     """Error of the step over its tolerance, at most 1 if accepted; k holds stages 0 to 12.
 
@@ -44,7 +44,7 @@ def error_norm(k: Any, h: float, scale: Any) -> float:
     return abs(h) * fifth / np.sqrt(fifth + 0.01 * third)
 
 
-@jit
+@lean
 def interpolant(y: Any, new: Any, k: Any, h: float, f: Any) -> None:
     """Coefficients of the interpolant, f shape (POWERS, N), from all 16 stages."""
     for i in range(y.size):
@@ -59,7 +59,7 @@ def interpolant(y: Any, new: Any, k: Any, h: float, f: Any) -> None:
             f[3 + p, i] = h * total
 
 
-@jit
+@lean
 def interpolate(y: Any, f: Any, theta: float, out: Any) -> None:
     """State at the fraction `theta` of the step."""
     for i in range(y.size):
