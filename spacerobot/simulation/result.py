@@ -189,7 +189,8 @@ def multibody_ledger(run: MultibodyRun) -> Ledger:
     rate = {p: run.port_values(p, taken, 1) for p in ports}
     displacement["contact"], rate["contact"] = taken.contact[:, 0], taken.contact[:, 1]
     stored = stored_by_elements(mechanism, displacement, rate, taken.modes[:, 0])
-    names = [*run.dynamics.names.forces, *run.dynamics.names.frictions]
+    own = run.dynamics.names
+    names = [*own.forces, *own.frictions, *own.inputs]
     work: dict[str, np.ndarray] = {}
     for i, name in enumerate(names):
         work[name] = work.get(name, 0.0) + taken.work[:, i]

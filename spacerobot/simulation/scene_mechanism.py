@@ -9,6 +9,7 @@ import numpy as np
 
 from spacerobot.dynamics.inertia import joint_space_inertia
 from spacerobot.dynamics.joint_kinds import joint_axis
+from spacerobot.effects.effect import BASE_PORTS
 from spacerobot.effects.laws import DAMPER, SPRING
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Coordinate, Field, Force, Readout
@@ -146,8 +147,12 @@ def _with_robot(scene: Outline, mechanism: Mechanism) -> Mechanism:
     readouts, sensors = dict(mechanism.readouts), dict(mechanism.sensors)
     forces = list(mechanism.forces)
     if scene.base == "free":
-        coordinates["base"] = Coordinate("base", float(robot.model.inertias[1].mass))
-        ports["base"] = {"base": 1.0}
+        body = robot.model.inertias[1]
+        about = np.diag(scene.axes.T @ np.asarray(body.inertia) @ scene.axes)
+        for i, name in enumerate(BASE_PORTS):
+            mass = float(body.mass if i < 3 else about[i - 3])
+            coordinates[name] = Coordinate(name, mass, angular=i >= 3)
+            ports[name] = {name: 1.0}
         readouts["base.x"] = Readout("base.x", "position", "base")
     if scene.joints != "locked":
         inertia = joint_space_inertia(robot, scene.start)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from spacerobot.effects.effect import Effect, Parameter, positions
+from spacerobot.effects.effect import Effect, Parameter, base_ports, positions
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Impulse
 
@@ -23,7 +23,7 @@ class ExternalImpulse(Effect):
 
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:
         """Bodies that float."""
-        return positions(mechanism, "target", "target.y", "base")
+        return positions(mechanism, "target", "target.y", *base_ports(mechanism))
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
         """A kick at the port."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from spacerobot.effects.catalogue.quadratic_damping import QUADRATIC
-from spacerobot.effects.effect import Effect, Parameter, positions
+from spacerobot.effects.effect import Effect, Parameter, base_ports, positions
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Force
 
@@ -21,7 +21,7 @@ class QuadraticDrag(Effect):
 
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:
         """Bodies that float or fall."""
-        return positions(mechanism, "target", "target.y", "target.yaw", "base")
+        return positions(mechanism, "target", "target.y", "target.yaw", *base_ports(mechanism))
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
         """A quadratic damper between the body and the world."""

@@ -12,6 +12,7 @@ import numpy as np
 import pinocchio as pin
 
 from spacerobot.dynamics.tree_arrays import TreeArrays, tree_arrays
+from spacerobot.effects.effect import BASE_PORTS
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Coordinate
 from spacerobot.simulation.multibody.tree import WORLD, Link, links_of, put_together
@@ -223,7 +224,7 @@ def _bodies(scene: Scene, mechanism: Mechanism) -> Bodies:
     )
 
 
-_OWN = ("hand", "wrist", "target", "target.y", "target.yaw", "base")
+_OWN = ("hand", "wrist", "target", "target.y", "target.yaw", *BASE_PORTS)
 
 
 def _kept(full: pin.Model, reduced: pin.Model) -> list[int]:

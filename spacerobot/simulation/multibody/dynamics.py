@@ -25,7 +25,7 @@ _rate, _guards = jit(rate_at.py_func), jit(guards_at.py_func)
 class Dynamics:
     """Right-hand side and guards. Holds work arrays, so one at a time.
 
-    The ambient state is (configuration, velocity, work of every force and friction); quaternions and
+    The ambient state is (configuration, velocity, work of every force, friction and input); quaternions and
     cosine-sine pairs are brought back to length 1 before they are used.
 
     Attributes:
@@ -38,7 +38,7 @@ class Dynamics:
         machine: all arrays, as the compiled integrator takes them.
     """
 
-    def __init__(self, assembly: Assembly, mechanism: Mechanism) -> None:
+    def __init__(self, assembly: Assembly, mechanism: Mechanism, drives: np.ndarray | None = None) -> None:
         self.assembly = assembly
         self.mechanism = for_bodies(mechanism)
         self.model = assembly.model
@@ -46,7 +46,7 @@ class Dynamics:
         system, self.names = assemble(self.mechanism)
         self.nq, self.nv = self.model.nq, self.model.nv
         self.forces, self.frictions = len(self.names.forces), len(self.names.frictions)
-        self.size = self.nq + self.nv + self.forces + self.frictions
+        self.size = self.nq + self.nv + self.forces + self.frictions + len(self.names.inputs)
         self.packed = pack(self._widened(system))
         self.w = self.packed.work()
         self.modes = np.zeros(1 + self.forces + self.frictions, dtype=np.int64)
@@ -59,7 +59,7 @@ class Dynamics:
             c=self.packed.ints,
             laws=LAWS.laws,
             modes=self.modes,
-            drives=np.zeros((1, 1)),
+            drives=np.zeros((1 + len(self.names.inputs), 1)) if drives is None else drives,
             w=self.w,
             ints=ints,
             floats=floats,

@@ -20,6 +20,9 @@ from spacerobot.simulation.reduced.arrays import (
     FRICTION,
     FRICTION_PORT,
     FRICTIONS,
+    GAIN,
+    INPUT_PORT,
+    INPUTS,
     PORT,
     PRESS,
     SLIDE,
@@ -30,10 +33,11 @@ from spacerobot.simulation.reduced.arrays import (
     V,
 )
 from spacerobot.simulation.reduced.forces import STICK, act
+from spacerobot.simulation.reduced.ports import driven
 from spacerobot.support.jit import lean
 
-STRAIGHT, CIRCLE, POINT, YAW = range(4)
-"""Kinds of feature: a joint with one number; with cosine and sine; a frame's displacement; the target's heading."""
+STRAIGHT, CIRCLE, POINT, HEADING = range(4)
+"""Kinds of feature: a joint with one number; with cosine and sine; a frame's displacement; a heading about an axis."""
 
 WORLD, HAND, TIP, BASE, TARGET = range(5)
 """Bodies that features and contact read."""
@@ -190,14 +194,14 @@ def sense(c: Any, w: Any, layout: Any, scratch: Any, bodies: Any, q: Any, v: Any
                 _drift(bodies, carrier[a], arm[a], motion)
                 bias = _along(n, motion[2])
         else:
-            turned, up = vectors[4], layout.axes[2]
-            _turned(bodies, own, layout.ahead, turned)
-            d = np.arctan2(_along(layout.axes[1], turned), _along(layout.axes[0], turned))
+            turned, up = vectors[4], layout.axes[b]
+            _turned(bodies, carrier[a], layout.ahead[f], turned)
+            d = np.arctan2(_along(layout.axes[(b + 2) % 3], turned), _along(layout.axes[(b + 1) % 3], turned))
             for i in range(nv):
-                if layout.support[TARGET, i]:
+                if layout.support[a, i]:
                     row[f, i] = _along(up, bodies.motion[i, 3:])
             if biased:
-                bias = _along(up, bodies.bias[own, 3:])
+                bias = _along(up, bodies.bias[carrier[a], 3:])
         speed = 0.0
         for i in range(nv):
             speed += row[f, i] * v[i]
@@ -304,7 +308,7 @@ def accelerate(
     v: Any,
     out: Any,
 ) -> None:
-    """out = d/dt (configuration, velocity, work of every force and friction); call after `sense`."""
+    """out = d/dt (configuration, velocity, work of every force, friction and input); call after `sense`."""
     nq, nv = q.size, v.size
     stuck = exert(x, c, laws, t, modes, u, w, nv)
     split = layout.split
@@ -326,6 +330,9 @@ def accelerate(
     for r in range(c[FRICTIONS]):
         sticks = modes[1 + c[FORCES] + r] == STICK
         out[at + r] = 0.0 if sticks else w[c[FRICTION] + r] * w[c[V] + c[c[FRICTION_PORT] + r]]
+    at += c[FRICTIONS]
+    for j in range(c[INPUTS]):
+        out[at + j] = x[c[GAIN] + j] * driven(u, j, t) * w[c[V] + c[c[INPUT_PORT] + j]]
 
 
 @lean

@@ -34,7 +34,7 @@ class Layout(NamedTuple):
     local: np.ndarray  # (BODIES, 3) the frame's origin in its joint; the target's is its contact point
     axes: np.ndarray  # (3, 3) rows approach, lateral, up
     tip_axes: np.ndarray  # (3, 3) rows: contact normal, lateral and upward direction in the tip's joint
-    ahead: np.ndarray  # (3,) approach at yaw zero, in the target's body
+    ahead: np.ndarray  # (nf, 3) of a heading: the direction that it is the heading of, in its body
     split: int  # first velocity of the target
     rise: int  # port of the upward sliding, or -1
 
@@ -92,7 +92,7 @@ def layout_from(k: Any, x: Any) -> Layout:
     local = x[b : b + 3 * BODIES].reshape((BODIES, 3))
     b += 3 * BODIES
     axes, tip_axes = x[b : b + 9].reshape((3, 3)), x[b + 9 : b + 18].reshape((3, 3))
-    ahead = x[b + 18 : b + 21]
+    ahead = x[b + 18 : b + 18 + 3 * nf].reshape((nf, 3))
     return Layout(joints, feature, support, carrier, reference, ports, local, axes, tip_axes, ahead, k[SPLIT], k[RISE])
 
 

@@ -14,6 +14,7 @@ from spacerobot.simulation.reduced.arrays import (
     FRICTION_NORMAL,
     FRICTION_PORT,
     FRICTIONS,
+    INPUTS,
     NONE,
     PRESS,
     W_ROWS,
@@ -35,7 +36,7 @@ class Machine(NamedTuple):
     c: np.ndarray  # its counts, indices and offsets
     laws: np.ndarray  # addresses of laws
     modes: np.ndarray  # (1 + F + R,) int
-    drives: np.ndarray
+    drives: np.ndarray  # (1 + U, T): times, then the recorded inputs
     w: np.ndarray  # work of the ports and forces
     ints: np.ndarray  # layout and tree of bodies
     floats: np.ndarray
@@ -80,9 +81,10 @@ def _floats(table: Any, i: int) -> Any:
 def machine_at(here: int) -> Machine:
     """The machine whose table lies there."""
     t = _carray(_pointer(here), (24,), np.int64)
-    drives = _floats(t, 4).reshape((1, t[9]))
+    c = _ints(t, 1)
+    drives = _floats(t, 4).reshape((1 + c[INPUTS], t[9] // (1 + c[INPUTS])))
     return Machine(
-        _floats(t, 0), _ints(t, 1), _ints(t, 2), _ints(t, 3), drives, _floats(t, 5), _ints(t, 6), _floats(t, 7),
+        _floats(t, 0), c, _ints(t, 2), _ints(t, 3), drives, _floats(t, 5), _ints(t, 6), _floats(t, 7),
         _floats(t, 8), _floats(t, 9), _floats(t, 10), _floats(t, 11), here, 0, 0,
     )  # fmt: skip
 
@@ -95,8 +97,8 @@ def _exert(m: Any, t: float, y: Any) -> None:
 
 @lean
 def size_of(m: Any) -> int:
-    """Of the ambient state: configuration, velocity, work of every force and friction."""
-    return int(m.q.size + m.v.size + m.c[FORCES] + m.c[FRICTIONS])
+    """Of the ambient state: configuration, velocity, work of every force, friction and input."""
+    return int(m.q.size + m.v.size + m.c[FORCES] + m.c[FRICTIONS] + m.c[INPUTS])
 
 
 def _rate(here: int, t: float, y: Any, out: Any, spare: Any) -> float:

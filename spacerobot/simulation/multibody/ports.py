@@ -17,6 +17,7 @@ from spacerobot.simulation.multibody.kernel import (
     BASE,
     CIRCLE,
     HAND,
+    HEADING,
     PAIR,
     PLAIN,
     POINT,
@@ -24,12 +25,13 @@ from spacerobot.simulation.multibody.kernel import (
     STRAIGHT,
     TARGET,
     TIP,
-    YAW,
 )
 from spacerobot.simulation.multibody.layout import Layout
 from spacerobot.simulation.reduced.arrays import FOLLOWS, NONE
 
 _POINTS = {"hand": (HAND, 0), "tip": (TIP, 0), "target": (TARGET, 0), "target.y": (TARGET, 1), "base": (BASE, 0)}
+_POINTS |= {"base.y": (BASE, 1), "base.z": (BASE, 2)}
+_HEADINGS = {"target.yaw": (TARGET, 2), "base.roll": (BASE, 0), "base.pitch": (BASE, 1), "base.yaw": (BASE, 2)}
 GRAVITY = "gravity"
 """Fields of this name are the scene's own gravity, which Pinocchio applies as a vector to every body."""
 
@@ -89,7 +91,7 @@ def layout_of(assembly: Assembly, mechanism: Mechanism) -> tuple[Layout, list[st
     data = model.createData()
     pin.forwardKinematics(model, data, assembly.configuration)
     feature, reference = np.zeros((len(names), 3), dtype=np.int64), np.zeros(len(names))
-    approach, lateral = assembly.axes[:, 0], assembly.axes[:, 1]
+    ahead = np.zeros((len(names), 3))
     touch_at = data.oMi[assembly.tip[0]].act(assembly.tip[1])
     lever = assembly.lever
     start = {
@@ -97,15 +99,17 @@ def layout_of(assembly: Assembly, mechanism: Mechanism) -> tuple[Layout, list[st
         "base": data.oMi[assembly.base[0]].act(assembly.base[1]),
         "tip": touch_at,
         "target": touch_at - lever,  # where the target is when it touches the resting wrist unturned
-        "target.y": touch_at - lever,
     }
     for f, name in enumerate(names):
         if name in _POINTS:
             body, direction = _POINTS[name]
             feature[f] = POINT, body, direction
-            reference[f] = (approach, lateral)[direction] @ start[name]
-        elif name == "target.yaw":
-            feature[f] = YAW, 0, 0
+            reference[f] = assembly.axes[:, direction] @ start[name.partition(".")[0]]
+        elif name in _HEADINGS:
+            body, axis = _HEADINGS[name]
+            feature[f] = HEADING, body, axis
+            # the base stands unturned at the start
+            ahead[f] = assembly.ahead if body == TARGET else assembly.axes[:, (axis + 1) % 3]
         else:
             joint = model.joints[assembly.joints[name]]
             a, b = joint.idx_q, joint.idx_v
@@ -130,7 +134,7 @@ def layout_of(assembly: Assembly, mechanism: Mechanism) -> tuple[Layout, list[st
             local=np.array([np.zeros(3), assembly.hand[1], assembly.tip[1], assembly.base[1], assembly.point]),
             axes=np.ascontiguousarray(assembly.axes.T),
             tip_axes=np.ascontiguousarray((tip.T @ assembly.axes).T),
-            ahead=assembly.ahead,
+            ahead=ahead,
             split=assembly.split,
             rise=list(mechanism.ports).index(RISE) if RISE in mechanism.ports else -1,
         ),
@@ -141,7 +145,7 @@ def layout_of(assembly: Assembly, mechanism: Mechanism) -> tuple[Layout, list[st
 
 def _features(assembly: Assembly, mechanism: Mechanism) -> list[str]:
     names = ["hand", "slider", "tip", "target", "target.y", "target.yaw"]
-    names += [n for n in ("base",) if n in mechanism.coordinates]
+    names += [n for n in mechanism.coordinates if n.partition(".")[0] == "base"]
     return names + [n for n in assembly.joints if n not in names]
 
 

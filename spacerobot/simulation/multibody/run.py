@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -16,6 +17,7 @@ from spacerobot.simulation.multibody.integrate import DONE, TOO_MANY_STEPS, VANI
 from spacerobot.simulation.multibody.kernel import load
 from spacerobot.simulation.multibody.machine import SLACK, STILL
 from spacerobot.simulation.multibody.sample import displacements, pushes, read, widths
+from spacerobot.simulation.reduced.assemble import recorded
 from spacerobot.simulation.reduced.forces import APART, AT_REST, PRESSED, RELEASED, STICK
 from spacerobot.simulation.scene import Scene
 from spacerobot.simulation.unfinished import remedy, too_many
@@ -46,7 +48,7 @@ class MultibodySample:
         place: world position of hand, tip, base and target, shape (T, 4, 3).
         kinetic, potential: energy of motion, and of weight, shape (T,) [J].
         momentum: linear, and angular about the world's origin, of everything that moves, shape (T, 6).
-        work: done by every force and friction since the start, shape (T, F + R) [J].
+        work: done by every force, friction and input since the start, shape (T, F + R + U) [J].
         modes: shape (T, 1 + F + R).
     """
 
@@ -121,7 +123,7 @@ class MultibodyRun:
             return last
         dyn = self.dynamics
         nf = len(dyn.features)
-        columns = widths(nf, dyn.nq, dyn.nv, dyn.forces, dyn.frictions)
+        columns = widths(nf, dyn.nq, dyn.nv, dyn.forces, dyn.frictions, len(dyn.names.inputs))
         ends = np.cumsum(list(columns.values()))
         rows = np.empty((times.size, int(ends[-1])))
         read(dyn.machine, self.steps.rows, self._index(times), times, rows)
@@ -211,6 +213,7 @@ def integrate_scene(
     end: float,
     *,
     mechanism: Mechanism | None = None,
+    inputs: tuple[np.ndarray, Mapping[str, np.ndarray]] | None = None,
     tolerance: float = 1e-9,
     first_step: float = 1e-4,
     max_step: float = math.inf,
@@ -222,6 +225,9 @@ def integrate_scene(
         scene: what there is.
         end: [s].
         mechanism: the scene's, or another edit of its baseline.
+        inputs: times shape (T,) and recorded drives by channel, shape (T,) each, for the mechanism's inputs. A servo
+            that follows a recorded reference is two of them at its joint: its stiffness times the reference, from
+            where it stands, and its damping times the reference's rate.
         tolerance: relative to the approach speed, and to the penetration that it makes; 1e-12 to 1e-2.
         first_step, max_step: [s].
         fixed: take every step at `max_step`, whatever its error; for measuring the order.
@@ -237,10 +243,8 @@ def integrate_scene(
     if not (first_step > 0.0 and max_step > 0.0):
         raise InputError("steps must be positive", given=(first_step, max_step))
     mechanism = mechanism or scene.mechanism("multibody")
-    if mechanism.inputs:
-        raise InputError("the multibody backend takes no recorded inputs", given=[i.name for i in mechanism.inputs])
     assembly = assemble_bodies(scene, mechanism)
-    dynamics = Dynamics(assembly, balanced(scene, mechanism, assembly))
+    dynamics = Dynamics(assembly, balanced(scene, mechanism, assembly), recorded(mechanism, inputs))
     scale, slack = _scale(scene, dynamics, tolerance)
     dynamics.settings[SLACK], dynamics.settings[STILL] = slack, max(AT_REST, float(scale[dynamics.nq]))
     y = np.zeros(dynamics.size)

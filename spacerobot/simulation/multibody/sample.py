@@ -26,7 +26,7 @@ from spacerobot.simulation.reduced.forces import STICK
 from spacerobot.support.jit import jit, lean
 
 
-def widths(nf: int, nq: int, nv: int, forces: int, frictions: int) -> dict[str, int]:
+def widths(nf: int, nq: int, nv: int, forces: int, frictions: int, inputs: int) -> dict[str, int]:
     """What a row of `read` holds, in order, and how many numbers of each."""
     return {
         "feature": 2 * nf,
@@ -41,7 +41,7 @@ def widths(nf: int, nq: int, nv: int, forces: int, frictions: int) -> dict[str, 
         "kinetic": 1,
         "potential": 1,
         "momentum": 6,
-        "work": forces + frictions,
+        "work": forces + frictions + inputs,
         "modes": 1 + forces + frictions,
     }
 

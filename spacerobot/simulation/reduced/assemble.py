@@ -27,7 +27,7 @@ from spacerobot.simulation.reduced.arrays import (
     packed_ints,
 )
 from spacerobot.simulation.reduced.law_table import LAWS
-from spacerobot.support.errors import NotFoundError
+from spacerobot.support.errors import InputError, NotFoundError
 
 _NATIVE = {SPRING: NATIVE_SPRING, DAMPER: NATIVE_DAMPER, CONTACT: NATIVE_CONTACT}
 
@@ -206,6 +206,29 @@ def _numbered(mechanism: Mechanism, made: Template) -> System:
         constant=constant,
         **changed,
     )
+
+
+def recorded(mechanism: Mechanism, inputs: tuple[np.ndarray, Mapping[str, np.ndarray]] | None) -> np.ndarray:
+    """Times, then the recorded drive of each input of a mechanism, shape (1 + U, T).
+
+    Raises:
+        InputError: it has inputs that were not given, or their records do not fit.
+    """
+    names = [i.name for i in mechanism.inputs]
+    if inputs is None:
+        if names:
+            raise InputError("the mechanism is driven by recorded inputs, which were not given", given=names)
+        return np.zeros((1, 1))
+    times, channels = inputs
+    missing = [i.channel for i in mechanism.inputs if i.channel not in channels]
+    if missing:
+        raise InputError("recorded inputs without a record", given=missing, valid=", ".join(channels))
+    rows = [np.asarray(times, dtype=float), *(np.asarray(channels[i.channel], dtype=float) for i in mechanism.inputs)]
+    if len({r.shape for r in rows}) != 1 or rows[0].ndim != 1 or not rows[0].size:
+        raise InputError("times and recorded inputs must be of one length", given=[r.shape for r in rows])
+    if not all(np.isfinite(r).all() for r in rows) or (np.diff(rows[0]) <= 0.0).any():
+        raise InputError("recorded inputs must be finite, at ascending times", given=names)
+    return np.array(rows)
 
 
 def head_on(system: System, y0: np.ndarray) -> bool:

@@ -59,21 +59,23 @@ def kinematics(x: Any, c: Any, y: Any, w: Any, count: int) -> None:
 
 
 @lean
-def drive(x: Any, c: Any, t: float, u: Any, w: Any) -> None:
-    """Adds the recorded drives, interpolated linearly; outside the record the nearest sample holds."""
-    n = c[N]
+def driven(u: Any, j: int, t: float) -> float:
+    """Recorded drive j, interpolated linearly; outside the record the nearest sample holds."""
     last = u.shape[1] - 1
     k = int(np.searchsorted(u[0], t, side="right")) - 1
     if k < 0:
-        k, blend = 0, 0.0
-    elif k >= last:
-        k, blend = last, 0.0
-    else:
-        blend = (t - u[0, k]) / (u[0, k + 1] - u[0, k])
+        return float(u[1 + j, 0])
+    if k >= last:
+        return float(u[1 + j, last])
+    blend = (t - u[0, k]) / (u[0, k + 1] - u[0, k])
+    return float(u[1 + j, k] + blend * (u[1 + j, k + 1] - u[1 + j, k]))
+
+
+@lean
+def drive(x: Any, c: Any, t: float, u: Any, w: Any) -> None:
+    """Adds the recorded drives."""
+    n = c[N]
     for j in range(c[INPUTS]):
-        value = u[1 + j, k]
-        if blend > 0.0:
-            value += blend * (u[1 + j, k + 1] - value)
-        p = c[c[INPUT_PORT] + j]
-        for i in range(c[N]):
-            w[c[TAU] + i] += w[c[W_ROWS] + p * n + i] * x[c[GAIN] + j] * value
+        force, p = x[c[GAIN] + j] * driven(u, j, t), c[c[INPUT_PORT] + j]
+        for i in range(n):
+            w[c[TAU] + i] += w[c[W_ROWS] + p * n + i] * force

@@ -12,7 +12,7 @@ import numpy as np
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.simulation.events import Event
 from spacerobot.simulation.reduced.arrays import Packed, System
-from spacerobot.simulation.reduced.assemble import Layout, assemble_packed, head_on, unturning
+from spacerobot.simulation.reduced.assemble import Layout, assemble_packed, head_on, recorded, unturning
 from spacerobot.simulation.reduced.forces import APART, PRESSED, RELEASED, STICK
 from spacerobot.simulation.reduced.integrate import MAX_STEPS, NOT_FINITE, OK, TOO_MANY_EVENTS, Steps, integrate
 from spacerobot.simulation.reduced.law_table import LAWS
@@ -196,12 +196,7 @@ def simulate(
     n = y0.size // 2
     if head_on(system, y0):
         packed = unturning(packed)
-    if inputs is None:
-        drives = np.zeros((1 + len(layout.inputs), 1))
-        if layout.inputs:
-            raise InputError("the mechanism is driven by recorded inputs, which were not given", given=layout.inputs)
-    else:
-        drives = np.array([inputs[0], *(inputs[1][i.channel] for i in mechanism.inputs)], dtype=float)
+    drives = recorded(mechanism, inputs)
     atol = scale * np.concatenate([np.full(n, 1e-3 * tolerance), np.full(n, 1e-1 * tolerance)])
     first = min(1e-4, max_step, end - start)
     *taken, etime, eindex, emode, status = integrate(
