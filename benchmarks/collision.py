@@ -112,7 +112,7 @@ def page(found: dict[str, Any]) -> str:
         "  they are approximations, and left out.",
         "* The last separation of the others is interpolated between steps by a parabola. Setting up is not counted: of the",
         "  others the model, of the reduced backend its mechanism. The exact way takes its numbers from the scene in every",
-        "  run, and the multibody backend assembles its model in every run.",
+        "  run, and the multibody backend keeps the bodies of its scene between runs.",
         "* Brackets: quartiles of the repeats; a run of more than 0.3 s is made once.",
     ]
     for scene in found["scenes"]:

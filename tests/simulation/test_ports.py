@@ -40,7 +40,7 @@ def test_rates_rows_and_biases(name: str) -> None:
 
         def seen(q: np.ndarray, v: np.ndarray = v) -> dict[str, tuple[float, float, float, np.ndarray]]:
             y[: dynamics.nq], y[dynamics.nq : dynamics.nq + dynamics.nv] = q, v
-            with dynamics.with_bias():
+            with dynamics.whole():
                 dynamics.rate(0.0, y, slope)
             return {
                 p: (

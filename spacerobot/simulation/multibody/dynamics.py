@@ -9,17 +9,14 @@ import numpy as np
 
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.simulation.multibody.assembly import Assembly
-from spacerobot.simulation.multibody.kernel import CIRCLE, STRAIGHT, solve
+from spacerobot.simulation.multibody.kernel import ALL, BIASES, CIRCLE, PLAIN_PORTS, STRAIGHT, solve
 from spacerobot.simulation.multibody.layout import packed, scratch_from
-from spacerobot.simulation.multibody.machine import BIASED, guards_at, machine_of, rate_at
+from spacerobot.simulation.multibody.machine import NEEDS, called, machine_of
 from spacerobot.simulation.multibody.ports import for_bodies, layout_of, mates
 from spacerobot.simulation.reduced.arrays import BIAS, FORCE, FRICTION, W_ROWS, D, System, V, pack
 from spacerobot.simulation.reduced.assemble import assemble
 from spacerobot.simulation.reduced.forces import AT_REST
 from spacerobot.simulation.reduced.law_table import LAWS
-from spacerobot.support.jit import jit
-
-_rate, _guards = jit(rate_at.py_func), jit(guards_at.py_func)
 
 
 class Dynamics:
@@ -53,7 +50,7 @@ class Dynamics:
         self.q, self.v = np.zeros(self.nq), np.zeros(self.nv)
         ints, floats, work = packed(self.layout, assembly.tree, self.frictions)
         self.scratch = scratch_from(ints, work)
-        self.settings = np.array([float(self._needs_bias()), 0.0, AT_REST, 0.0, 0.0])
+        self.settings = np.array([BIASES if self._needs_bias() else PLAIN_PORTS, 0.0, AT_REST, 0.0, 0.0])
         self.machine, self._table = machine_of(
             x=self.packed.floats,
             c=self.packed.ints,
@@ -96,22 +93,22 @@ class Dynamics:
         return False
 
     @contextlib.contextmanager
-    def with_bias(self) -> Iterator[None]:
-        """Bias accelerations are found too, which ports at rest do without."""
-        before = self.settings[BIASED]
-        self.settings[BIASED] = 1.0
+    def whole(self) -> Iterator[None]:
+        """Every port and feature is found, with its bias acceleration; a run does without most of them."""
+        before = self.settings[NEEDS]
+        self.settings[NEEDS] = ALL
         try:
             yield
         finally:
-            self.settings[BIASED] = before
+            self.settings[NEEDS] = before
 
     def rate(self, t: float, y: np.ndarray, out: np.ndarray) -> None:
         """out = dy/dt, and all forces into the work array."""
-        _rate(self.machine, t, y, out)
+        called(self.machine.rate, self.machine.here, t, y, out, out)
 
     def guard(self, t: float, y: np.ndarray, out: np.ndarray, slope: np.ndarray) -> float:
         """Guards of all modes into `out`; returns the rate of the penetration. `slope` may be overwritten."""
-        return float(_guards(self.machine, t, y, out, slope))
+        return float(called(self.machine.guards, self.machine.here, t, y, out, slope))
 
     def friction_force(self, r: int) -> float:
         """Force of friction `r` along its port at the state last evaluated [N]."""

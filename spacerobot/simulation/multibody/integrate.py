@@ -17,7 +17,7 @@ from spacerobot.simulation.multibody.machine import Machine, guards_at, rate_at
 from spacerobot.simulation.multibody.modes import start, switch, turn
 from spacerobot.simulation.multibody.stepper import error_norm, interpolant, stage
 from spacerobot.simulation.multibody.watch import SAMPLES, first_event
-from spacerobot.simulation.reduced.arrays import FRICTIONS, HEADING, W_ROWS
+from spacerobot.simulation.reduced.arrays import EDGE, FORCES, FRICTIONS, HEADING, PRESS, W_ROWS
 from spacerobot.support.jit import jit, lean
 
 MAX_STEPS, MAX_EVENTS = 150_000, 5_000
@@ -180,6 +180,9 @@ def _onwards(
         start(m, t, y, slope)
         rate_at(m, t, y, k[0])
         count[BEGUN] = 1
+    watched = m.c[PRESS] >= 0 or frictions > 0
+    for j in range(m.c[FORCES]):
+        watched |= m.c[m.c[EDGE] + j] >= 0
     status = DONE
     while t < end:
         if count[ROWS] == rows.shape[0] or count[EVENTS] == happened.shape[0]:
@@ -207,7 +210,9 @@ def _onwards(
             continue
         grow = _GROW if norm < 1e-12 else min(_GROW, _SAFETY * norm ** (-1.0 / ORDER))
         _interpolated(m, t, y, full, k, temp, new, f)
-        hit, theta = first_event(m, t, y, full, f, temp, slope, g, samples, rates)
+        hit, theta = -1, 2.0
+        if watched:
+            hit, theta = first_event(m, t, y, full, f, temp, slope, g, samples, rates)
         part = full
         if hit >= 0:
             part = _polished(m, hit, t, y, full, theta * full, k, temp, new, slope, g)

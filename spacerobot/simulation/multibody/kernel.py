@@ -39,6 +39,10 @@ from spacerobot.support.jit import lean
 STRAIGHT, CIRCLE, POINT, HEADING = range(4)
 """Kinds of feature: a joint with one number; with cosine and sine; a frame's displacement; a heading about an axis."""
 
+PLAIN_PORTS, BIASES, ALL = 0.0, 1.0, 2.0
+"""What an evaluation needs: rows and rates of the ports that something acts at or reads; their bias accelerations, for
+what sticks at ports whose rows turn; everything of all features and ports."""
+
 WORLD, HAND, TIP, BASE, TARGET = range(5)
 """Bodies that features and contact read."""
 
@@ -155,12 +159,12 @@ def _turned(bodies: Any, body: int, local: Any, out: Any) -> None:
 
 
 @lean
-def sense(c: Any, w: Any, layout: Any, scratch: Any, bodies: Any, q: Any, v: Any, biased: bool) -> None:
-    """Rows, displacements, rates and (where `biased`) bias accelerations of all ports, into `w`.
+def sense(c: Any, w: Any, layout: Any, scratch: Any, bodies: Any, q: Any, v: Any, needs: float) -> None:
+    """Rows, displacements, rates and bias accelerations of ports, into `w`; `needs` says of which.
 
-    `bodies` is the tree's work: placed, and moved where `biased`.
+    `bodies` is the tree's work: placed, and moved where bias accelerations are needed.
     """
-    nv = v.size
+    nv, biased, whole = v.size, needs > 0.0, needs >= ALL
     row, value, place, arm = scratch.row, scratch.value, scratch.place, scratch.arm
     motion, other, vectors = scratch.motion[0], scratch.motion[1], scratch.vectors
     carrier = layout.carrier
@@ -175,6 +179,8 @@ def sense(c: Any, w: Any, layout: Any, scratch: Any, bodies: Any, q: Any, v: Any
         apart[i] = touch[i] - place[TIP, i]
         from_tip[i] = arm[TIP, i] + apart[i]
     for f in range(row.shape[0]):
+        if not (whole or layout.seen[f]):
+            continue
         kind, a, b = layout.feature[f, 0], layout.feature[f, 1], layout.feature[f, 2]
         for i in range(nv):
             row[f, i] = 0.0
@@ -207,6 +213,8 @@ def sense(c: Any, w: Any, layout: Any, scratch: Any, bodies: Any, q: Any, v: Any
             speed += row[f, i] * v[i]
         value[f, 0], value[f, 1], value[f, 2] = d, speed, bias
     for p in range(layout.ports.shape[0]):
+        if not (whole or layout.used[p]):
+            continue
         d, speed, bias = 0.0, 0.0, 0.0
         at = c[W_ROWS] + p * nv
         for i in range(nv):
@@ -381,15 +389,15 @@ def hold(c: Any, w: Any, stuck: int, split: int, scratch: Scratch) -> None:
 
 
 @lean
-def locate(c: Any, w: Any, ints: Any, floats: Any, work: Any, y: Any, q: Any, v: Any, biased: bool) -> None:
+def locate(c: Any, w: Any, ints: Any, floats: Any, work: Any, y: Any, q: Any, v: Any, needs: float) -> None:
     """Configuration, velocity, bodies and ports of an ambient state."""
     layout, scratch = layout_inside(ints, floats), scratch_inside(ints, work)
     tree, bodies = tree_of(ints, floats), bodies_of(ints, work)
     load(y, layout.joints, q, v)
     place_bodies(tree, bodies, q)
-    if biased:
+    if needs > 0.0:
         move_bodies(tree, bodies, v)
-    sense(c, w, layout, scratch, bodies, q, v, biased)
+    sense(c, w, layout, scratch, bodies, q, v, needs)
 
 
 @lean
@@ -407,7 +415,7 @@ def rate_of(
     y: Any,
     q: Any,
     v: Any,
-    biased: bool,
+    needs: float,
     out: Any,
 ) -> None:
     """out = dy/dt. `ints`, `floats` and `work` hold Layout, Scratch and the tree of bodies."""
@@ -417,5 +425,5 @@ def rate_of(
     place_bodies(tree, bodies, q)
     move_bodies(tree, bodies, v)
     weigh_bodies(tree, bodies)
-    sense(c, w, layout, scratch, bodies, q, v, biased)
+    sense(c, w, layout, scratch, bodies, q, v, needs)
     accelerate(x, c, laws, t, modes, u, w, layout, scratch, bodies, q, v, out)

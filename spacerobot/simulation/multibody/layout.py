@@ -36,6 +36,8 @@ class Layout(NamedTuple):
     tip_axes: np.ndarray  # (3, 3) rows: contact normal, lateral and upward direction in the tip's joint
     ahead: np.ndarray  # (nf, 3) of a heading: the direction that it is the heading of, in its body
     split: int  # first velocity of the target
+    seen: np.ndarray  # (nf,) int: 1 where a port in use reads it
+    used: np.ndarray  # (m,) int: 1 where something acts or reads
     rise: int  # port of the upward sliding, or -1
 
 
@@ -60,7 +62,7 @@ def packed(layout: Layout, tree: TreeArrays, frictions: int) -> tuple[np.ndarray
     nf, nv = layout.feature.shape[0], layout.support.shape[1]
     r = max(frictions, 1)
     tree_ints, tree_floats, tree_size = packed_tree(tree)
-    constant = [layout.joints, layout.feature, layout.support, layout.carrier]
+    constant = [layout.joints, layout.feature, layout.support, layout.carrier, layout.seen, layout.used]
     floats = [layout.reference, layout.ports, layout.local, layout.axes, layout.tip_axes, layout.ahead]
     size = nf * nv + 3 * nf + 6 * BODIES + 18 + 18 + nv * nv + nv + r * nv + r * r + r
     starts = [HEADER + sum(a.size for a in constant), sum(a.size for a in floats), size]
@@ -85,6 +87,8 @@ def layout_from(k: Any, x: Any) -> Layout:
     support = k[a : a + BODIES * nv].reshape((BODIES, nv))
     a += BODIES * nv
     carrier = k[a : a + BODIES]
+    a += BODIES
+    seen, used = k[a : a + nf], k[a + nf : a + nf + m]
     reference = x[:nf]
     b = nf
     ports = x[b : b + m * nf].reshape((m, nf))
@@ -93,7 +97,9 @@ def layout_from(k: Any, x: Any) -> Layout:
     b += 3 * BODIES
     axes, tip_axes = x[b : b + 9].reshape((3, 3)), x[b + 9 : b + 18].reshape((3, 3))
     ahead = x[b + 18 : b + 18 + 3 * nf].reshape((nf, 3))
-    return Layout(joints, feature, support, carrier, reference, ports, local, axes, tip_axes, ahead, k[SPLIT], k[RISE])
+    return Layout(
+        joints, feature, support, carrier, reference, ports, local, axes, tip_axes, ahead, k[SPLIT], seen, used, k[RISE]
+    )  # fmt: skip
 
 
 @jit

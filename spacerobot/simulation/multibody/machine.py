@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from spacerobot.simulation.multibody.kernel import exert, locate, rate_of
+from spacerobot.simulation.multibody.kernel import PLAIN_PORTS, exert, locate, rate_of
 from spacerobot.simulation.reduced.arrays import (
     FORCES,
     FRICTION_MATE,
@@ -24,8 +24,8 @@ from spacerobot.simulation.reduced.forces import PRESSED, STICK
 from spacerobot.simulation.reduced.guards import guards
 from spacerobot.support.jit import by_address, jit, lean, numba
 
-BIASED, SLACK, STILL, RATES, GUARDS = range(5)
-"""Where `settings` keeps: whether bias accelerations are needed; force [N] below which what holds a friction is
+NEEDS, SLACK, STILL, RATES, GUARDS = range(5)
+"""Where `settings` keeps: what an evaluation needs, see `kernel`; force [N] below which what holds a friction is
 rounding; speed [m/s] below which sliding in two directions has stopped; how often rate and guards were evaluated."""
 
 
@@ -91,7 +91,7 @@ def machine_at(here: int) -> Machine:
 
 @lean
 def _exert(m: Any, t: float, y: Any) -> None:
-    locate(m.c, m.w, m.ints, m.floats, m.work, y, m.q, m.v, False)
+    locate(m.c, m.w, m.ints, m.floats, m.work, y, m.q, m.v, PLAIN_PORTS)
     exert(m.x, m.c, m.laws, t, m.modes, m.drives, m.w, m.v.size)
 
 
@@ -104,9 +104,9 @@ def size_of(m: Any) -> int:
 def _rate(here: int, t: float, y: Any, out: Any, spare: Any) -> float:
     m = machine_at(here)
     m.settings[RATES] += 1.0
-    biased, n = m.settings[BIASED] > 0.0, size_of(m)
+    needs, n = m.settings[NEEDS], size_of(m)
     state, slope = _carray(y, (n,)), _carray(out, (n,))
-    rate_of(m.x, m.c, m.laws, t, m.modes, m.drives, m.w, m.ints, m.floats, m.work, state, m.q, m.v, biased, slope)
+    rate_of(m.x, m.c, m.laws, t, m.modes, m.drives, m.w, m.ints, m.floats, m.work, state, m.q, m.v, needs, slope)
     return 0.0
 
 
@@ -118,8 +118,8 @@ def _guards(here: int, t: float, y: Any, out: Any, slope: Any) -> float:
         sticks |= m.modes[1 + m.c[FORCES] + r] == STICK
     state, rate, found = _carray(y, (n,)), _carray(slope, (n,)), _carray(out, (m.modes.size,))
     if sticks:
-        biased = m.settings[BIASED] > 0.0
-        rate_of(m.x, m.c, m.laws, t, m.modes, m.drives, m.w, m.ints, m.floats, m.work, state, m.q, m.v, biased, rate)
+        needs = m.settings[NEEDS]
+        rate_of(m.x, m.c, m.laws, t, m.modes, m.drives, m.w, m.ints, m.floats, m.work, state, m.q, m.v, needs, rate)
     else:
         _exert(m, t, state)
     c, modes = m.c, m.modes
@@ -159,3 +159,9 @@ def port_speed(m: Any, r: int) -> float:
 def row_of(m: Any, r: int) -> int:
     """Where the row of friction `r` begins in the work array."""
     return int(m.c[W_ROWS] + m.c[m.c[FRICTION_PORT] + r] * m.v.size)
+
+
+@jit
+def called(function: int, here: int, t: float, a: Any, b: Any, c: Any) -> float:
+    """For a caller in Python: what `Machine.rate` or `Machine.guards` gives."""
+    return float(_call(function, here, t, a, b, c))

@@ -120,6 +120,10 @@ def layout_of(assembly: Assembly, mechanism: Mechanism) -> tuple[Layout, list[st
     rows = np.zeros((len(mechanism.ports), len(names)))
     for p, port in enumerate(mechanism.ports):
         rows[p] = _port(mechanism.ports[port], mechanism, names)
+    frictions, kicks, inputs = mechanism.frictions, mechanism.impulses, mechanism.inputs
+    read = {*(f.port for f in frictions), *(i.port for i in kicks), *(i.port for i in inputs)}
+    read |= {p for f in mechanism.forces for p in (f.port, f.sense, f.aux) if p is not None}
+    used = np.array([p in read for p in mechanism.ports])
     coordinates = np.array([_coordinate(c, mechanism, names) for c in mechanism.coordinates])
     bodies = [0, assembly.hand[0], assembly.tip[0], assembly.base[0], assembly.target]
     tip = data.oMi[assembly.tip[0]].rotation
@@ -136,6 +140,8 @@ def layout_of(assembly: Assembly, mechanism: Mechanism) -> tuple[Layout, list[st
             tip_axes=np.ascontiguousarray((tip.T @ assembly.axes).T),
             ahead=ahead,
             split=assembly.split,
+            seen=(rows[used] != 0.0).any(axis=0).astype(np.int64),
+            used=used.astype(np.int64),
             rise=list(mechanism.ports).index(RISE) if RISE in mechanism.ports else -1,
         ),
         names,

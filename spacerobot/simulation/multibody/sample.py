@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 
 from spacerobot.simulation.multibody.dop853 import POWERS
+from spacerobot.simulation.multibody.kernel import ALL
 from spacerobot.simulation.multibody.layout import BODIES, RISE, bodies_of, scratch_inside, tree_of
-from spacerobot.simulation.multibody.machine import BIASED, guards_at, rate_at, row_of, size_of
+from spacerobot.simulation.multibody.machine import NEEDS, guards_at, rate_at, row_of, size_of
 from spacerobot.simulation.multibody.stepper import interpolate
 from spacerobot.simulation.reduced.arrays import (
     FORCE,
@@ -149,12 +150,12 @@ def _read(m: Any, t: float, y: Any, rate: Any, o: Any) -> None:
 @jit
 def read(m: Any, rows: Any, index: Any, times: Any, out: Any) -> None:
     """Everything at `times`, one row of `out` each, as `widths` says; `index` is the step of each."""
-    y, rate, before = np.empty(size_of(m)), np.empty(size_of(m)), m.settings[BIASED]
-    m.settings[BIASED] = 1.0
+    y, rate, before = np.empty(size_of(m)), np.empty(size_of(m)), m.settings[NEEDS]
+    m.settings[NEEDS] = ALL
     for n in range(times.size):
         _state(m, rows[index[n]], times[n], y)
         _read(m, times[n], y, rate, out[n])
-    m.settings[BIASED] = before
+    m.settings[NEEDS] = before
 
 
 @jit
