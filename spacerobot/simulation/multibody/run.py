@@ -244,7 +244,10 @@ def integrate_scene(
         raise InputError("steps must be positive", given=(first_step, max_step))
     mechanism = mechanism or scene.mechanism("multibody")
     assembly = assemble_bodies(scene, mechanism)
-    dynamics = Dynamics(assembly, balanced(scene, mechanism, assembly), recorded(mechanism, inputs))
+    drives = recorded(mechanism, inputs)
+    if not np.isfinite(drives).all() or (np.diff(drives[0]) <= 0.0).any():
+        raise InputError("recorded inputs must be finite, at ascending times", given=[i.name for i in mechanism.inputs])
+    dynamics = Dynamics(assembly, balanced(scene, mechanism, assembly), drives)
     scale, slack = _scale(scene, dynamics, tolerance)
     dynamics.settings[SLACK], dynamics.settings[STILL] = slack, max(AT_REST, float(scale[dynamics.nq]))
     y = np.zeros(dynamics.size)

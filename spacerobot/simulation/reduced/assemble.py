@@ -226,8 +226,6 @@ def recorded(mechanism: Mechanism, inputs: tuple[np.ndarray, Mapping[str, np.nda
     rows = [np.asarray(times, dtype=float), *(np.asarray(channels[i.channel], dtype=float) for i in mechanism.inputs)]
     if len({r.shape for r in rows}) != 1 or rows[0].ndim != 1 or not rows[0].size:
         raise InputError("times and recorded inputs must be of one length", given=[r.shape for r in rows])
-    if not all(np.isfinite(r).all() for r in rows) or (np.diff(rows[0]) <= 0.0).any():
-        raise InputError("recorded inputs must be finite, at ascending times", given=names)
     return np.array(rows)
 
 
