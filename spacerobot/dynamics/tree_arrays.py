@@ -9,7 +9,7 @@ import pinocchio as pin
 
 from spacerobot.dynamics.joint_kinds import joint_axis, z_onto
 from spacerobot.support.errors import InputError
-from spacerobot.support.jit import jit, lean
+from spacerobot.support.jit import jit, lean_twin
 
 TURN, SLIDE, CIRCLE, BALL, FREE = range(5)
 """Kinds of joint: one angle; one distance; one angle kept as cosine and sine; a unit quaternion; a place and one."""
@@ -157,5 +157,5 @@ def tree_work_from(k: Any, s: Any) -> TreeWork:
     return TreeWork(rotation, place, point, motion, drift, speed, bias, force, composite, inertia, load)
 
 
-tree_inside, tree_work_inside = lean(tree_from.py_func), lean(tree_work_from.py_func)
+tree_inside, tree_work_inside = lean_twin(tree_from), lean_twin(tree_work_from)
 """The same for compiled callers; what they return must not reach Python."""

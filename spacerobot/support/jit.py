@@ -12,6 +12,7 @@ import hashlib
 import os
 import tempfile
 from pathlib import Path
+from types import FunctionType
 from typing import Any
 
 _PACKAGE = Path(__file__).resolve().parent.parent
@@ -67,6 +68,18 @@ def lean(function: Any) -> Any:
     The counts are atomic; for a function of eight arrays they cost 0.1 us a call, which is what its work costs.
     """
     return numba().njit(function, cache=True, nogil=True, _nrt=False)
+
+
+def lean_twin(compiled: Any) -> Any:
+    """The `lean` form of what `jit` compiled, for compiled callers: what it returns must not reach Python.
+
+    Kept under a name of its own: Numba's disk cache does not look at options, so a process would be handed whichever
+    form another had left there first, and the lean one's views come back to Python as the whole array.
+    """
+    f = compiled.py_func
+    twin = FunctionType(f.__code__, f.__globals__, f.__name__, f.__defaults__, f.__closure__)
+    twin.__module__, twin.__qualname__ = f.__module__, f"{f.__qualname__}.lean"
+    return lean(twin)
 
 
 def jit(function: Any) -> Any:

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import ast
+import os
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -124,3 +127,40 @@ def test_a_verdict_of_other_code_is_made_again(tmp_path: Path, monkeypatch: pyte
         (tmp_path / "guide.json").write_text(dumps({**kept, **other}))
         with pytest.raises(LookupError):
             study_table._verdict(study, "guide", tmp_path)
+
+
+ROWS = """
+import sys
+import numpy as np
+from spacerobot.support.jit import jit, lean_twin
+
+@jit
+def rows(s):
+    return (s[:6].reshape((2, 3)), s[6:])
+
+inside = lean_twin(rows)
+
+@jit
+def total(s):
+    found = inside(s)
+    return found[0][1, 2] + found[1][0]
+
+s = np.arange(8.0)
+print(total(s) if sys.argv[1] == "inside" else [a.shape for a in rows(s)])
+"""
+
+
+@pytest.mark.parametrize("order", [("inside", "outside", "inside"), ("outside", "inside", "outside")])
+def test_what_one_process_left_compiled_serves_the_next(tmp_path: Path, order: tuple[str, ...]) -> None:
+    """A function and its lean form do not take each other's place on disk, whichever came first."""
+    script = tmp_path / "rows.py"
+    script.write_text(ROWS)
+    for who in order:
+        said = subprocess.run(
+            [sys.executable, str(script), who],
+            env=os.environ | {"SPACEROBOT_CACHE": str(tmp_path / "cache"), "PYTHONPATH": str(PACKAGE.parent)},
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        assert said.stdout.strip() == {"inside": "11.0", "outside": "[(2, 3), (2,)]"}[who]

@@ -14,7 +14,7 @@ from spacerobot.dynamics.tree_arrays import (
     tree_work_from,
     tree_work_inside,
 )
-from spacerobot.support.jit import jit, lean
+from spacerobot.support.jit import jit, lean, lean_twin
 
 NF, NV, PORTS, JOINTS, STUCK, SPLIT, RISE, TREE_INTS, TREE_FLOATS, TREE_WORK, HEADER = range(11)
 """Where the packed integers keep counts, two indices, and where the tree of bodies begins in each array."""
@@ -131,7 +131,7 @@ def bodies_from(k: Any, s: Any) -> TreeWork:
     return found
 
 
-layout_inside, scratch_inside = lean(layout_from.py_func), lean(scratch_from.py_func)
+layout_inside, scratch_inside = lean_twin(layout_from), lean_twin(scratch_from)
 """The same for compiled callers; what they return must not reach Python."""
 
 
