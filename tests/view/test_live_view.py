@@ -8,6 +8,8 @@ import math
 import signal
 import subprocess
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 from urllib.parse import urlsplit
 
@@ -183,18 +185,36 @@ def test_mistakes_on_the_command_line_serve_nothing(
     assert not told.out
 
 
+@contextmanager
+def heard(number: signal.Signals) -> Iterator[None]:
+    """Children hear the signal, though the shell that began the suite in the background ignores it for them."""
+    before = signal.signal(number, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        signal.signal(number, before)
+
+
 def test_an_interrupt_ends_it_without_a_word_of_python() -> None:
     command = [sys.executable, "-m", "spacerobot", "view", "wrist", "--live", "--json"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
-        assert process.stdout is not None
-        assert process.stderr is not None
-        line = ""
-        while not line.rstrip().endswith("}"):
-            line += process.stdout.readline()
-        assert asked(json.loads(line)["url"], "?q=0.01")[0] == 200
-        process.send_signal(signal.SIGINT)
-        assert process.wait(timeout=20) == 0
-        assert process.stderr.read().strip() == "ended"
+    with (
+        heard(signal.SIGINT),
+        subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process,
+    ):
+        try:
+            assert process.stdout is not None
+            assert process.stderr is not None
+            line = ""
+            while not line.rstrip().endswith("}"):
+                more = process.stdout.readline()
+                assert more, process.stderr.read()
+                line += more
+            assert asked(json.loads(line)["url"], "?q=0.01")[0] == 200
+            process.send_signal(signal.SIGINT)
+            assert process.wait(timeout=20) == 0
+            assert process.stderr.read().strip() == "ended"
+        finally:
+            process.kill()
 
 
 def test_in_a_notebook_it_is_a_frame_of_the_page() -> None:
