@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from spacerobot.effects.mechanism import Mechanism
+from spacerobot.effects.sizes import Sizes
 from spacerobot.support.errors import InputError, NotFoundError
 
 
@@ -75,6 +76,13 @@ class Effect(ABC):
             them, and what is null is measured against a baseline without them.
         kind: "force", "body", "gravity", "contact" or "sensor", for grouping in reports.
         stands_for: what its law is the simplest form of, where that has more to it; what it leaves may be its own.
+        phrase: the title as the object of a sentence, "a time offset"; the title itself if empty.
+        refines: effects that it equals at some of its values: richer laws of the same thing, one of which a place has.
+        same_as: last words of values of its place that act exactly as it does: "mass" of the wrist is wrist.mass. No
+            data tell the two apart, so where the value is fitted it stands for both.
+        carried: acts on a floating body only where something carries or moors it, not on one that falls.
+        relative: of a sensor; only the difference between two sensors shows, counted as positive at one of them.
+        instant: shows in what is read just before and just after an impact, which has no duration.
     """
 
     name: ClassVar[str]
@@ -86,6 +94,12 @@ class Effect(ABC):
     removes: ClassVar[tuple[str, ...]] = ()
     kind: ClassVar[str] = "force"
     stands_for: ClassVar[str] = ""
+    phrase: ClassVar[str] = ""
+    refines: ClassVar[tuple[str, ...]] = ()
+    same_as: ClassVar[tuple[str, ...]] = ()
+    carried: ClassVar[bool] = False
+    relative: ClassVar[bool] = False
+    instant: ClassVar[bool] = False
 
     @abstractmethod
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:
@@ -94,6 +108,25 @@ class Effect(ABC):
     @abstractmethod
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
         """The mechanism with this effect in it; at null values, the physics as before (but for what it removes)."""
+
+    def plausible(self, values: Mapping[str, float], sizes: Sizes) -> bool:
+        """Whether the effect with these numbers is what its name says; bounds of parameters are seen to elsewhere.
+
+        Args:
+            values: of its parameters.
+            sizes: typical of what was recorded at its place.
+        """
+        return True
+
+    @property
+    def strength(self) -> Parameter:
+        """The first of its parameters that says how much there is of it."""
+        return next((p for p in self.parameters if not p.shape), self.parameters[0])
+
+    @property
+    def once(self) -> bool:
+        """Whether it happens at a moment of a trial, each trial's own."""
+        return any(p.moment for p in self.parameters)
 
     @property
     def two_sided(self) -> bool:

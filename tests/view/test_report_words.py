@@ -16,6 +16,7 @@ from spacerobot.view.report.story import few_trials, improvement
 from spacerobot.view.report.unseen import unseen
 from spacerobot.view.report.words import (
     beyond,
+    effect_object,
     number,
     parameter_label,
     parameters_text,
@@ -24,7 +25,6 @@ from spacerobot.view.report.words import (
     probability,
     quantity,
     unit_of_name,
-    with_article,
     with_own_units,
 )
 
@@ -65,9 +65,9 @@ def test_numbers_keep_three_digits(value: float) -> None:
 
 
 def test_articles_and_plain_hundreds() -> None:
-    assert with_article("time offset in the force sensor") == "a time offset in the force sensor"
-    assert with_article("end stop in the wrist's guide") == "an end stop in the wrist's guide"
-    assert with_article("Coulomb friction in the wrist's guide") == "Coulomb friction in the wrist's guide"
+    assert effect_object({"effect": "time_offset", "where": "force_sensor"}) == "a time offset in the force sensor"
+    assert effect_object({"effect": "end_stop", "where": "wrist"}) == "an end stop in the wrist's guide"
+    assert effect_object({"effect": "coulomb_friction", "where": "wrist"}) == "Coulomb friction in the wrist's guide"
     assert number(190.4, 2) == "190"
     assert number(1.9e7, 2) == "1.9 × 10⁷"
 

@@ -11,11 +11,13 @@ from spacerobot.diagnosis.machines.machine import FIRST_NOISE, conditions_of
 from spacerobot.diagnosis.machines.simulated import Build, Simulated
 from spacerobot.diagnosis.machines.sizes import sizes_of
 from spacerobot.diagnosis.machines.windows import Drive, band_limited, refinement
+from spacerobot.diagnosis.terms.candidates import stood_for
 from spacerobot.diagnosis.terms.data import Block, TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed
 from spacerobot.effects.laws import DAMPER, SPRING
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Coordinate, Force, Input, Readout
+from spacerobot.effects.registry import all_effects
 from spacerobot.recordings.study import Study
 from spacerobot.recordings.trial import Trial
 
@@ -95,11 +97,7 @@ def axis_model(study: Study, trials: Sequence[Trial], joint: str, mass: float, a
         drives,
         believed=Believed(values, {}, {}, conditions_of(whole), unknown),
         sizes={"": sizes},
-        covered=frozenset(
-            (effect, name)
-            for effect, value in (("payload", "mass"), ("viscous_friction", "damping"))
-            if f"{name}.{value}" in unknown
-        ),
+        covered=frozenset((e.name, name) for e in all_effects().values() if stood_for(e, name, unknown)),
         window=(OSCILLATIONS if sprung else RESTART) * sizes.time * (2.0 * math.pi if sprung else 1.0),
     )
     made.stated = frozenset(whole[0].channels) if all(r[3].sigma_stated for r in recorded) else frozenset()

@@ -11,11 +11,13 @@ from spacerobot.diagnosis.machines.machine import FIRST_NOISE, conditions_of
 from spacerobot.diagnosis.machines.simulated import Build, Simulated
 from spacerobot.diagnosis.machines.sizes import Sizes, sizes_of
 from spacerobot.diagnosis.machines.windows import FOLDS, Drive, held
+from spacerobot.diagnosis.terms.candidates import stood_for
 from spacerobot.diagnosis.terms.data import Block, TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed
 from spacerobot.effects.laws import DAMPER
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Coordinate, Field, Force, Input, Readout
+from spacerobot.effects.registry import all_effects
 from spacerobot.recordings.study import Study
 from spacerobot.recordings.trial import Trial
 
@@ -24,10 +26,6 @@ COMMAND = "command"
 
 RESTART = 1.5
 """Length of a window under recorded forces, in units of the motion's own time: simulations of a free body drift."""
-
-
-OF_TABLES = ("table_tilt", "table_curvature", "coulomb_friction", "tether")
-"""Effects of what a body slides on, or is moored beside: none of them acts on one that falls."""
 
 
 class Axis:
@@ -156,8 +154,12 @@ def _model(study: Study, trials: Sequence[Trial], group: str, name: str) -> Simu
     doubted = {f"body.{n.split('.', 1)[1]}": v for n, v in study.sigma.items() if n.startswith(f"{group}.")}
     sigma = {n: v for n, v in doubted.items() if n in ("body.mass", "body.yaw_inertia") and n not in unknown}
     fitted = {*sigma, *unknown}
-    covers = {("payload", "target"): "body.mass", ("payload", "target.yaw"): "body.yaw_inertia"}
-    no_table = {(effect, "target") for effect in OF_TABLES} if _falls(study) else set()
+    covers = {"target": "body.mass", "target.yaw": "body.yaw_inertia"}
+    stand = {f"{place}.mass" for place, value in covers.items() if value in fitted}
+    catalogue = all_effects().values()
+    covered = {(e.name, place) for e in catalogue for place in covers if stood_for(e, place, stand)}
+    if _falls(study):
+        covered |= {(e.name, "target") for e in catalogue if e.carried}
     made = Simulated(
         name,
         body(axes, float(gravity @ approach), sensors, driven),
@@ -166,7 +168,7 @@ def _model(study: Study, trials: Sequence[Trial], group: str, name: str) -> Simu
         believed=Believed(values, sigma, {}, conditions_of(whole), unknown),
         sizes=sizes,
         window=_window(whole, sizes[""].time, bool(driven)),
-        covered=frozenset(label for label, value in covers.items() if value in fitted) | no_table,
+        covered=frozenset(covered),
     )
     made.stated = frozenset(c for c in whole[0].channels if known[c].sigma_stated)
     made.relative_to = tuple(key.replace("body", group, 1) for key in relative)

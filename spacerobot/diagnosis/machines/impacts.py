@@ -35,9 +35,6 @@ TANGENT = tuple(f"aux.tangent_{a}" for a in AXES)
 PIECES = 8
 """Into how many parts the events are cut, so that there is something to hold out."""
 
-SEEN = ("contact_friction", "scale", "bias")
-"""Effects that an impulse shows; it has no duration, and shows no compression."""
-
 HALF = 0.5
 """Restitution to begin with where it is not stated."""
 
@@ -81,7 +78,7 @@ class Impacts(Model):
 
     def sites(self, effects: Iterable[Effect] | None = None) -> list[Site]:
         """Those that an impulse shows."""
-        return [s for s in super().sites(effects) if s.effect.name in SEEN]
+        return [s for s in super().sites(effects) if s.effect.instant]
 
     def mechanism(self, values: Mapping[str, float], trial: TrialData) -> Mechanism:
         """A body in the plane and its contact; the contact's one parameter is its restitution."""

@@ -22,6 +22,7 @@ from spacerobot.diagnosis.machines.sizes import Sizes, sizes_of
 from spacerobot.diagnosis.machines.stated_noise import Lens, stated_noise, still_below
 from spacerobot.diagnosis.machines.test_functions import Bump
 from spacerobot.diagnosis.machines.touch import Moment, first_shock
+from spacerobot.diagnosis.terms.candidates import stood_for
 from spacerobot.diagnosis.terms.data import Block, TrialData, piece_id
 from spacerobot.diagnosis.terms.hypothesis import Believed, Site
 from spacerobot.dynamics.joint_kinds import joint_axis
@@ -186,12 +187,11 @@ class InverseDynamics(Model):
     def sites(self, effects: Iterable[Effect] | None = None) -> list[Site]:
         """As everywhere; of one joint among several, those at it: a shared sensor or a coupling is no joint's own."""
         felt = {f"joint.{j}" for j in self.compared}
-        covered = {(e, n) for n in felt for e, v in _COVERED.items() if f"{n}.{v}" in self.believed.sigma}
-        covered |= {(e, n) for n in felt for e, v in _COVERED.items() if f"{n}.{v}" in self.believed.unknown}
-        every = [s for s in super().sites(effects) if s.label not in covered]
+        fitted = {*self.believed.sigma, *self.believed.unknown}
+        every = [s for s in super().sites(effects) if s.where not in felt or not stood_for(s.effect, s.where, fitted)]
         if len(self.compared) == len(self.joints):
             return every
-        return [s for s in every if s.where in felt and s.effect.name != "transmission_coupling"]
+        return [s for s in every if s.where in felt and "ports" not in self.touched(s)]
 
     def mechanism(self, values: Mapping[str, float], trial: TrialData) -> Mechanism:
         """Joints with their believed springs, dampers and inertia; the coupling between them is the rigid part.
@@ -288,9 +288,6 @@ class InverseDynamics(Model):
             out.append(bump.smooth(torque)[:: motion.stride])
         return Predicted((np.array(out),))
 
-
-_COVERED = {"payload": "mass", "viscous_friction": "damping"}
-"""Effects that act exactly as a value of the joint does; where that is fitted, it stands for both."""
 
 _UNITS = {"mass": "kg", "armature": "kg", "damping": "N s/m", "stiffness": "N/m", "friction": "N"}
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import fields
 
 import numpy as np
 
@@ -14,9 +15,6 @@ from spacerobot.diagnosis.terms.hypothesis import Believed, Hypothesis, Site
 from spacerobot.effects.effect import Effect
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.registry import all_effects
-
-ONE_TRIAL_ONLY = ("external_impulse",)
-"""Effects at a moment of their own: sought where there is one trial, since every trial would have its own."""
 
 FIRST_NOISE = 0.02
 """Noise of a channel as a share of its own size, before the best model's residual tells it."""
@@ -80,16 +78,26 @@ class Model(ABC):
 
     def sites(self, effects: Iterable[Effect] | None = None) -> list[Site]:
         """Every effect at every place where it could sit, its parameters scaled to what is typical there."""
-        trial = self.trials[0]
-        plain = self.mechanism({**self.base, **self.believed.unknown, **trial.overrides}, trial)
+        plain = self.plain()
         found = []
         for effect in all_effects().values() if effects is None else effects:
-            if effect.name in ONE_TRIAL_ONLY and len({t.recorded for t in self.trials}) > 1:
+            if effect.once and len({t.recorded for t in self.trials}) > 1:  # every trial would have its own
                 continue
             for where in dict.fromkeys(effect.places(plain)):
                 size = self.sizes.get(where, self.sizes[""])
                 found.append(Site(scaled(effect, size), where))
         return found
+
+    def plain(self) -> Mechanism:
+        """The baseline of the first trial."""
+        trial = self.trials[0]
+        return self.mechanism({**self.base, **self.believed.unknown, **trial.overrides}, trial)
+
+    def touched(self, site: Site) -> frozenset[str]:
+        """What an effect edits of the baseline: names of the mechanism's fields."""
+        plain = self.plain()
+        edited = site.effect.edit(plain, site.where, {p.name: p.starts[0] for p in site.effect.parameters})
+        return frozenset(f.name for f in fields(Mechanism) if getattr(edited, f.name) != getattr(plain, f.name))
 
 
 def conditions_of(trials: Sequence[TrialData]) -> tuple[str, ...]:

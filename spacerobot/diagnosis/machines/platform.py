@@ -122,7 +122,7 @@ class Platform(Model):
         return [
             s
             for s in super().sites(effects)
-            if s.effect.name != "payload" and not (s.effect.name == "time_offset" and s.where != ARM)
+            if "mass" not in s.effect.same_as and not (s.effect.relative and s.where != ARM)
         ]
 
     def mechanism(self, values: Mapping[str, float], trial: TrialData) -> Mechanism:

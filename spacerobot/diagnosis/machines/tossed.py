@@ -30,8 +30,6 @@ STATE = (
     *(f"body.angular_velocity.{a}" for a in "xyz"),
     *(f"body.velocity.{a}" for a in "xyz"),
 )
-SEEN = ("contact_friction", "table_tilt", "scale", "bias")
-"""Effects that such windows show."""
 
 WINDOW = 16
 """Readings of a window: long enough for an impact, too short for tumbling to become chaotic."""
@@ -113,8 +111,8 @@ class Tossed(Model):
         return TrialData(trial.id, study.condition(trial), {}, (block,), float(time[0]), float(time[-1]))
 
     def sites(self, effects: Iterable[Effect] | None = None) -> list[Site]:
-        """Those that such windows show."""
-        return [s for s in super().sites(effects) if s.effect.name in SEEN]
+        """Those that windows with many impacts show: what acts in them, and a pull that is the same everywhere."""
+        return [s for s in super().sites(effects) if s.effect.instant or self.touched(s) == {"fields"}]
 
     def mechanism(self, values: Mapping[str, float], trial: TrialData) -> Mechanism:
         """A body along both horizontal axes and its contact; the contact's one parameter is its restitution."""

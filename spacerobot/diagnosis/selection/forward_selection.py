@@ -27,9 +27,8 @@ from spacerobot.diagnosis.selection.likelihood_ratio import by_chance
 from spacerobot.diagnosis.selection.model_choice import TIE, WORTH_OF_REST, as_good, choice, distinct, pays, ratio
 from spacerobot.diagnosis.selection.nested_laws import inherited, not_excluded, wordings
 from spacerobot.diagnosis.selection.part_fit_store import Kept
-from spacerobot.diagnosis.selection.plausible import redundant
 from spacerobot.diagnosis.selection.shown import not_shown
-from spacerobot.diagnosis.terms.candidates import contains
+from spacerobot.diagnosis.terms.candidates import contains, redundant
 from spacerobot.diagnosis.terms.hypothesis import Label, Site
 from spacerobot.effects.effect import Effect
 
@@ -263,7 +262,7 @@ class _Search:
         out = []
         for wording in wordings(chosen.sites, self.sites):
             label = tuple(sorted(s.label for s, _ in wording))
-            if label in known or redundant([s for s, _ in wording]):
+            if label in known or redundant([s.label for s, _ in wording]):
                 continue
             known.add(label)
             start: dict[str, float] = {}
@@ -281,7 +280,7 @@ class _Search:
             for s in self.sites.values()
             if s.label not in one.label
             and one.size + len(s.effect.parameters) <= most
-            and not redundant((*one.sites, s))
+            and not redundant([t.label for t in (*one.sites, s)])
         ]
         found = {p.site.label: p for p in self.bench.promises(one.fit, further)}
         for site in further:

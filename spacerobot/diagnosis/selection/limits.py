@@ -27,7 +27,7 @@ from spacerobot.diagnosis.fitting.screen import FAINT, Projector, Screener, fain
 from spacerobot.diagnosis.fitting.starts import sized
 from spacerobot.diagnosis.selection.judge import EARN, MOVED
 from spacerobot.diagnosis.selection.penalty import MARGIN, PENALTY
-from spacerobot.diagnosis.terms.candidates import contains, plausible
+from spacerobot.diagnosis.terms.candidates import contains, means
 from spacerobot.diagnosis.terms.hypothesis import Believed, Site
 from spacerobot.effects.effect import Parameter
 
@@ -211,7 +211,7 @@ class Limits:
         out = []
         for start in starts_of(site, self.fitter.trials):
             column = self._moved(site, {**start, **faint(site, start)})
-            if column is not None and plausible([site.label], start):
+            if column is not None and means([site.label], start):
                 norm = float(column @ column)
                 if norm > 1e-12:
                     out.append(Column(site, start, share, column, norm))
@@ -242,7 +242,7 @@ class Limits:
         return math.sqrt(float(left @ left) / self.inflation / must_earn(price - PENALTY * len(out), True))
 
     def _limit(self, item: Column, columns: Sequence[Column], units: np.ndarray) -> Limit:
-        parameter = strength(item.site.effect.parameters)
+        parameter = item.site.effect.strength
         others = [
             k
             for k, c in enumerate(columns)
@@ -292,8 +292,3 @@ def _away(keep: np.ndarray) -> np.ndarray:
 def _akin(one: tuple[str, str], other: tuple[str, str]) -> bool:
     """Whether one effect is the other, or holds it as a special case."""
     return one == other or contains([one], [other]) or contains([other], [one])
-
-
-def strength(parameters: Sequence[Parameter]) -> Parameter:
-    """The first that says how much there is of an effect."""
-    return next((p for p in parameters if not p.shape), parameters[0])

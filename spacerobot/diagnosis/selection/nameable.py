@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.selection.shown import held_by_bounds
-from spacerobot.diagnosis.terms.candidates import plausible
+from spacerobot.diagnosis.terms.candidates import means as signs_mean
 
 
 def means(fit: Fit) -> bool:
     """Whether a fit's signs make physical sense."""
-    return plausible(fit.hypothesis.label, fit.values())
+    return signs_mean(fit.hypothesis.label, fit.values())
 
 
 def held_labels(fit: Fit) -> set[tuple[str, str]]:

@@ -12,8 +12,7 @@ from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.profile import LEVEL_95
 from spacerobot.diagnosis.selection.bench import Bench
 from spacerobot.diagnosis.selection.likelihood_ratio import by_chance
-from spacerobot.diagnosis.selection.plausible import redundant
-from spacerobot.diagnosis.terms.candidates import CONTAINS
+from spacerobot.diagnosis.terms.candidates import redundant, refines
 from spacerobot.diagnosis.terms.hypothesis import Site
 
 TWICE = 2.0 / 3.0
@@ -28,9 +27,9 @@ Known = Mapping[tuple[str, str], Site]
 
 def general_sites(special: Site, known: Known) -> Iterator[Site]:
     """Every effect at its place of which it is a special case."""
-    for general, name in sorted(CONTAINS):
-        if name == special.effect.name and (general, special.where) in known:
-            yield known[general, special.where]
+    for (general, where), site in sorted(known.items()):
+        if where == special.where and refines(general, special.effect.name):
+            yield site
 
 
 def inherited(new: Site, special: Site, fit: Fit) -> dict[str, float]:
@@ -56,7 +55,7 @@ def not_excluded(bench: Bench, fit: Fit, known: Known) -> list[Fit]:
     for special in fit.hypothesis.sites:
         for new in general_sites(special, known):
             sites = [new if s is special else s for s in fit.hypothesis.sites]
-            if redundant(sites):
+            if redundant([s.label for s in sites]):
                 continue
             found = bench.fitted_as(fit, sites, inherited(new, special, fit))
             spare = len(new.effect.parameters) - len(special.effect.parameters)

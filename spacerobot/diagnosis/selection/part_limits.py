@@ -20,10 +20,10 @@ import numpy as np
 from spacerobot.diagnosis.fitting.starts import sized
 from spacerobot.diagnosis.selection.candidate import tried
 from spacerobot.diagnosis.selection.growth import Growth
-from spacerobot.diagnosis.selection.limits import LARGEST, NEAR, Column, Label, Limit, Limits, strength
+from spacerobot.diagnosis.selection.limits import LARGEST, NEAR, Column, Label, Limit, Limits
 from spacerobot.diagnosis.selection.model_choice import TIE, Told, groups, slack
 from spacerobot.diagnosis.selection.nested_laws import TWICE, WIDE
-from spacerobot.diagnosis.terms.candidates import CONTAINS
+from spacerobot.diagnosis.terms.candidates import refines
 
 DRAWN = 400
 """Campaigns: 5 % of them are known to 1.1 %."""
@@ -71,7 +71,7 @@ class PartLimits(Limits):
         return np.random.default_rng(0).standard_normal((DRAWN, len(self.cuts), 1 + RIVALS))
 
     def _limit(self, item: Column, columns: Sequence[Column], units: np.ndarray) -> Limit:
-        parameter = strength(item.site.effect.parameters)
+        parameter = item.site.effect.strength
         count = len(item.site.effect.parameters)
         rivals = [c for c in columns if c.site.label != item.site.label and len(c.site.effect.parameters) <= count]
         column, size, faintest = item.column / item.share, 0.0, 0.0
@@ -112,14 +112,13 @@ class PartLimits(Limits):
     def _told_from_general(self, item: Column) -> float:
         """The size from which a general effect's two levels are known not to be one twice the other."""
         start = item.start
-        for general, special in sorted(CONTAINS):
-            site = self.known.get((general, item.site.where))
-            if special != item.site.effect.name or site is None:
+        for site in self.known.values():
+            if site.where != item.site.where or not refines(site.effect.name, item.site.effect.name):
                 continue
             keys = [site.key(p.name) for p in site.effect.parameters]
             if len(keys) != 2 or len({p.unit for p in site.effect.parameters}) > 1:
                 continue
-            level = item.share * start[item.site.key(strength(item.site.effect.parameters).name)]
+            level = item.share * start[item.site.key(item.site.effect.strength.name)]
             moved = [self._moved(site, {k: level if k == key else 0.0 for k in keys}) for key in keys]
             if any(m is None for m in moved):
                 continue

@@ -16,7 +16,7 @@ from spacerobot.diagnosis.fitting.starts import effect_starts, informed_starts
 from spacerobot.diagnosis.fitting.workshop import Task
 from spacerobot.diagnosis.selection.penalty import PENALTY
 from spacerobot.diagnosis.selection.search_state import Found, noise_of, run_tasks, share_of
-from spacerobot.diagnosis.terms.candidates import CONTAINS, contains, simpler
+from spacerobot.diagnosis.terms.candidates import contains, refines, simpler
 from spacerobot.diagnosis.terms.hypothesis import Label, Site
 from spacerobot.effects.registry import effect
 
@@ -107,7 +107,7 @@ def _inherited(site: Site, near: Fit) -> dict[str, float]:
     """A general effect where its special case stands: each parameter of the same unit has its value."""
     values = near.values()
     for special in near.hypothesis.sites:
-        if (site.effect.name, special.effect.name) in CONTAINS and special.where == site.where:
+        if special.where == site.where and refines(site.effect.name, special.effect.name):
             first = special.effect.parameters[0]
             value = values[special.key(first.name)]
             return {site.key(p.name): value if p.unit == first.unit else p.starts[0] for p in site.effect.parameters}

@@ -2,26 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 
 from spacerobot.diagnosis.terms.hypothesis import Believed, Site
+from spacerobot.effects.effect import Effect
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.registry import all_effects
 
-COVERED_BY: Mapping[tuple[str, str], tuple[str, ...]] = {
-    ("viscous_friction", "wrist"): ("wrist.equivalent_damping", "wrist.damping"),
-    ("payload", "wrist"): ("wrist.mass",),
-    ("payload", "target"): ("target.mass",),
-}
-"""Effects that act exactly as a believed value does: no data tell the two apart, so the value stands for both."""
 
-CONTAINS: frozenset[tuple[str, str]] = frozenset(
-    {
-        ("asymmetric_friction", "coulomb_friction"),
-        ("stribeck_friction", "coulomb_friction"),
-    }
-)
-"""(general, special): the general effect equals the special one at some of its values."""
+def stood_for(effect: Effect, where: str, fitted: Container[str]) -> bool:
+    """Whether a value that is fitted acts exactly as this effect does: then the value stands for both.
+
+    Args:
+        effect: one of the catalogue.
+        where: its place.
+        fitted: names of the values that are fitted.
+    """
+    return any(f"{where}.{word}" in fitted for word in effect.same_as)
+
+
+def refines(general: str, special: str) -> bool:
+    """Whether one effect equals the other at some of its values."""
+    known = all_effects().get(general)
+    return known is not None and special in known.refines
+
+
+def redundant(label: Sequence[tuple[str, str]]) -> bool:
+    """Whether one place has two laws of the same thing."""
+    known = all_effects()
+    laws = [(known[name].refines or (name,), where) for name, where in set(label) if name in known]
+    return len(laws) != len(set(laws))
 
 
 def candidate_sites(mechanism: Mechanism, believed: Believed, without: Sequence[str] = ()) -> list[Site]:
@@ -37,8 +47,7 @@ def candidate_sites(mechanism: Mechanism, believed: Believed, without: Sequence[
         if effect.name in without:
             continue
         for where in effect.places(mechanism):
-            covering = COVERED_BY.get((effect.name, where), ())
-            if not any(name in believed.sigma for name in covering):
+            if not stood_for(effect, where, believed.sigma):
                 sites.append(Site(effect, where))
     return sites
 
@@ -50,7 +59,7 @@ def contains(general: Sequence[tuple[str, str]], special: Sequence[tuple[str, st
     left = list(general)
     for name, where in special:
         for other in left:
-            if other == (name, where) or ((other[0], name) in CONTAINS and other[1] == where):
+            if other == (name, where) or (other[1] == where and refines(other[0], name)):
                 left.remove(other)
                 break
         else:
@@ -63,13 +72,13 @@ def simpler(label: Sequence[tuple[str, str]]) -> list[tuple[tuple[str, str], ...
     out = []
     for i, (name, where) in enumerate(label):
         rest = [*label[:i], *label[i + 1 :]]
-        out += [tuple(sorted([*rest, (special, where)])) for general, special in sorted(CONTAINS) if general == name]
+        out += [tuple(sorted([*rest, (special, where)])) for special in _special(name)]
         if rest:
             out.append(tuple(sorted(rest)))
     return out
 
 
-def plausible(sites: Sequence[tuple[str, str]], values: Mapping[str, float]) -> bool:
+def means(sites: Sequence[tuple[str, str]], values: Mapping[str, float]) -> bool:
     """Whether signs make physical sense where two readings of one thing exist.
 
     Only the difference of two streams' delays shows in a free trial, so a stream that is early is the other that is
@@ -92,13 +101,25 @@ def mirrored(
         effects and places, and their values; None where no stream is early, or none other can be late.
     """
     early = [(name, where) for name, where in label if _early(name, where, values)]
-    late = [(name, where) for name, where in known if name == "time_offset" and (name, where) not in early]
-    if len(early) != 1 or len(late) != 1 or late[0] in label:
+    if len(early) != 1:
         return None
-    keys = {f"{early[0][0]}@{early[0][1]}.delay_s": f"{late[0][0]}@{late[0][1]}.delay_s"}
+    late = [(name, where) for name, where in known if name == early[0][0] and (name, where) not in early]
+    if len(late) != 1 or late[0] in label:
+        return None
+    keys = {_strength(*early[0]): _strength(*late[0])}
     moved = {keys.get(k, k): -v if k in keys else v for k, v in values.items()}
     return tuple(sorted([*(one for one in label if one not in early), *late])), moved
 
 
 def _early(name: str, where: str, values: Mapping[str, float]) -> bool:
-    return name == "time_offset" and values.get(f"{name}@{where}.delay_s", 0.0) < 0.0
+    known = all_effects().get(name)
+    return known is not None and known.relative and values.get(_strength(name, where), 0.0) < 0.0
+
+
+def _strength(name: str, where: str) -> str:
+    return f"{name}@{where}.{all_effects()[name].strength.name}"
+
+
+def _special(name: str) -> tuple[str, ...]:
+    known = all_effects().get(name)
+    return () if known is None else tuple(sorted(known.refines))

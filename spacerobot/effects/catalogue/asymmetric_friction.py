@@ -26,6 +26,7 @@ class AsymmetricFriction(Effect):
         Parameter("force_plus_N", "N", 0.0, 0.1, 0.0, 1e4, (0.02, 0.2, 1.0)),
         Parameter("force_minus_N", "N", 0.0, 0.1, 0.0, 1e4, (0.02, 0.2, 1.0)),
     )
+    refines = ("coulomb_friction",)
     replaces = ("{where}.equivalent_damping",)
 
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:

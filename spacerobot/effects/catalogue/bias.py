@@ -11,7 +11,9 @@ class Bias(SensorEffect):
 
     name = "bias"
     title = "bias"
+    phrase = "a bias"
     formula = r"y = u + b"
     source = "sensor zero"
+    instant = True
     map_kind = "offset"
     parameters = (Parameter("value", "channel unit", 0.0, 0.05, -1e4, 1e4, (0.1, -0.1)),)

@@ -25,6 +25,7 @@ class ContactFriction(Effect):
     source = "Coulomb (1785)"
     kind = "contact"
     parameters = (Parameter("mu", "1", 0.0, 0.05, 0.0, 5.0, (0.05, 0.2, 0.6)),)
+    instant = True
 
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:
         """The contact, where the target can turn or move sideways."""

@@ -8,6 +8,10 @@ from spacerobot.effects.catalogue.backlash import KERNEL
 from spacerobot.effects.effect import Effect, Parameter, positions
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Force
+from spacerobot.effects.sizes import Sizes
+
+HARD = 3.0
+"""A stop is this many times as stiff as a spring that the typical force bends by the typical length."""
 
 
 class EndStop(Effect):
@@ -15,6 +19,7 @@ class EndStop(Effect):
 
     name = "end_stop"
     title = "end stop"
+    phrase = "an end stop"
     formula = r"f = -k_s\,(|d| - d_s)\operatorname{sign}(d) \text{ for } |d| > d_s"
     source = "spring beyond a gap; Nordin and Gutman (2002)"
     parameters = (
@@ -25,6 +30,10 @@ class EndStop(Effect):
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:
         """Guides and joints."""
         return positions(mechanism, "wrist", "joint")
+
+    def plausible(self, values: Mapping[str, float], sizes: Sizes) -> bool:
+        """Far stiffer than any spring that works there."""
+        return values["stiffness_N_m"] > HARD * sizes.force / sizes.length
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
         """A spring that acts beyond the travel."""

@@ -14,6 +14,7 @@ class ExternalImpulse(Effect):
 
     name = "external_impulse"
     title = "external impulse"
+    phrase = "an external impulse"
     formula = r"m\,\Delta \dot x = J \text{ at } t_J"
     source = "momentum balance"
     parameters = (

@@ -18,6 +18,7 @@ class HiddenOscillator(Effect):
 
     name = "hidden_oscillator"
     title = "hidden oscillator"
+    phrase = "a hidden oscillator"
     formula = r"m_s (\ddot\xi + \ddot x) = -m_s (2\zeta\omega_s \dot\xi + \omega_s^2 \xi), \quad m_t \to m_t - m_s"
     source = "Abramson (1966), NASA SP-106, equivalent mechanical model of slosh"
     kind = "body"

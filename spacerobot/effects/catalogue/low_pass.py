@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 from spacerobot.effects.effect import Parameter
 from spacerobot.effects.sensor_effect import SensorEffect
+from spacerobot.effects.sizes import Sizes
+
+QUICK = 0.1
+"""A filter's time constant is at most this share of the motion's own time."""
 
 
 class LowPass(SensorEffect):
@@ -13,7 +18,12 @@ class LowPass(SensorEffect):
 
     name = "low_pass"
     title = "low-pass filter"
+    phrase = "a low-pass filter"
     formula = r"\dot y = 2\pi f_c (u - y)"
     source = "first-order filter"
     map_kind = "low_pass"
     parameters = (Parameter("cutoff_Hz", "Hz", math.inf, 20.0, 0.01, math.inf, (100.0, 30.0, 300.0), log=True),)
+
+    def plausible(self, values: Mapping[str, float], sizes: Sizes) -> bool:
+        """A sensor that needs longer to settle than this would blur the motion itself."""
+        return 2.0 * math.pi * values["cutoff_Hz"] * QUICK * sizes.time > 1.0

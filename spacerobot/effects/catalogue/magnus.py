@@ -24,6 +24,7 @@ class Magnus(Effect):
 
     name = "magnus"
     title = "Magnus force"
+    phrase = "a Magnus force"
     formula = r"\mathbf f = c\, \boldsymbol\omega \times \mathbf v"
     source = "Magnus (1852); Rubinow and Keller (1961)"
     parameters = (Parameter("coefficient_kg", "kg", 0.0, 0.05, -1e3, 1e3, (0.1, -0.1)),)

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from spacerobot.effects.effect import Effect, Parameter
 from spacerobot.effects.mechanism import Mechanism
+from spacerobot.effects.sizes import Sizes
 from spacerobot.support.errors import InputError
 
 
@@ -14,16 +15,22 @@ class Payload(Effect):
 
     name = "payload"
     title = "payload"
+    phrase = "a payload"
     formula = r"m \to m + \Delta m"
     source = "composite rigid body"
     kind = "body"
     parameters = (Parameter("mass_kg", "kg", 0.0, 0.1, -1e3, 1e4, (0.1, 1.0, -0.1)),)
+    same_as = ("mass",)
 
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:
         """Bodies, and what joints carry."""
         names = ("wrist", "target", "base")
         joints = tuple(n for n in mechanism.coordinates if n.startswith("joint."))
         return tuple(n for n in names if n in mechanism.coordinates) + joints
+
+    def plausible(self, values: Mapping[str, float], sizes: Sizes) -> bool:
+        """Mass that is there; less of it than believed is a wrong value, not a payload."""
+        return values["mass_kg"] > 0.0
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
         """The body's mass, with this added, along and sideways.

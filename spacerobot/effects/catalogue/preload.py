@@ -29,6 +29,7 @@ class Preload(Effect):
 
     name = "preload"
     title = "preload"
+    phrase = "a preload"
     formula = r"f = F_0"
     source = "constant force"
     parameters = (Parameter("force_N", "N", 0.0, 0.1, -1e4, 1e4, (0.1, -0.1, 1.0)),)

@@ -11,7 +11,9 @@ class Scale(SensorEffect):
 
     name = "scale"
     title = "scale"
+    phrase = "a scale"
     formula = r"y = g\, u"
     source = "sensor gain"
+    instant = True
     map_kind = "gain"
     parameters = (Parameter("factor", "1", 1.0, 0.005, 0.1, 10.0, (1.02, 0.98)),)

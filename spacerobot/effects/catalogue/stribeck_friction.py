@@ -9,12 +9,17 @@ from typing import Any
 from spacerobot.effects.effect import Effect, Parameter, positions
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Friction
+from spacerobot.effects.sizes import Sizes
 
 
 def level(v: float, normal: float, aux: float, p: Any) -> float:
     """p = (static, coulomb, velocity)."""
     ratio = v / p[2]
     return p[1] + (p[0] - p[1]) * math.exp(-ratio * ratio)
+
+
+SLOW = 0.3
+"""Stribeck's velocity lies below this share of the typical speed: beyond it the law is a damper in disguise."""
 
 
 class StribeckFriction(Effect):
@@ -29,11 +34,17 @@ class StribeckFriction(Effect):
         Parameter("coulomb_force_N", "N", 0.0, 0.1, 0.0, 1e4, (0.05, 0.3, 1.0)),
         Parameter("velocity_m_s", "m/s", 0.01, 0.01, 1e-5, 10.0, (0.01, 0.03, 0.1), log=True, shape=True),
     )
+    refines = ("coulomb_friction",)
     replaces = ("{where}.equivalent_damping",)
 
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:
         """Guides and joints."""
         return positions(mechanism, "wrist", "joint")
+
+    def plausible(self, values: Mapping[str, float], sizes: Sizes) -> bool:
+        """Friction falls with speed, within the speeds that were seen."""
+        slow = values["velocity_m_s"] < SLOW * sizes.length / sizes.time
+        return values["static_force_N"] > values["coulomb_force_N"] and slow
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
         """Friction whose level falls with speed."""

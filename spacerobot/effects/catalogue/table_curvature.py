@@ -20,6 +20,7 @@ class TableCurvature(Effect):
     source = "sliding body on z = kappa x^2 / 2, small slopes"
     kind = "gravity"
     parameters = (Parameter("curvature_rad_m", "rad/m", 0.0, 1e-4, -1.0, 1.0, (1e-3, -1e-3, 1e-2)),)
+    carried = True
 
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:
         """Bodies that glide over a table for long; a short approach to a wrist tells nothing of it."""

@@ -21,6 +21,7 @@ class TableTilt(Effect):
     source = "inclined plane, Galilei (1638)"
     kind = "gravity"
     parameters = (Parameter("angle_rad", "rad", 0.0, 5e-5, -0.5, 0.5, (1e-4, -1e-4, 1e-3)),)
+    carried = True
 
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:
         """Bodies that float on a table."""

@@ -15,12 +15,14 @@ class Tether(Effect):
 
     name = "tether"
     title = "tether"
+    phrase = "a tether"
     formula = r"f = -k_t\,(|x| - s)\operatorname{sign}(x) \text{ for } |x| > s"
     source = "linear cable with slack"
     parameters = (
         Parameter("stiffness_N_m", "N/m", 0.0, 0.5, 0.0, 1e5, (0.3, 2.0, 10.0)),
         Parameter("slack_m", "m", 0.0, 0.01, 0.0, 10.0, (0.0, 0.02, 0.05), shape=True),
     )
+    carried = True
 
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:
         """Bodies that float."""

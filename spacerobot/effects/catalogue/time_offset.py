@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from spacerobot.effects.effect import Parameter
 from spacerobot.effects.sensor_effect import SensorEffect
+from spacerobot.effects.sizes import Sizes
 
 
 class TimeOffset(SensorEffect):
@@ -11,7 +14,13 @@ class TimeOffset(SensorEffect):
 
     name = "time_offset"
     title = "time offset"
+    phrase = "a time offset"
     formula = r"y(t) = u(t - \tau)"
     source = "clock offset between streams"
     map_kind = "delay"
     parameters = (Parameter("delay_s", "s", 0.0, 5e-4, -1.0, 1.0, (0.002, -0.002, 0.01)),)
+    relative = True
+
+    def plausible(self, values: Mapping[str, float], sizes: Sizes) -> bool:
+        """Nothing is read before it happens; where one of two streams is early, the other one is late."""
+        return values["delay_s"] > 0.0

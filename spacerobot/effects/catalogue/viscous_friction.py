@@ -19,6 +19,7 @@ class ViscousFriction(Effect):
     source = "Newton (1687)"
     parameters = (Parameter("coefficient_Ns_m", "N s/m", 0.0, 1.0, 0.0, 1e5, (0.3, 3.0, 30.0)),)
     replaces = ("{where}.equivalent_damping",)
+    same_as = ("equivalent_damping", "damping")
 
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:
         """Guides and joints."""

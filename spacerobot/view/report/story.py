@@ -11,6 +11,7 @@ from spacerobot.view.report.evidence import Evidence
 from spacerobot.view.report.when import happened
 from spacerobot.view.report.words import (
     beyond,
+    effect_object,
     effect_phrase,
     effect_title,
     effects_phrase,
@@ -23,7 +24,6 @@ from spacerobot.view.report.words import (
     percent,
     quantity,
     unit_of_name,
-    with_article,
 )
 
 FEW = 3
@@ -125,7 +125,7 @@ def _named(verdict: Mapping[str, Any], evidence: Evidence) -> Story:
         return _many(verdict, evidence)
     sensors = [is_sensor(str(e["effect"])) for e in effects]
     phrases = [
-        with_article(effect_phrase(e))
+        effect_object(e)
         + (f" in trial {joined([str(t) for t in e['trials']])} alone" if e.get("trials") else "")
         + (f", {parameters_text(e['parameters'])}" if e.get("parameters") else "")
         for e in effects

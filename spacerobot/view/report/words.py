@@ -84,32 +84,16 @@ def of_body(verdict: Mapping[str, Any], name: str = "body") -> dict[str, Any]:
     return out
 
 
-_COUNTED = {
-    "bias",
-    "stop",
-    "impulse",
-    "oscillator",
-    "filter",
-    "force",
-    "payload",
-    "preload",
-    "tether",
-    "offset",
-    "scale",
-}
-
-
-def with_article(phrase: str) -> str:
-    """The phrase of an effect as the object of a sentence: "a time offset", but "Coulomb friction"."""
-    title = phrase.split(" in ")[0].split(" on ")[0].split(" at ")[0]
-    if title.rpartition(" ")[2] not in _COUNTED:
-        return phrase
-    return f"{'an' if phrase[0].lower() in 'aeiou' else 'a'} {phrase}"
-
-
 def effect_phrase(item: Mapping[str, Any]) -> str:
     """ "Coulomb friction in the wrist's guide"."""
     return f"{effect_title(str(item['effect']))} {place(str(item['where']))}"
+
+
+def effect_object(item: Mapping[str, Any]) -> str:
+    """The same as the object of a sentence: "a time offset in the force sensor"."""
+    known = all_effects().get(str(item["effect"]))
+    said = known.phrase or known.title if known is not None else effect_title(str(item["effect"]))
+    return f"{said} {place(str(item['where']))}"
 
 
 def effects_phrase(items: Sequence[Mapping[str, Any]]) -> str:
