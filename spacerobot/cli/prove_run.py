@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import importlib.util
 import json
 import math
 import re
@@ -34,14 +33,8 @@ from spacerobot.view.proof.figures import FIGURES
 from spacerobot.view.proof.page import page
 
 
-def run(args: argparse.Namespace) -> int:
+def run_batches(args: argparse.Namespace) -> int:
     """Play the batch, or what is left of it, and write its page."""
-    if importlib.util.find_spec("mujoco") is None:
-        raise InputError("MuJoCo is not installed", valid='pip install "spacerobot[proof]"')
-    if args.again is not None:
-        from spacerobot.cli.prove_again import run_again
-
-        return run_again(args)
     kinds = _kinds(args.kinds)
     share = parse_numbers([args.share], "--share", count=1)[0]
     if not 0.0 < share <= 1.0:
