@@ -11,7 +11,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from spacerobot.diagnosis.answer.literature import Figure, measured, quoted
 from spacerobot.diagnosis.answer.result import Diagnosis
 from spacerobot.diagnosis.diagnose import diagnose
 from spacerobot.recordings.study import Study, bundled_studies, load_study, resolve_study
@@ -20,6 +19,7 @@ from spacerobot.support.files import may_write, write_text
 from spacerobot.support.jsonio import dumps, plain
 from spacerobot.support.progress import Progress
 from spacerobot.support.sources import package_hash
+from spacerobot.view.table.literature import Figure, measured, quoted
 from spacerobot.view.table.page import page
 
 REAL = "real/"

@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from spacerobot.diagnosis.answer.literature import FILE, quoted
 from spacerobot.diagnosis.locate.velocity_jump import jump
 from spacerobot.diagnosis.machines.touch import first_shock
 from spacerobot.support.errors import InputError
 from spacerobot.view.report.when import happened
+from spacerobot.view.table.literature import FILE, quoted
 
 TIME = np.arange(0.0, 8.0, 0.001)
 

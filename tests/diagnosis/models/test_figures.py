@@ -7,8 +7,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from spacerobot.diagnosis.answer.literature import Figure, _among, _folds
 from spacerobot.diagnosis.terms.data import Block, TrialData
+from spacerobot.view.table.literature import Figure, _among, _folds
 
 
 def piece(name: str, moves: float) -> TrialData:
