@@ -12,12 +12,11 @@ from spacerobot.diagnosis.answer.mended_model import model_text
 from spacerobot.diagnosis.answer.part_evidence import evidence_of
 from spacerobot.diagnosis.answer.part_verdict import verdict_of
 from spacerobot.diagnosis.answer.result import Diagnosis
-from spacerobot.diagnosis.fitting.fit_store import Store
+from spacerobot.diagnosis.fitting.fit_store import Kept, Store
 from spacerobot.diagnosis.locate.of_model import has_balance, locate_model
 from spacerobot.diagnosis.machines.choose import some_models_for
 from spacerobot.diagnosis.selection.forward_selection import MOST, grow
 from spacerobot.diagnosis.selection.part_checks import checks_of
-from spacerobot.diagnosis.selection.part_fit_store import Kept
 from spacerobot.diagnosis.selection.part_fold import keep_aside
 from spacerobot.diagnosis.selection.part_result import Part
 from spacerobot.diagnosis.selection.search_state import Report

@@ -20,7 +20,7 @@ _OTHERS = {
     "diagnosis/fitting": "noise",
     "diagnosis/locate": "of_model series velocity_jump",
     "diagnosis/selection": "bench candidate forward_selection growth likelihood_ratio model_choice nested_laws "
-    "part_checks part_fit_store part_fold part_held_out part_limits part_result plausible",
+    "part_checks part_fold part_held_out part_limits part_result plausible",
     "diagnosis/answer": "alternatives events mended_model part_evidence part_next_trial part_verdict",
 }
 ELSEWHERE = tuple(

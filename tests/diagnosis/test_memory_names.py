@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from spacerobot.diagnosis.fitting.fit_store import task_name
+from spacerobot.diagnosis.fitting.fit_store import Kept, of_fit, task_name
 from spacerobot.diagnosis.fitting.workshop import Task
-from spacerobot.diagnosis.selection.part_fit_store import Kept, of_fit
 
 
 def near(z: float, label: str = "preload", freed: tuple[str, ...] = ()) -> Any:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from collections.abc import Callable, Sequence
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
@@ -10,6 +11,8 @@ from spacerobot.diagnosis.fitting.fitted import Fit, TrialFit
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.terms.hypothesis import Hypothesis
 from spacerobot.support.runs import combined_hash
+
+T = TypeVar("T")
 
 
 class Store(Protocol):
@@ -84,3 +87,73 @@ def from_json(kept: dict[str, Any], fitter: Fitter, made: Hypothesis) -> Fit | N
         said["iterations"],
         said["given_up"],
     )
+
+
+class Kept:
+    """A store of one model's fits and predictions, each under everything that decides it.
+
+    Everything that a search does follows from its input, so what is found again is what would be computed again.
+    """
+
+    def __init__(self, store: Store | None, model: str) -> None:
+        """`model` tells this model from the study's others; without a store everything is computed."""
+        self.store, self.model = store, model
+
+    def within(self, what: str) -> Kept:
+        """The same store, for a search of a part of the model's trials."""
+        return Kept(self.store, f"{self.model} {what}")
+
+    def fit(
+        self, made: Hypothesis, fitter: Fitter, about: Sequence[Any], compute: Callable[[], Fit | None]
+    ) -> Fit | None:
+        """A fit of `made`, kept or computed; `about` holds whatever else decides it."""
+        if self.store is None:
+            return compute()
+        name = self._name("fit", made, about)
+        kept = self.store.load(name)
+        if kept is not None:
+            found = from_json(kept, fitter, made)
+            if found is not None or kept["fit"] is None:
+                return found
+        fit = compute()
+        self.store.save(name, as_json(fit))
+        return fit
+
+    def values(
+        self,
+        kind: str,
+        fit: Fit,
+        about: Sequence[Any],
+        compute: Callable[[], T],
+        *,
+        written: Callable[[T], Any] = lambda found: found,
+        read: Callable[[Any], T] = lambda kept: kept,
+    ) -> T:
+        """Whatever follows from a fit, kept or computed.
+
+        Args:
+            kind: a word for what it is.
+            fit: that it follows from.
+            about: whatever else decides it.
+            compute: it.
+            written, read: it as JSON holds it, and back.
+        """
+        if self.store is None:
+            return compute()
+        name = self._name(kind, fit.hypothesis, [fit.z.tolist(), *about])
+        kept = self.store.load(name)
+        if kept is not None:
+            return read(kept)
+        found = compute()
+        self.store.save(name, written(found))
+        return found
+
+    def _name(self, kind: str, made: Hypothesis, about: Sequence[Any]) -> str:
+        return f"{kind}-" + combined_hash(
+            self.model, made.label, [(f.key, f.centre, f.step) for f in made.free], *about
+        )
+
+
+def of_fit(fit: Fit) -> list[Any]:
+    """A fit as part of what decides another one."""
+    return [fit.hypothesis.label, fit.z.tolist()]

@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
+from spacerobot.diagnosis.fitting.fit_store import Kept, of_fit
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.fitting.noise import floor_of, reweighted, rms_of
 from spacerobot.diagnosis.fitting.screen import FAINT, Screener, faint
 from spacerobot.diagnosis.fitting.starts import fit_near
 from spacerobot.diagnosis.machines.machine import Model
-from spacerobot.diagnosis.selection.part_fit_store import Kept, of_fit
 from spacerobot.diagnosis.selection.part_held_out import MOST, HeldOut, folds, predict_held_out
 from spacerobot.diagnosis.selection.plausible import plausible
 from spacerobot.diagnosis.terms.data import TrialData
@@ -150,7 +150,14 @@ class Bench:
             except SimulationError:
                 return None
 
-        return self.kept.held_out(fit, self._weights(), compute)
+        return self.kept.values(
+            "held",
+            fit,
+            self._weights(),
+            compute,
+            written=lambda found: {} if found is None else found.written(),
+            read=lambda kept: HeldOut.read(kept) if kept else None,
+        )
 
 
 def _as_row(promise: Promise) -> list[Any]:

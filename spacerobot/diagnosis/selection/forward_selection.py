@@ -17,6 +17,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from spacerobot.diagnosis.fitting.fit_store import Kept
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.interval import interval
 from spacerobot.diagnosis.machines.machine import Model
@@ -26,7 +27,6 @@ from spacerobot.diagnosis.selection.growth import Growth
 from spacerobot.diagnosis.selection.likelihood_ratio import by_chance
 from spacerobot.diagnosis.selection.model_choice import TIE, WORTH_OF_REST, as_good, choice, distinct, pays, ratio
 from spacerobot.diagnosis.selection.nested_laws import inherited, not_excluded, wordings
-from spacerobot.diagnosis.selection.part_fit_store import Kept
 from spacerobot.diagnosis.selection.shown import not_shown
 from spacerobot.diagnosis.terms.candidates import contains, redundant
 from spacerobot.diagnosis.terms.hypothesis import Label, Site

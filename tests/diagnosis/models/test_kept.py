@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from helpers_models import ARM, arm_log
 
+from spacerobot.diagnosis.fitting.fit_store import Kept
 from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
 from spacerobot.diagnosis.selection.forward_selection import grow
 from spacerobot.diagnosis.selection.growth import Growth
-from spacerobot.diagnosis.selection.part_fit_store import Kept
 from spacerobot.effects.registry import effect
 from spacerobot.model.library import load
 
