@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from spacerobot.diagnosis.terms.candidates import candidate_sites, contains, mirrored, plausible
+from spacerobot.diagnosis.terms.candidates import candidate_sites, contains, means, mirrored
 from spacerobot.diagnosis.terms.hypothesis import Believed
 from spacerobot.simulation.rig import rig
 
@@ -36,8 +36,8 @@ def test_special_cases() -> None:
 def test_a_stream_cannot_be_early() -> None:
     late = {"time_offset@mocap.delay_s": 0.01}
     early = {"time_offset@mocap.delay_s": -0.01}
-    assert plausible([("time_offset", "mocap")], late)
-    assert not plausible([("time_offset", "mocap")], early)
+    assert means([("time_offset", "mocap")], late)
+    assert not means([("time_offset", "mocap")], early)
 
 
 MOCAP, FORCE = ("time_offset", "mocap"), ("time_offset", "force_sensor")
@@ -51,7 +51,7 @@ def test_a_stream_that_is_early_is_the_other_one_late() -> None:
     label, moved = found
     assert set(label) == {STOP, FORCE}
     assert moved == {"time_offset@force_sensor.delay_s": 0.01, "end_stop@wrist.travel_m": 0.02, "wrist.mass": 0.7}
-    assert plausible(label, moved)
+    assert means(label, moved)
 
 
 def test_what_is_late_already_or_late_beside_two_others_is_left_alone() -> None:
