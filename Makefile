@@ -112,7 +112,7 @@ release-check: $(VENV)/.test  ## everything that is checked before a release: li
 	PYTHON=$(PYTHON) $(BIN)/python -m release
 
 constraints:  ## pin the newest versions that fit together (needs uv)
-	$(UV) pip compile -q --universal --upgrade --fork-strategy requires-python --extra test --extra browser --extra notebooks --extra docs --no-header --no-annotate \
+	$(UV) pip compile -q --universal --upgrade --fork-strategy requires-python --extra test --extra browser --extra notebooks --extra docs --extra tables --no-header --no-annotate \
 	  pyproject.toml -o constraints.txt
 
 clean:

@@ -64,7 +64,7 @@ _JOINT: dict[str, Kind] = {
     "stiffness": _not_negative("N/m"),
     "damping": _not_negative("N s/m"),
     "friction": _not_negative("N"),
-    "gain": _any("N/V"),
+    "gain": _positive("1"),
     "bias": _any("N"),
     "ratio": _any("1"),
     "kp": _not_negative("1"),

@@ -214,4 +214,14 @@ def test_forces_on_a_body_of_unknown_mass_are_per_kilogram() -> None:
     units = [e["parameters"]["x"]["unit"] for e in found["effects"]]
     assert units == ["N s/m per kg", "N s/m", "N m s/rad per kg m^2", "s"]
     assert found["detectable"][0]["unit"] == "kg per kg"
+    rivals = [{"effects": effects[:1], "score": 0.0}, {"effects": [], "score": -1.0}]
+    among = per_unit({"effects": [], "parts": parts, "detectable": [], "alternatives": rivals})["alternatives"]
+    assert [[e["parameters"]["x"]["unit"] for e in a["effects"]] for a in among] == [["N s/m per kg"], []]
+    plain = {"viscous_drag@target.coefficient_Ns_m": 0.2, "viscous_drag@target.yaw.coefficient_Ns_m": 0.1}
+    own = {"effects": [], "parameters": {**plain, "table_tilt@target.angle_rad": 0.1}, "part": "a", "score": 0.0}
+    told = per_unit({"effects": [], "parts": parts, "detectable": [], "alternatives": [own]})["alternatives"]
+    text = parameters_text(told[0]["parameters"]).replace("\xa0", " ")
+    assert "0.2 N s/m per kg" in text
+    assert "0.1 N m s/rad per kg m²" in text
+    assert "0.1 rad" in text
     assert per_unit({"effects": effects, "detectable": []})["effects"] == effects

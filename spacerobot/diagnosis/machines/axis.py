@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from spacerobot.diagnosis.machines import torque_log
 from spacerobot.diagnosis.machines.machine import FIRST_NOISE, conditions_of
 from spacerobot.diagnosis.machines.simulated import Build, Simulated
 from spacerobot.diagnosis.machines.sizes import sizes_of
@@ -14,6 +15,7 @@ from spacerobot.diagnosis.machines.windows import Drive, band_limited, refinemen
 from spacerobot.diagnosis.terms.candidates import stood_for
 from spacerobot.diagnosis.terms.data import Block, TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed
+from spacerobot.effects.catalogue.preload import KERNEL as CONSTANT
 from spacerobot.effects.laws import DAMPER, SPRING
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Coordinate, Force, Input, Readout
@@ -21,7 +23,7 @@ from spacerobot.effects.registry import all_effects
 from spacerobot.recordings.study import Study
 from spacerobot.recordings.trial import Trial
 
-UNITS = {"mass": "kg", "damping": "N s/m", "stiffness": "N/m"}
+UNITS = {"mass": "kg", "damping": "N s/m", "stiffness": "N/m"} | torque_log.UNITS
 """What an axis may leave unknown."""
 
 OSCILLATIONS = 15.0
@@ -32,7 +34,7 @@ RESTART = 0.5
 
 
 def axis(joint: str, sensor: str, angular: bool) -> Build:
-    """The mechanism of a driven joint, by its values "joint.NAME.mass", ".stiffness", ".damping"."""
+    """The mechanism of a driven joint, by its values "joint.NAME.mass", ".stiffness", ".damping", ".gain", ".bias"."""
     name = f"joint.{joint}"
 
     def build(values: Mapping[str, float], trial: TrialData) -> Mechanism:
@@ -42,11 +44,13 @@ def axis(joint: str, sensor: str, angular: bool) -> Build:
             forces.append(Force(f"{name}.spring", name, SPRING, (values[f"{name}.stiffness"],), role="spring"))
         if values.get(f"{name}.damping"):
             forces.append(Force(f"{name}.damper", name, DAMPER, (values[f"{name}.damping"],), role="damper"))
+        if zero := torque_log.bias(values, joint):
+            forces.append(Force(f"{name}.bias", name, CONSTANT, (-zero,)))
         return Mechanism(
             coordinates={name: Coordinate(name, values[f"{name}.mass"], angular=angular)},
             ports={name: {name: 1.0}},
             forces=tuple(forces),
-            inputs=(Input("drive", name, f"{name}.torque"),),
+            inputs=(Input("drive", name, f"{name}.torque", torque_log.gain(values, joint)),),
             readouts=readouts,
             sensors={sensor: tuple(c for c in readouts if c in trial.channels)},
         )
@@ -89,15 +93,16 @@ def axis_model(study: Study, trials: Sequence[Trial], joint: str, mass: float, a
     unknown = {f"{name}.{k}": sizes.of(u) for k, u in UNITS.items() if f"{name}.{k}" in study.baseline.unknown}
     if f"{name}.mass" not in unknown:
         values.setdefault(f"{name}.mass", mass)
+    sigma = {n: s for n, s in study.sigma.items() if n in values and n not in unknown}
     sprung = f"{name}.stiffness" in values or f"{name}.stiffness" in unknown
     made = Simulated(
         joint,
         axis(joint, recorded[0][3].stream, angular),
         whole,
         drives,
-        believed=Believed(values, {}, {}, conditions_of(whole), unknown),
+        believed=Believed(values, sigma, {}, conditions_of(whole), unknown),
         sizes={"": sizes},
-        covered=frozenset((e.name, name) for e in all_effects().values() if stood_for(e, name, unknown)),
+        covered=frozenset((e.name, name) for e in all_effects().values() if stood_for(e, name, {*unknown, *sigma})),
         window=(OSCILLATIONS if sprung else RESTART) * sizes.time * (2.0 * math.pi if sprung else 1.0),
     )
     made.stated = frozenset(whole[0].channels) if all(r[3].sigma_stated for r in recorded) else frozenset()

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pinocchio as pin
 
+from spacerobot.diagnosis.machines import torque_log
 from spacerobot.diagnosis.machines.contract import Predicted
 from spacerobot.diagnosis.machines.grid import Grid
 from spacerobot.diagnosis.machines.links import carried_links, mass_of, with_masses
@@ -95,7 +96,7 @@ class InverseDynamics(Model):
             grids: trial -> (joint.NAME.position, .torque and perhaps .velocity on an even grid, condition, overrides).
             joints: names of the logged joints.
             compared: those whose balance counts; all if None.
-            values: believed values, "joint.NAME.mass", ".damping", ".stiffness", ".armature".
+            values: believed values, "joint.NAME.mass", ".damping", ".stiffness", ".armature", ".gain", ".bias".
             unknown: names of values that are to be fitted.
             sigma: relative deviations of believed values; of a "joint.NAME.mass" that is not among the values it is
                 that of the robot's own inertia about the joint, in its mean pose. A "link.NAME.mass" changes the
@@ -194,7 +195,7 @@ class InverseDynamics(Model):
         return [s for s in every if s.where in felt and "ports" not in self.touched(s)]
 
     def mechanism(self, values: Mapping[str, float], trial: TrialData) -> Mechanism:
-        """Joints with their believed springs, dampers and inertia; the coupling between them is the rigid part.
+        """Joints with their believed springs, dampers, inertia and torque logs; the coupling between is the rigid part.
 
         Links of doubted mass are coordinates without a port: nothing acts at them but their own weight.
         """
@@ -212,6 +213,7 @@ class InverseDynamics(Model):
             coordinates=coordinates,
             ports={f"joint.{j}": {f"joint.{j}": 1.0} for j in self.joints},
             forces=tuple(forces),
+            maps=tuple(m for j in self.compared for m in torque_log.logged(values, j)),
             sensors={self.sensor: tuple(f"joint.{j}.torque" for j in self.compared)},
         )
 
@@ -289,7 +291,7 @@ class InverseDynamics(Model):
         return Predicted((np.array(out),))
 
 
-_UNITS = {"mass": "kg", "armature": "kg", "damping": "N s/m", "stiffness": "N/m", "friction": "N"}
+_UNITS = {"mass": "kg", "armature": "kg", "damping": "N s/m", "stiffness": "N/m", "friction": "N"} | torque_log.UNITS
 
 
 class _Rigid:

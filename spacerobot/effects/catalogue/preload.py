@@ -32,6 +32,7 @@ class Preload(Effect):
     phrase = "a preload"
     formula = r"f = F_0"
     source = "constant force"
+    same_as = ("bias",)
     parameters = (Parameter("force_N", "N", 0.0, 0.1, -1e4, 1e4, (0.1, -0.1, 1.0)),)
 
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:

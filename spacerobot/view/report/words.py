@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from spacerobot.effects.registry import all_effects
@@ -322,8 +322,33 @@ def per_unit(verdict: Mapping[str, Any]) -> dict[str, Any]:
     def owner(item: Mapping[str, Any]) -> str:
         return str(item.get("part") or str(item["where"]).partition(".")[0])
 
-    effects = [of(e, owner(e)) for e in verdict["effects"]]
-    return {**verdict, "effects": effects, "detectable": [of(d, owner(d)) for d in verdict["detectable"]]}
+    out = {k: [of(e, owner(e)) for e in verdict[k]] for k in ("effects", "detectable")}
+    sets = [_set_per_unit(a, of, owner) for a in verdict.get("alternatives") or ()]
+    return {**verdict, **out, "alternatives": sets}
+
+
+def _set_per_unit(
+    one: Mapping[str, Any], of: Callable[..., dict[str, Any]], owner: Callable[..., str]
+) -> dict[str, Any]:
+    """An alternative in such units; its own parameters, "effect@where.name", are numbers in the unit of the name."""
+    from spacerobot.diagnosis.answer.part_verdict import turning_unit
+
+    parts = str(one.get("part") or "").split(", ")
+    mine = {"part": parts[0]} if len(parts) == 1 and parts[0] else {}
+
+    def measured(key: str, value: Any) -> Any:
+        place, _, name = key.rpartition(".")
+        unit = None if isinstance(value, Mapping) or "@" not in place else unit_of_name(name)
+        if not unit:
+            return value
+        where = place.partition("@")[2]
+        plain = {"where": where, "unit": turning_unit(unit) if where.endswith(".yaw") else unit, **mine}
+        now = of(plain, owner(plain))["unit"]
+        return value if now == unit else {"value": value, "unit": now}
+
+    values = {k: measured(k, v) for k, v in (one.get("parameters") or {}).items()}
+    effects = [of({**mine, **e}, owner({**mine, **e})) for e in one["effects"]]
+    return {**one, "effects": effects, **({"parameters": values} if "parameters" in one else {})}
 
 
 def _grows_with_mass(unit: str) -> bool:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from helpers_models import real_study
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.machines.axis import axis
@@ -61,6 +63,26 @@ def duffing(k3: float, noise: float) -> Simulated:
         window=1.0,
         budget=1500,
     )
+
+
+@settings(max_examples=5, deadline=None)
+@given(st.floats(0.05, 40.0), st.floats(-2.0, 2.0))
+def test_an_axis_moves_alike_in_whatever_unit_its_drive_is_logged(gain: float, bias: float) -> None:
+    """A stated motor constant and zero undo what the log did to the drive; a wrong one moves it elsewhere."""
+    time = np.arange(0.0, 1.0, 0.005)
+    drive = 3.0 * np.cos(9.0 * time)
+    block = Block("box", (f"{NAME}.position",), time, np.zeros((1, time.size)), np.ones((1, time.size)))
+    trial = TrialData("run", "all", {}, (block,), 0.0, 1.0)
+
+    def moved(log: np.ndarray, **said: float) -> np.ndarray:
+        made = axis("axis", "box", angular=False)({**TRUE, **{f"{NAME}.{k}": v for k, v in said.items()}}, trial)
+        run = simulate(made, start=0.0, end=1.0, inputs=(time, {f"{NAME}.torque": log}), max_step=0.005)
+        return read_channels(run, made, [f"{NAME}.position"], time)[f"{NAME}.position"]
+
+    true, log = moved(drive), (drive + bias) / gain
+    size = float(np.abs(true).max())
+    np.testing.assert_allclose(moved(log, gain=gain, bias=bias), true, atol=1e-4 * size)
+    assert np.abs(moved(log, gain=1.3 * gain, bias=bias) - true).max() > 0.05 * size
 
 
 def test_a_planted_cubic_spring_comes_back() -> None:

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from helpers_models import ARM, arm_log, real_study
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.fitting.noise import floor_of, reweighted
@@ -128,3 +132,47 @@ def test_a_doubted_link_that_is_not_there_is_named() -> None:
     grids = {"run": (arm_log(robot, 0, {}, seconds=4.0), "motion", {})}
     with pytest.raises(NotFoundError, match="hand"):
         InverseDynamics(robot, GRAVITY, grids, ("shoulder", "elbow"), sigma={"link.hand.mass": 0.1})
+
+
+def misread(gain: float, bias: float, **believed: object) -> InverseDynamics:
+    """A right model whose torque is logged in other units, with a zero of its own."""
+    robot = load(ARM)
+    grids = {}
+    for n in range(2):
+        grid = arm_log(robot, n, {})
+        name = "joint.shoulder.torque"
+        read = {**grid.value, name: (grid.value[name] + bias) / gain}
+        grids[f"run{n}"] = (replace(grid, value=read), f"motion {n}", {})
+    return InverseDynamics(robot, GRAVITY, grids, ("shoulder", "elbow"), compared=["shoulder"], **believed)  # type: ignore[arg-type]
+
+
+def left_over(model: InverseDynamics, gain: float) -> float:
+    """What the fitted baseline leaves, rms [N m]."""
+    fit = fitted(model)
+    state = Fitter(model, model.trials).state(fit.hypothesis, fit.z, {t.id: np.zeros(0) for t in model.trials})
+    rest = np.concatenate([state.raw[t.id] / t.blocks[0].weight.ravel() for t in model.trials])
+    return gain * float(np.sqrt(np.mean(rest**2)))
+
+
+@settings(max_examples=4, deadline=None)
+@given(st.floats(0.05, 40.0), st.floats(-2.0, 2.0))
+def test_a_stated_motor_constant_and_zero_are_no_mismatch(gain: float, bias: float) -> None:
+    """In whatever unit the torque is logged, what is left is its noise; left unsaid, it is not."""
+    stated = {"joint.shoulder.gain": gain, "joint.shoulder.bias": bias}
+    assert left_over(misread(gain, bias, values=stated), gain) < 0.02
+    assert left_over(misread(2.0 * gain, bias, values=stated), 2.0 * gain) > 0.1
+
+
+def test_a_doubted_motor_constant_and_zero_come_back() -> None:
+    """Believed within their sigmas and wrong, both are found within their errors; no effect takes their place."""
+    names = ("joint.shoulder.gain", "joint.shoulder.bias")
+    doubt = {"values": dict(zip(names, (2.1, 0.5), strict=True)), "sigma": dict(zip(names, (0.05, 0.5), strict=True))}
+    model = misread(2.0, 0.8, **doubt)
+    fit = fitted(model)
+    found = np.array([fit.values()[n] for n in names])
+    steps = np.array([f.slope(z) for f, z in zip(fit.hypothesis.free, fit.z, strict=True)])
+    error = np.sqrt(np.diag(fit.covariance)) * steps
+    assert found == pytest.approx([2.0, 0.8], rel=0.01)
+    assert (np.abs(found - [2.0, 0.8]) < 4.0 * error).all()
+    assert ("preload", "joint.shoulder") not in {s.label for s in model.sites()}
+    assert ("preload", "joint.shoulder") in {s.label for s in misread(2.0, 0.8).sites()}
