@@ -51,5 +51,8 @@ def _robot(study: Study) -> tuple[dict[str, Limits], list[str], str]:
     except InputError as error:
         return {}, [], str(error)
     rows = {r["name"]: r for r in joint_rows(robot)}
-    found = {n: Limits(r["lower"], r["upper"], r["velocity_limit"], r["effort_limit"]) for n, r in rows.items()}
+    found = {
+        n: Limits(r["lower"], r["upper"], r["velocity_limit"], r["effort_limit"], slides=r["unit"] == "m")
+        for n, r in rows.items()
+    }
     return {**{name: Limits() for name in list(robot.model.names)[1:]}, **found}, mended_links(robot), ""

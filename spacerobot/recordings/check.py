@@ -19,6 +19,9 @@ from spacerobot.support.errors import InputError
 Ask = Callable[[Recording], Iterable[InputError]]
 """What somebody else finds wrong with a trial that can be read."""
 
+IDLE = (".friction", ".ratio", ".kp", ".kv")
+"""Values of a joint that a study may state and that nothing simulates."""
+
 
 def check_study(
     study: Study, limits: Mapping[str, Limits] | None = None, ask: Ask = lambda recording: ()
@@ -123,6 +126,9 @@ def _believed(study: Study) -> list[str]:
             found.append(f"not stated, so unknown and fitted: {', '.join(absent)}")
     if len(study.conditions()) == 1 and len(study.trials) > 1:
         found.append("all trials share one condition: nothing can be held out by condition")
+    idle = sorted(n for n in {*study.baseline.values, *study.sigma} if n.startswith("joint.") and n.endswith(IDLE))
+    if idle:
+        found.append(f"stated, but no model reads it yet: {', '.join(idle)}")
     own = [s.name for s in study.streams.values() if s.own_clock]
     if own:
         found.append(f"streams on a clock of their own, whose offset is fitted: {', '.join(own)}")

@@ -16,6 +16,9 @@ ODD = 30.0
 """Ratio from which a reading and its belief cannot both be right: halfway between right and off by a thousand
 (millimetres) on a logarithmic scale, and below the 57 of degrees for radians."""
 
+SLIDING = {"rad": "m", "rad/s": "m/s", "rad/s2": "m/s2", "Nm": "N"}
+"""What a channel of a joint has where it slides, in the place of what it has where it turns."""
+
 TURNS = 4 * math.pi
 """A joint angle beyond two turns is in degrees where its robot states no limits."""
 
@@ -28,12 +31,14 @@ class Limits:
         lower, upper: rad or m, infinite where it says nothing.
         velocity: rad/s or m/s.
         effort: N m or N.
+        slides: whether it slides, rather than turns.
     """
 
     lower: float = -math.inf
     upper: float = math.inf
     velocity: float = math.inf
     effort: float = math.inf
+    slides: bool = False
 
 
 @dataclass(frozen=True)
@@ -82,9 +87,14 @@ class Ranges:
     def add(self, recording: Recording) -> None:
         """Take in a trial that could be read."""
         for name, series in recording.items():
-            self._seen.setdefault(name, _Seen(series.unit, series.sigma_stated)).add(series)
+            self._seen.setdefault(name, _Seen(self._unit(series), series.sigma_stated)).add(series)
         pushed, force = _reach(self._study.values(recording.trial), _speed(recording))
         self._pushed, self._force = max(self._pushed, pushed), max(self._force, force)
+
+    def _unit(self, series: Series) -> str:
+        """The channel's own; of a joint that slides lengths and forces, where the study states no unit."""
+        joint = series.name.removeprefix("joint.").rpartition(".")[0] if series.name.startswith("joint.") else ""
+        return SLIDING.get(series.unit, series.unit) if self._limits.get(joint, Limits()).slides else series.unit
 
     def found(self) -> list[Range]:
         """The ranges, in order of the study."""

@@ -74,6 +74,25 @@ def test_joints_are_held_against_their_limits(tmp_path: Path, size: float, odd: 
     assert any("no joint S1" in w for w in check_study(load_study(tmp_path), {"S2": Limits()})["warnings"])
 
 
+def test_a_joint_that_slides_is_in_metres(tmp_path: Path) -> None:
+    t = np.arange(0, 1, 0.01)
+    np.savetxt(tmp_path / "log.csv", np.column_stack([t, np.sin(t)]), "%.5f", ",")
+    (tmp_path / "study.toml").write_text(ARM)
+    study = load_study(tmp_path)
+    units = {s: check_study(study, {"S1": Limits(-3, 3, slides=s)})["ranges"][0]["unit"] for s in (True, False)}
+    assert units == {True: "m", False: "rad"}
+
+
+def test_what_is_stated_and_read_by_no_model_is_told(tmp_path: Path) -> None:
+    t = np.arange(0, 1, 0.01)
+    np.savetxt(tmp_path / "log.csv", np.column_stack([t, np.sin(t)]), "%.5f", ",")
+    text = ARM.replace('robot = "pa10"\n', 'robot = "pa10"\njoint.S1.kp = 3.0\njoint.S1.gain = 2.0\n')
+    (tmp_path / "study.toml").write_text(text)
+    (said,) = (w for w in check_study(load_study(tmp_path))["warnings"] if "no model reads" in w)
+    assert "joint.S1.kp" in said
+    assert "gain" not in said
+
+
 def test_the_table_is_shown(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     rig(tmp_path, "mm")
     assert main(["study", "check", str(tmp_path)]) == 0

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from spacerobot.diagnosis.answer import evidence
 from spacerobot.diagnosis.answer.alternatives import alternatives
 from spacerobot.diagnosis.answer.events import clocks, touches
 from spacerobot.diagnosis.answer.mended_model import FILE, RUNS
@@ -63,6 +64,8 @@ def verdict_of(study: Study, parts: Sequence[Part], *, version: str, seed: int, 
         "effects": effects,
         "alternatives": alternatives(speaking, verdict),
         "parameters": _all_moved(parts),
+        "exact": exact(study, parts),
+        "moved": moved(parts),
         "located": [
             {**r.entry(), "balance": balance(p, r.balance, parts)}
             for p in parts
@@ -164,6 +167,24 @@ def _all_moved(parts: Sequence[Part]) -> dict[str, Any]:
             if name not in out or _far(entry) > _far(out[name]):
                 out[name] = entry
     return out
+
+
+def moved(parts: Sequence[Part]) -> dict[str, dict[str, Any]]:
+    """How far every believed value that was free moved; of one that several parts judge, the furthest."""
+    out: dict[str, dict[str, Any]] = {}
+    for part in parts:
+        for name, entry in evidence.moved(part.fit).items():
+            if name not in out or abs(entry["in_sigmas"] or 0.0) > abs(out[name]["in_sigmas"] or 0.0):
+                out[name] = entry
+    return dict(sorted(out.items(), key=lambda item: -abs(item[1]["in_sigmas"] or 0.0)))
+
+
+def exact(study: Study, parts: Sequence[Part]) -> list[str]:
+    """Stated values that every part that has them holds as they are stated: those without a sigma."""
+    free = {f.key for p in parts for f in p.fit.hypothesis.free}
+    used = {n for p in parts for n in (*p.model.believed.values, *(v for t in p.trials for v in t.overrides))}
+    stated = dict.fromkeys(n for t in study.trials for n in study.values(t))
+    return [n for n in stated if n in used and n not in free and n not in study.sigma]
 
 
 def _far(entry: Mapping[str, Any]) -> float:

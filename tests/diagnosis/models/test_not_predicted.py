@@ -50,6 +50,7 @@ def test_the_verdict_and_the_report_say_so_and_nothing_else_changes(study: Study
     assert isinstance(evidence, dict)
     validate(verdict)
     assert [c["channel"] for c in verdict["not_predicted"]] == list(EXTRA)
+    assert (verdict["exact"], verdict["moved"]) == (["body.mass"], {})  # stated for each trial, without a sigma
     text = page(verdict, read_evidence(evidence))
     assert re.search(r"2 recorded channels that no model predicts.*aux\.temperature", text, re.DOTALL)
     bare = diagnose(balls(tmp_path, {"light": (0.05, 0.003)}), jobs=1, without=without).verdict
