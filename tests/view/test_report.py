@@ -310,6 +310,22 @@ def test_the_winner_s_row_is_first_and_marked() -> None:
     assert "8.31" in table, "the baseline's"
 
 
+def test_a_rival_that_folds_chose_shows_its_error_there() -> None:
+    """Over those folds alone, and how many they are; a rival that none chose has none."""
+    rivals = [{**h, "held_out": None} for h in evidence()["hypotheses"] if h["stage"] == "fitted"]
+    rival = next(h for h in rivals if [e["effect"] for e in h["effects"]] not in ([], ["coulomb_friction"]))
+    found = verdict("named")
+    own = {"left_out": ["01"], "leads_to": "another set", "selected": rival["effects"]}
+    folds = [{**own, "rms_selected": 3.0}, {**own, "rms_selected": 4.0}, found["held_out"]["folds"][0]]
+
+    def cells(some: list[dict[str, Any]]) -> str:
+        told = {**found, "held_out": {**found["held_out"], "folds": some}}
+        return page(told, read_evidence({**evidence(), "hypotheses": rivals}))
+
+    assert re.search(r"3\.5\d*.σ <span class=\"quiet\">in 2 of 3</span>", cells(folds))  # the root of 12.5
+    assert "in 1 of 1<" not in cells(folds[2:]), "the chosen one has its error over all"
+
+
 def test_unknown_shows_the_baseline_alone() -> None:
     text = page(verdict("unknown"), read_evidence(evidence()))
     assert "line after" not in text[: text.index('id="rivals"')]

@@ -191,7 +191,12 @@ def _overall(verdict: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _with_held_out(verdict: Mapping[str, Any], hypotheses: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """The hypotheses, the winner marked, with the held-out error of those two that were predicted on unseen trials."""
+    """The hypotheses, the winner marked, each with what unseen trials say of it.
+
+    Those two that predicted all of them have their error there; another its error ("folds") over the parts of the
+    trials without which it was the choice, and how many of how many these were.
+    """
+    folds = (verdict.get("held_out") or {}).get("folds") or ()
     overall = (verdict.get("held_out") or {}).get("overall") or {}
     named = sorted((str(e["effect"]), str(e["where"])) for e in verdict["effects"])
     out = []
@@ -200,8 +205,24 @@ def _with_held_out(verdict: Mapping[str, Any], hypotheses: Sequence[Mapping[str,
         fitted = h.get("stage") == "fitted"
         won = bool(h["chosen"]) if "chosen" in h else fitted and effects == named and not h.get("lost")
         error = overall.get("rms_after") if won else overall.get("rms_before") if fitted and not effects else None
-        out.append({**h, "chosen": won and verdict["verdict"] not in UNEXPLAINED, "unseen": error})
+        picked = [f for f in folds if f.get("part", "") == (h.get("part") or f.get("part", "")) and _set(f) == effects]
+        chosen = won and verdict["verdict"] not in UNEXPLAINED
+        out.append({**h, "chosen": chosen, "unseen": error, "folds": _folds(picked, len(folds)) if fitted else None})
     return out
+
+
+def _set(fold: Mapping[str, Any]) -> list[tuple[str, str]]:
+    return sorted((str(e["effect"]), str(e["where"])) for e in fold["selected"])
+
+
+def _folds(picked: Sequence[Mapping[str, Any]], count: int) -> dict[str, Any] | None:
+    """Root mean square error over the folds that chose a set, and how many they are; None where none did."""
+    errors = [finite(f.get("rms_selected")) for f in picked]
+    known = [e for e in errors if e is not None and math.isfinite(e)]
+    if not picked:
+        return None
+    error = math.sqrt(sum(e * e for e in known) / len(known)) if known else None
+    return {"picked": len(picked), "of": count, "error": error}
 
 
 def _rivals(
