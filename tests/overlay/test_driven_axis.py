@@ -31,6 +31,16 @@ def test_a_wrong_axis_shows_one(tmp_path: Path) -> None:
         assert np.abs(wrong).max() > 50 * np.abs(right).max(), name
 
 
+def test_a_drive_logged_in_volts_is_turned_into_newtons(tmp_path: Path) -> None:
+    """By the stated motor constant, in the simulation and in what is found of unknown values."""
+    plain = "mass = 3.0\ndamping = 4.0"
+    volts = axis_study(tmp_path / "volts", sign=0.2, baseline=f"{plain}\ngain = 5.0")
+    assert np.abs(residual(volts)).max() < 2e-5
+    assert np.abs(residual(axis_study(tmp_path / "unsaid", sign=0.2))).max() > 1e-3
+    open_ = axis_study(tmp_path / "open", sign=0.2, baseline='mass = "unknown"\ndamping = 4.0\ngain = 5.0')
+    assert DrivenAxis.of(load_study(open_)).found["mass"] == pytest.approx(3.0, rel=1e-3)
+
+
 def test_a_spring_needs_no_restart(tmp_path: Path) -> None:
     baseline = "mass = 3.0\ndamping = 4.0\nstiffness = 900.0"
     study = load_study(axis_study(tmp_path, stiffness=900.0, baseline=baseline))

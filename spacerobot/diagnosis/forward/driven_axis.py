@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Self
 
 import numpy as np
@@ -17,6 +18,7 @@ from spacerobot.diagnosis.forward.base import (
     overlaid,
 )
 from spacerobot.diagnosis.forward.momentum_balance import balance
+from spacerobot.diagnosis.machines import torque_log
 from spacerobot.effects.laws import DAMPER, SPRING
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Coordinate, Force, Input, Readout
@@ -82,7 +84,13 @@ class DrivenAxis(ForwardModel):
         wanted = tuple(n for n in LAWS if n not in stated and (n == "mass" or n in unknown))
         tracks = [study.recording(t) for t in study.trials]
         angular = tracks[0][f"joint.{joint}.position"].unit == "rad"
-        return cls(study, joint, stated, balance(tracks, joint, stated, wanted), angular)
+        return cls(
+            study,
+            joint,
+            stated,
+            balance(tracks, joint, stated, wanted, partial(torque_log.torque, values, joint)),
+            angular,
+        )
 
     @property
     def values(self) -> tuple[Value, ...]:
@@ -116,7 +124,8 @@ class DrivenAxis(ForwardModel):
         own = {n.rsplit(".", 1)[1]: v for n, v in trial.overrides.items() if n.startswith(f"joint.{self.joint}.")}
         mechanism = self.mechanism({**self.stated, **self.found, **own})
         force_time, force = drive.good()
-        inputs = (force_time, {drive.name: force})
+        said = self.study.values(trial)
+        inputs = (force_time, {drive.name: torque_log.torque(said, self.joint, force)})
         shown = [name for name in mechanism.readouts if name in recording]
         simulated = {name: np.full(len(recording[name]), np.nan) for name in shown}
         starts = self._starts(position.time)

@@ -7,7 +7,7 @@ linear equations (the weak form, or modulating functions; Shinbrot 1957).
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import numpy as np
 
@@ -19,7 +19,11 @@ WIDTH = 400
 
 
 def balance(
-    recordings: Iterable[Recording], joint: str, stated: Mapping[str, float], wanted: Sequence[str]
+    recordings: Iterable[Recording],
+    joint: str,
+    stated: Mapping[str, float],
+    wanted: Sequence[str],
+    torque: Callable[[np.ndarray], np.ndarray] = np.asarray,
 ) -> dict[str, float]:
     """The `wanted` ones of mass, damping and stiffness that balance the momentum best.
 
@@ -28,6 +32,7 @@ def balance(
         joint: NAME.
         stated: those that are known, SI; absent ones are zero.
         wanted: names to find.
+        torque: from what is logged as the joint's torque to the torque [N m or N].
 
     Raises:
         InputError: the recordings do not determine them.
@@ -37,7 +42,8 @@ def balance(
     rows, forces = [], []
     for recording in recordings:
         time, x = recording[f"joint.{joint}.position"].good()
-        u = np.interp(time, *recording[f"joint.{joint}.torque"].good())
+        at, logged = recording[f"joint.{joint}.torque"].good()
+        u = np.interp(time, at, torque(logged))
         step = float(np.median(np.diff(time)))
         for table, force in _windows(x, u, step, _half_width(x, time.size)):
             known = sum((value * table[name] for name, value in stated.items() if name in table), np.zeros(force.size))

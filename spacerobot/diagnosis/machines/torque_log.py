@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+import numpy as np
+
 from spacerobot.effects.primitives import ChannelMap
 
 UNITS = {"gain": "1"}
@@ -18,6 +20,11 @@ def gain(values: Mapping[str, float], joint: str) -> float:
 def bias(values: Mapping[str, float], joint: str) -> float:
     """What the log, times the gain, shows where there is no torque [N m or N]; 0 if nothing is said."""
     return values.get(f"joint.{joint}.bias", 0.0)
+
+
+def torque(values: Mapping[str, float], joint: str, reading: np.ndarray) -> np.ndarray:
+    """The joint's torque or force [N m or N], from what is logged of it, shape (T,) both."""
+    return gain(values, joint) * reading - bias(values, joint)
 
 
 def logged(values: Mapping[str, float], joint: str) -> tuple[ChannelMap, ...]:

@@ -15,8 +15,10 @@ from hypothesis import strategies as st
 from spacerobot.diagnosis.answer.part_verdict import moved
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.fitting.noise import floor_of, reweighted
+from spacerobot.diagnosis.machines import torque_log
 from spacerobot.diagnosis.machines.choose import models_for
 from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
+from spacerobot.diagnosis.machines.measured import through_sensor
 from spacerobot.diagnosis.selection.forward_selection import grow
 from spacerobot.diagnosis.selection.part_held_out import folds
 from spacerobot.diagnosis.selection.part_result import Part
@@ -165,6 +167,14 @@ def test_a_stated_motor_constant_and_zero_are_no_mismatch(gain: float, bias: flo
     stated = {"joint.shoulder.gain": gain, "joint.shoulder.bias": bias}
     assert left_over(misread(gain, bias, values=stated), gain) < 0.02
     assert left_over(misread(2.0 * gain, bias, values=stated), 2.0 * gain) > 0.1
+
+
+@given(st.floats(0.05, 40.0), st.floats(-2.0, 2.0))
+def test_a_log_is_read_back_as_it_was_written(gain: float, bias: float) -> None:
+    said = {"joint.a.gain": gain, "joint.a.bias": bias}
+    true = np.linspace(-3.0, 3.0, 7)
+    logs = through_sensor(torque_log.logged(said, "a"), true, 0.01)
+    np.testing.assert_allclose(torque_log.torque(said, "a", logs), true, atol=1e-12)
 
 
 def test_a_doubted_motor_constant_and_zero_come_back() -> None:
