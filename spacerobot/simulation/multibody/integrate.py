@@ -1,4 +1,6 @@
-"""The integration loop: adaptive steps of order 8, events, kicks, and the record of every step. Compiled.
+"""The integration loop: adaptive steps, events, kicks, and the record of every step. Compiled.
+
+A step is explicit, of order 8, where that is stable at the length that accuracy allows, and collocated where it is not.
 
 Python hands the loop room for some rows at a time, so that a long run can be interrupted and its record grows.
 """
@@ -10,14 +12,24 @@ from typing import Any
 
 import numpy as np
 
+from spacerobot.simulation.multibody.collocation import (
+    Room,
+    accepted,
+    collocate,
+    collocated,
+    linearise,
+    room_for,
+    stretch,
+)
 from spacerobot.simulation.multibody.dop853 import ALL_STAGES, ORDER, POWERS, STAGES, C
 from spacerobot.simulation.multibody.kernel import load, solve
 from spacerobot.simulation.multibody.layout import SPLIT, layout_inside, scratch_inside
 from spacerobot.simulation.multibody.machine import Machine, guards_at, rate_at
 from spacerobot.simulation.multibody.modes import start, switch, turn
+from spacerobot.simulation.multibody.radau import NODES
 from spacerobot.simulation.multibody.stepper import error_norm, interpolant, stage
 from spacerobot.simulation.multibody.watch import SAMPLES, first_event
-from spacerobot.simulation.reduced.arrays import EDGE, FORCES, FRICTIONS, HEADING, PRESS, W_ROWS
+from spacerobot.simulation.reduced.arrays import EDGE, FORCES, FRICTIONS, HEADING, PORTS, PRESS, W_ROWS
 from spacerobot.support.jit import jit, lean
 
 MAX_STEPS, MAX_EVENTS = 150_000, 5_000
@@ -26,6 +38,9 @@ MAX_STEPS, MAX_EVENTS = 150_000, 5_000
 NEAR = 1e-7
 """Share of a step: what Newton's correction of an event's time leaves is the square of it, so that the state goes there
 along its slope."""
+
+STABLE = 6.1
+"""Fastest rate times step up to which the explicit method is stable (Hairer's dop853.f, its test for stiffness)."""
 
 _SAFETY, _SHRINK, _GROW = 0.9, 0.2, 6.0
 FIRST_ROWS, MOST_ROWS = 128, 4096
@@ -80,18 +95,24 @@ class Record:
 
 
 @lean
-def _advance(m: Any, t: float, y: Any, h: float, k: Any, temp: Any, new: Any) -> None:
-    """Stages 1 to 12 from stage 0; the state at the end is left in `new`."""
+def _advance(m: Any, t: float, y: Any, h: float, k: Any, scale: Any, o: Any, stiff: bool, temp: Any, new: Any) -> float:
+    """A step whose first slope is k[0]; its end is left in `new`. Returns its error over its tolerance."""
+    if stiff:
+        return collocate(m, t, y, h, k[0], scale, o, temp, new)
     for s in range(1, STAGES):
         stage(y, k, s, h, temp)
         rate_at(m, t + C[s] * h, temp, k[s])
     stage(y, k, STAGES, h, new)
     rate_at(m, t + h, new, k[STAGES])
+    return error_norm(k, h, scale)
 
 
 @lean
-def _interpolated(m: Any, t: float, y: Any, h: float, k: Any, temp: Any, new: Any, f: Any) -> None:
+def _interpolated(m: Any, t: float, y: Any, h: float, k: Any, o: Any, stiff: bool, temp: Any, new: Any, f: Any) -> None:
     """The interpolant of the step just taken, into f shape (POWERS, N)."""
+    if stiff:
+        collocated(o, f)
+        return
     for s in range(STAGES + 1, ALL_STAGES):
         stage(y, k, s, h, temp)
         rate_at(m, t + C[s] * h, temp, k[s])
@@ -100,11 +121,14 @@ def _interpolated(m: Any, t: float, y: Any, h: float, k: Any, temp: Any, new: An
 
 @lean
 def _polished(
-    m: Any, hit: int, t: float, y: Any, full: float, part: float, k: Any, temp: Any, new: Any, slope: Any, g: Any
-) -> float:
+    m: Any, hit: int, t: float, y: Any, full: float, part: float, k: Any, scale: Any, o: Any, stiff: bool,
+    temp: Any, new: Any, slope: Any, g: Any,
+) -> float:  # fmt: skip
     """Length at which guard `hit` is zero, by Newton on the step itself (the interpolant is less accurate)."""
-    _advance(m, t, y, part, k, temp, new)
+    _advance(m, t, y, part, k, scale, o, stiff, temp, new)
     for _ in range(4):
+        if stiff:
+            rate_at(m, t + part, new, k[STAGES])
         guards_at(m, t + part, new, g, slope)
         value = g[hit]
         probe = max(1e-7 * full, 1e-12)
@@ -121,9 +145,10 @@ def _polished(
         if abs(change) < max(NEAR * full, 1e-15 * max(1.0, abs(t))):
             for i in range(y.size):
                 new[i] += change * k[STAGES, i]
+            stretch(o, change)
             rate_at(m, t + part, new, k[STAGES])
             break
-        _advance(m, t, y, part, k, temp, new)
+        _advance(m, t, y, part, k, scale, o, stiff, temp, new)
     return part
 
 
@@ -156,7 +181,7 @@ def _kick(m: Any, t: float, y: Any, port: int, impulse: float, slope: Any) -> fl
 
 @jit
 def _onwards(
-    m: Any, y: Any, clock: Any, count: Any, k: Any, scale: Any,
+    m: Any, y: Any, clock: Any, count: Any, k: Any, scale: Any, o: Any,
     kicks: Any, ports: Any, work: Any, rows: Any, happened: Any,
 ) -> int:  # fmt: skip
     """Goes on from (clock, y) until the end, or until `rows` or `happened` are full.
@@ -167,6 +192,7 @@ def _onwards(
         clock, count: where it stands, TIME to FIXED and BEGUN to KICKS; overwritten.
         k: slopes, shape (ALL_STAGES, N); the first is that of y.
         scale: error per step that is tolerated, shape (N,).
+        o: room for collocated steps.
         kicks, ports: times [s] and sizes of known impulses, shape (I, 2), and their ports, shape (I,).
         work: energy each of them brings [J], shape (I,); filled.
         rows: room for (time, length, state, interpolant, modes, heading) of each step; filled.
@@ -183,7 +209,7 @@ def _onwards(
     watched = m.c[PRESS] >= 0 or frictions > 0
     for j in range(m.c[FORCES]):
         watched |= m.c[m.c[EDGE] + j] >= 0
-    status = DONE
+    status, fastest = DONE, linearise(m, scale, o)
     while t < end:
         if count[ROWS] == rows.shape[0] or count[EVENTS] == happened.shape[0]:
             status = FULL
@@ -194,29 +220,34 @@ def _onwards(
             if stop - t <= 1e-15 * max(1.0, abs(t)):
                 work[i] = _kick(m, t, y, ports[i], kicks[i, 1], slope)
                 rate_at(m, t, y, k[0])
+                fastest = linearise(m, scale, o)
+                accepted(o, 0.0)
                 count[KICKS] += 1
                 continue
         full = min(h, clock[LONGEST])
         final = full >= (stop - t) * (1.0 - 1e-12)
         if final:
             full = stop - t
-        _advance(m, t, y, full, k, temp, new)
-        norm = 0.0 if clock[FIXED] > 0.0 else error_norm(k, full, scale)
+        stiff = fastest * full > STABLE
+        order = NODES + 1.0 if stiff else 1.0 * ORDER
+        norm = _advance(m, t, y, full, k, scale, o, stiff, temp, new)
+        if clock[FIXED] > 0.0:
+            norm = 0.0
         if not norm <= 1.0:
-            h = full * (max(_SHRINK, _SAFETY * norm ** (-1.0 / ORDER)) if np.isfinite(norm) else 0.1)
+            h = full * (max(_SHRINK, _SAFETY * norm ** (-1.0 / order)) if np.isfinite(norm) else 0.1)
             if h < 1e-15 * max(1.0, abs(t)):
                 status = VANISHED
                 break
             continue
-        grow = _GROW if norm < 1e-12 else min(_GROW, _SAFETY * norm ** (-1.0 / ORDER))
-        _interpolated(m, t, y, full, k, temp, new, f)
+        grow = _GROW if norm < 1e-12 else min(_GROW, _SAFETY * norm ** (-1.0 / order))
+        _interpolated(m, t, y, full, k, o, stiff, temp, new, f)
         hit, theta = -1, 2.0
         if watched:
             hit, theta = first_event(m, t, y, full, f, temp, slope, g, samples, rates)
         part = full
         if hit >= 0:
-            part = _polished(m, hit, t, y, full, theta * full, k, temp, new, slope, g)
-            _interpolated(m, t, y, part, k, temp, new, f)
+            part = _polished(m, hit, t, y, full, theta * full, k, scale, o, stiff, temp, new, slope, g)
+            _interpolated(m, t, y, part, k, o, stiff, temp, new, f)
         row = rows[count[ROWS]]
         row[0], row[1] = t, part
         for i in range(size):
@@ -238,8 +269,10 @@ def _onwards(
             count[EVENTS] += 1
         else:
             h = max(h, full * grow) if final else full * grow
+            accepted(o, full if stiff else 0.0)
         rate_at(m, t, y, k[0])
         turn(m)
+        fastest = linearise(m, scale, o)
     clock[TIME], clock[STEP] = t, h
     return status
 
@@ -258,13 +291,14 @@ def integrate(
     """
     size, modes, frictions = y.size, machine.modes.size, int(machine.c[FRICTIONS])
     count, k, work = np.zeros(4, dtype=np.int64), np.zeros((ALL_STAGES, size)), np.zeros(ports.size)
+    nodes: Room = room_for(size, machine.v.size, int(machine.c[PORTS]), frictions)
     parts, events = [], []
     done, happened, room, status = 0, 0, FIRST_ROWS, FULL
     while status == FULL and done <= MAX_STEPS and happened <= MAX_EVENTS:
         rows = np.empty((room, 2 + (1 + POWERS) * size + modes + frictions))
         some = np.empty((room, 3))
         count[ROWS] = count[EVENTS] = 0
-        status = _onwards(machine, y, clock, count, k, scale, kicks, ports, work, rows, some)
+        status = _onwards(machine, y, clock, count, k, scale, nodes, kicks, ports, work, rows, some)
         parts.append(rows[: count[ROWS]])
         events.append(some[: count[EVENTS]])
         done, happened, room = done + count[ROWS], happened + count[EVENTS], min(2 * room, MOST_ROWS, MAX_STEPS + 1)
