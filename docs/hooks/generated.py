@@ -1,7 +1,8 @@
-"""What pages take from the code: what follows `<!-- generated: NAME -->` is replaced when the site is built.
+"""What pages, and the schema of verdict.json, take from the code.
 
-Pages that are read in the checkout hold it too, up to `<!-- end of NAME -->`: `python docs/hooks/generated.py` writes
-it anew, with `--check` it only says whether it is current.
+What follows `<!-- generated: NAME -->` is replaced when the site is built. Pages that are read in the checkout hold it
+too, up to `<!-- end of NAME -->`: `python docs/hooks/generated.py` writes it anew, with `--check` it only says whether
+it is current.
 """
 
 from __future__ import annotations
@@ -15,12 +16,18 @@ from typing import Any
 from unittest.mock import patch
 
 from spacerobot.cli.main import COMMANDS, build_parser
+from spacerobot.diagnosis.answer import record
+from spacerobot.diagnosis.answer.schema import schema
+from spacerobot.support.jsonio import dumps
 from spacerobot.view.docs import GENERATED
 
 _MARK = re.compile(r"^<!-- generated: (\w+) -->$(?:.*?^<!-- end of \1 -->$)?", re.MULTILINE | re.DOTALL)
 
 _IN_CHECKOUT = ("effects.md", "commands.md")
 """Pages that hold what is generated, to be read without building the site."""
+
+SCHEMA = Path(record.__file__).with_name("verdict.schema.json")
+"""Shipped beside the record that it is made from, for whoever reads verdict.json without this package's code."""
 
 
 def on_page_markdown(markdown: str, **_: Any) -> str:
@@ -52,7 +59,7 @@ def held(markdown: str) -> str:
 
 
 def main(arguments: list[str]) -> int:
-    """Write the pages of the checkout, or with --check name those that are not current."""
+    """Write the pages of the checkout and the schema, or with --check name those that are not current."""
     stale = []
     for name in _IN_CHECKOUT:
         path = Path(__file__).resolve().parents[1] / name
@@ -61,6 +68,11 @@ def main(arguments: list[str]) -> int:
             stale.append(name)
             if "--check" not in arguments:
                 path.write_text(held(text), encoding="utf-8")
+    shipped = dumps(schema()) + "\n"
+    if not SCHEMA.is_file() or SCHEMA.read_text(encoding="utf-8") != shipped:
+        stale.append(SCHEMA.name)
+        if "--check" not in arguments:
+            SCHEMA.write_text(shipped, encoding="utf-8")
     if "--check" in arguments and stale:
         print(f"not current: {', '.join(stale)}; run python docs/hooks/generated.py", file=sys.stderr)
         return 1

@@ -6,34 +6,31 @@ import os
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
-from typing import Any
 
-from spacerobot import __version__
 from spacerobot.diagnosis.answer import evidence as ev
 from spacerobot.diagnosis.answer.next_experiment import next_experiment
-from spacerobot.diagnosis.answer.not_predicted import not_predicted
+from spacerobot.diagnosis.answer.record import written
 from spacerobot.diagnosis.answer.result import Diagnosis
-from spacerobot.diagnosis.answer.verdict import labels_of, verdict_dict
+from spacerobot.diagnosis.answer.verdict import labels_of, pattern, verdict_of_rig
 from spacerobot.diagnosis.fitting.fit_store import Store
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.mended_scene import scene_of
 from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.workshop import Workshop
-from spacerobot.diagnosis.locate.located import LEVEL, Located
-from spacerobot.diagnosis.machines.wrist_rig import ABSORBING
+from spacerobot.diagnosis.locate.located import Located
 from spacerobot.diagnosis.selection.admission import admit, has_wrist
-from spacerobot.diagnosis.selection.agreed import why_not
+from spacerobot.diagnosis.selection.check import why_not
 from spacerobot.diagnosis.selection.checks import nested, synthetic, widened
 from spacerobot.diagnosis.selection.confirm import confirm
 from spacerobot.diagnosis.selection.decide import decide
-from spacerobot.diagnosis.selection.held_out import held_out_entry, hold_out
+from spacerobot.diagnosis.selection.held_out import hold_out
 from spacerobot.diagnosis.selection.intervals import with_intervals
-from spacerobot.diagnosis.selection.judge import AMBIGUOUS, NAMED
-from spacerobot.diagnosis.selection.limits import Limits
+from spacerobot.diagnosis.selection.limits import Limit, Limits
 from spacerobot.diagnosis.selection.precompile import help_compiling
 from spacerobot.diagnosis.selection.search_state import Report
 from spacerobot.diagnosis.terms.candidates import candidate_sites
 from spacerobot.diagnosis.terms.hypothesis import Label, Site
+from spacerobot.diagnosis.terms.kinds import AMBIGUOUS, NAMED
 from spacerobot.recordings.lacking import refuse_draft
 from spacerobot.recordings.study import Study
 from spacerobot.support.executors.base import Executor
@@ -108,11 +105,11 @@ def diagnose(
             report("checking on a synthetic copy", 0, 1)
             checks += copied()
             for check in checks:
-                for key, missed in check.get("missed", {}).items():
+                for key, missed in check.missed.items():
                     profiled[key] = widened(chosen, key, profiled[key], missed)
             report("simulating with the whole robot", 0, 1)
             checks.append(whole())
-        judgement = decided.but_for([c["name"] for c in checks if not c["passed"]])
+        judgement = decided.but_for([c.name for c in checks if not c.passed])
         sizes = pool.aside(_limits, judgement.chosen, found.singles, inflation)
         report("locating", 0, 1)
         located = locating()
@@ -123,25 +120,21 @@ def diagnose(
         if judgement.verdict == AMBIGUOUS
         else None
     )
-    verdict = verdict_dict(
+    verdict = verdict_of_rig(
+        study,
+        workshop.model,
+        workshop.trials,
         judgement,
-        version=__version__,
-        input_hash=study.input_hash,
         seed=seed,
-        study=study.title,
         seconds=time.perf_counter() - began,
-        sigma=workshop.model.believed.sigma,
         inflation=inflation,
-        located=[r.entry() for r in located.rows if r.p < LEVEL],
-        held_out=held_out_entry(workshop.trials, held),
-        detectable_sizes=smallest,
+        located=located,
+        held=held,
+        limits=smallest,
         next_experiment=further,
         profiled=profiled,
+        why=[*why_not(checks), *_not_shown(decided.withdrawn)],
     )
-    verdict["exact"] = ev.exact(study, judgement.chosen)
-    verdict["moved"] = ev.moved(judgement.chosen, ABSORBING)
-    verdict["not_predicted"] = not_predicted(study, {c for t in workshop.trials for c in t.channels})
-    verdict["why"] = [*why_not(checks), *_not_shown(decided.withdrawn)]
     shown_before = held.before.residuals if held else {k: t.residual for k, t in base.trials.items()}
     shown_after = held.after.residuals if held else {k: t.residual for k, t in judgement.chosen.trials.items()}
     left = {f.hypothesis.label: left_of[id(f)] for f in [base, judgement.chosen] if id(f) in left_of}
@@ -149,20 +142,20 @@ def diagnose(
         "study": ev.study_evidence(study, workshop.trials),
         "traces": ev.traces(workshop.trials, shown_before, shown_after, held is not None),
         "hypotheses": ev.hypotheses(found, judgement),
-        "located": [{**r.entry(), "significance": r.score} for r in located.rows[:SHOWN]],
+        "located": [{**written(pattern(r)), "significance": r.score} for r in located.rows[:SHOWN]],
         "surfaces": [asdict(s) for s in located.surfaces],
         "whiteness": ev.whiteness(left_of[id(base)], left_of.get(id(judgement.chosen), left_of[id(base)])),
         "formulas": ev.formulas(labels_of(judgement)),
         "checks": checks,
-        "timing": {"seconds": verdict["seconds"]},
+        "timing": {"seconds": verdict.seconds},
     }
     scene = scene_of(study, workshop.model, judgement.chosen)
     return Diagnosis(verdict, evidence, found, judgement, left, scene=scene)
 
 
-def _limits(workshop: Workshop, chosen: Fit, sites: Sequence[Site], inflation: float) -> list[dict[str, Any]]:
+def _limits(workshop: Workshop, chosen: Fit, sites: Sequence[Site], inflation: float) -> list[Limit]:
     limits = Limits(workshop.fitter(), workshop.model.believed, chosen, inflation)
-    return [limit.entry() for limit in limits.of(sites)]
+    return list(limits.of(sites))
 
 
 def _not_shown(withdrawn: Mapping[Label, str]) -> list[str]:

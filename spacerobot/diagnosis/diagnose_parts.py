@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 
-from spacerobot import __version__
 from spacerobot.diagnosis.answer.mended_model import model_text
 from spacerobot.diagnosis.answer.part_evidence import evidence_of
 from spacerobot.diagnosis.answer.part_verdict import verdict_of
@@ -67,7 +66,7 @@ def diagnose_parts(
             checks = (*checks, unseen.check(part.name))
         done.append(replace(part, located=located, checks=checks, unseen=unseen))
     report("judging", 0, 1)
-    verdict = verdict_of(study, done, version=__version__, seed=seed, seconds=time.perf_counter() - began)
+    verdict = verdict_of(study, done, seed=seed, seconds=time.perf_counter() - began)
     evidence = evidence_of(study, done, verdict)
     return Diagnosis(verdict, evidence, parts=tuple(done), model=model_text(study, done))
 

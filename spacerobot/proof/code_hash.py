@@ -21,7 +21,7 @@ _OTHERS = {
     "diagnosis/locate": "of_model series velocity_jump",
     "diagnosis/selection": "bench candidate forward_selection growth likelihood_ratio model_choice nested_laws "
     "part_checks part_fold part_held_out part_limits part_result plausible",
-    "diagnosis/answer": "alternatives events mended_model part_evidence part_next_trial part_verdict",
+    "diagnosis/answer": "alternatives events mended_model part_evidence part_held_out part_next_trial part_verdict",
 }
 ELSEWHERE = tuple(
     f"{k}/{n}" if (ROOT / k / n).is_dir() else f"{k}/{n}.py" for k, v in _OTHERS.items() for n in v.split()

@@ -16,10 +16,12 @@ from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
 from spacerobot.diagnosis.selection import checks, confirm
-from spacerobot.diagnosis.selection.judge import NAMED, NOT_TRUSTED, judge
+from spacerobot.diagnosis.selection.check import Check
+from spacerobot.diagnosis.selection.judge import judge
 from spacerobot.diagnosis.selection.search_state import Found
 from spacerobot.diagnosis.terms.candidates import contains, simpler
 from spacerobot.diagnosis.terms.hypothesis import Site
+from spacerobot.diagnosis.terms.kinds import NAMED, NOT_TRUSTED
 from spacerobot.effects.registry import effect
 from spacerobot.support.jsonio import plain
 from tests.diagnosis.rigs import write_study
@@ -54,14 +56,14 @@ def found(base: Fit, chosen: Fit) -> Found:
 
 
 def test_a_sound_fit_passes_all(shop: Workshop, base: Fit, chosen: Fit) -> None:
-    assert checks.nested(found(base, chosen), chosen)["passed"]
-    assert [c["passed"] for c in checks.synthetic(shop, chosen)] == [True, True]
-    assert confirm.confirm(shop, chosen)["passed"]
+    assert checks.nested(found(base, chosen), chosen).passed
+    assert [c.passed for c in checks.synthetic(shop, chosen)] == [True, True]
+    assert confirm.confirm(shop, chosen).passed
 
 
 def test_a_smaller_model_that_costs_less_is_noticed(base: Fit, chosen: Fit) -> None:
     cheap = replace(base, chi2=chosen.chi2 - 50.0, prior=0.0)
-    assert not checks.nested(found(cheap, chosen), chosen)["passed"]
+    assert not checks.nested(found(cheap, chosen), chosen).passed
 
 
 def test_an_optimiser_that_stops_short_of_the_truth_is_noticed(
@@ -74,9 +76,9 @@ def test_an_optimiser_that_stops_short_of_the_truth_is_noticed(
         return None if fit is None else replace(fit, chi2=fit.chi2 + 100.0)
 
     monkeypatch.setattr(Workshop, "run", lazy)
-    assert not checks.synthetic(shop, chosen)[0]["passed"]
-    assert not checks.synthetic(shop, chosen, lead=100.0)[0]["passed"]  # the rival may have won by it
-    assert checks.synthetic(shop, chosen, lead=1e6)[0]["passed"]  # no rival could have
+    assert not checks.synthetic(shop, chosen)[0].passed
+    assert not checks.synthetic(shop, chosen, lead=100.0)[0].passed  # the rival may have won by it
+    assert checks.synthetic(shop, chosen, lead=1e6)[0].passed  # no rival could have
 
 
 def test_an_interval_that_claims_too_much_is_noticed(
@@ -96,13 +98,13 @@ def test_an_interval_that_claims_too_much_is_noticed(
 
     monkeypatch.setattr(Workshop, "run", boastful)
     cost, sizes = checks.synthetic(shop, chosen)
-    assert cost["passed"]
-    assert sizes["passed"]  # the curvature boasts, but the profile is what a verdict states
+    assert cost.passed
+    assert sizes.passed  # the curvature boasts, but the profile is what a verdict states
     monkeypatch.setattr(checks, "profile_interval", narrow)
     cost, sizes = checks.synthetic(shop, chosen)
-    assert cost["passed"]
-    assert not sizes["passed"]
-    assert "coulomb_friction@wrist.force_N" in sizes["detail"]
+    assert cost.passed
+    assert not sizes.passed
+    assert "coulomb_friction@wrist.force_N" in sizes.detail
 
 
 def test_a_size_that_jagged_costs_hide_widens_its_interval(
@@ -127,18 +129,18 @@ def test_a_size_that_jagged_costs_hide_widens_its_interval(
     monkeypatch.setattr(Workshop, "run", jagged)
     monkeypatch.setattr(checks, "profile_interval", narrow)
     _, sizes = checks.synthetic(shop, chosen)
-    assert sizes["passed"]
-    assert sizes["worst"] == pytest.approx(10.0, rel=0.05)
+    assert sizes.passed
+    assert sizes.worst == pytest.approx(10.0, rel=0.05)
     value = chosen.values()[key]
-    low, high = checks.widened(chosen, key, (value, value), sizes["missed"][key])
+    low, high = checks.widened(chosen, key, (value, value), sizes.missed[key])
     assert low < value < high
-    assert checks.widened(chosen, key, (low - 1.0, high + 1.0), sizes["missed"][key]) == (low - 1.0, high + 1.0)
+    assert checks.widened(chosen, key, (low - 1.0, high + 1.0), sizes.missed[key]) == (low - 1.0, high + 1.0)
     _, sizes = checks.synthetic(shop, chosen)
-    assert not sizes["passed"]
-    assert "missed" not in sizes
+    assert not sizes.passed
+    assert not sizes.missed
     _, sizes = checks.synthetic(shop, chosen)  # one copy of three is a draw of noise
-    assert sizes["passed"]
-    assert "1 of 3 copies failed" in sizes["detail"]
+    assert sizes.passed
+    assert "1 of 3 copies failed" in sizes.detail
 
 
 def test_a_moment_is_sought_beyond_the_next_rise(shop: Workshop, chosen: Fit, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -168,7 +170,7 @@ def test_a_copy_that_cannot_be_simulated_is_noticed(
 ) -> None:
     monkeypatch.setattr(Workshop, "run", lambda self, task: None)
     (cost,) = checks.synthetic(shop, chosen)
-    assert not cost["passed"]
+    assert not cost.passed
 
 
 class Notes(dict[str, Any]):
@@ -193,8 +195,8 @@ def test_each_failed_check_reaches_the_verdict(tmp_path: Path) -> None:
             located.append(locate(*args, **options))
         return located[0]
 
-    fine = {"name": "fine", "passed": True, "detail": ""}
-    failed = {"name": "failed", "passed": False, "detail": "made to fail"}
+    fine = Check("fine", True, "")
+    failed = Check("failed", False, "made to fail")
     for check in ("none", "nested", "synthetic", "confirm"):
         with pytest.MonkeyPatch.context() as patched:
             patched.setattr(whole, "candidate_sites", lambda *a: [Site(effect("coulomb_friction"), "wrist")])
@@ -206,7 +208,7 @@ def test_each_failed_check_reaches_the_verdict(tmp_path: Path) -> None:
         verdict = plain(found.verdict)
         assert verdict["verdict"] == ("named" if check == "none" else "not_trusted")
         assert len(verdict["effects"]) == (check == "none")
-        assert (failed in plain(found.evidence)["checks"]) == (check != "none")
+        assert (plain(failed) in plain(found.evidence)["checks"]) == (check != "none")
         assert verdict["why"] == ([] if check == "none" else ["failed: made to fail"])  # in JSON as in the report
 
 

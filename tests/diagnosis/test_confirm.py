@@ -57,7 +57,7 @@ def test_a_scene_starts_where_the_fit_has_the_trial_start(spun: tuple[Workshop, 
 def test_the_whole_robot_shows_the_same(spun: tuple[Workshop, Fit]) -> None:
     shop, fit = spun
     assert difference(shop, fit, shop.trials[0]) < 0.02
-    assert confirm(shop, fit)["passed"]
+    assert confirm(shop, fit).passed
 
 
 def test_a_scene_that_starts_elsewhere_is_seen(spun: tuple[Workshop, Fit], monkeypatch: pytest.MonkeyPatch) -> None:
@@ -68,4 +68,4 @@ def test_a_scene_that_starts_elsewhere_is_seen(spun: tuple[Workshop, Fit], monke
         return replace(scene, target=replace(scene.target, gap=0.95 * scene.target.gap))
 
     monkeypatch.setattr(module, "scene_of", nearer)
-    assert not confirm(shop, fit)["passed"]
+    assert not confirm(shop, fit).passed

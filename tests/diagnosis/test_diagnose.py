@@ -15,6 +15,7 @@ from spacerobot.diagnosis.fitting import pool as pools
 from spacerobot.diagnosis.fitting.interval import interval
 from spacerobot.diagnosis.fitting.profile import profile_interval
 from spacerobot.diagnosis.fitting.workshop import Workshop
+from spacerobot.diagnosis.selection.check import Check
 from spacerobot.diagnosis.terms.parameters import TIMES_STATED
 from spacerobot.support.jsonio import plain
 from tests.diagnosis.rigs import write_study
@@ -80,7 +81,7 @@ def test_nothing_is_done_twice(
 ) -> None:
     study = write_study(tmp_path, planted=[FRICTION])  # the same bytes elsewhere
     monkeypatch.setattr(pools.Workshop, "run", lambda self, task: pytest.fail(f"done again: {task.label}"))
-    monkeypatch.setattr("spacerobot.diagnosis.diagnose.synthetic", lambda *a: [{"name": "x", "passed": True}])
+    monkeypatch.setattr("spacerobot.diagnosis.diagnose.synthetic", lambda *a: [Check("x", True, "")])
     again = diagnose(study, jobs=1, store=notes)
     assert plain(again.verdict)["effects"] == plain(rubbing.verdict)["effects"]
     assert again.verdict["held_out"] == rubbing.verdict["held_out"]

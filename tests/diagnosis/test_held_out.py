@@ -14,16 +14,19 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from spacerobot.diagnosis.answer.held_out import of_rig, taken
+from spacerobot.diagnosis.answer.record import written
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
 from spacerobot.diagnosis.selection import intervals, unseen
-from spacerobot.diagnosis.selection.fold import OPEN, OTHER, PART, SAME, Fold, folded
-from spacerobot.diagnosis.selection.held_out import MOST_FOLDS, Errors, HeldOut, folds, held_out_entry, hold_out, taken
-from spacerobot.diagnosis.selection.judge import NAMED, Judgement
+from spacerobot.diagnosis.selection.fold import Fold, folded
+from spacerobot.diagnosis.selection.held_out import MOST_FOLDS, Errors, HeldOut, folds, hold_out
+from spacerobot.diagnosis.selection.judge import Judgement
 from spacerobot.diagnosis.selection.unseen import Foretold, foretell, nothing_foretold, seen_sites
 from spacerobot.diagnosis.terms.data import Block, TrialData
 from spacerobot.diagnosis.terms.hypothesis import Site
+from spacerobot.diagnosis.terms.kinds import NAMED, OPEN, OTHER, PART, SAME
 from spacerobot.effects.registry import effect
 from spacerobot.recordings.study import load_study
 from spacerobot.support.errors import SimulationError
@@ -163,7 +166,7 @@ def test_a_trial_that_cannot_be_simulated_is_said_and_counts(
     whole = predicted(workshop)
     monkeypatch.setattr(unseen, "_one", fails)
     held = predicted(workshop)
-    entry = plain(held_out_entry(workshop.trials, held))
+    entry = written(of_rig(workshop.trials, held))
     assert {"trial": one, "model": "after", "why": "it would not"} in entry["failed"]
     assert held.after.failed == {one: "it would not"}
     assert not held.before.failed
@@ -171,8 +174,8 @@ def test_a_trial_that_cannot_be_simulated_is_said_and_counts(
     nothing = nothing_foretold(workshop.trials[0])
     assert held.after.chi2[one] == pytest.approx(float(nothing @ nothing))
     assert held.after.total > held.before.total > whole.after.total
-    assert not held.check()["passed"]
-    assert whole.check()["passed"]
+    assert not held.check().passed
+    assert whole.check().passed
 
 
 def predicted(workshop: Workshop) -> HeldOut:
@@ -187,7 +190,7 @@ def predicted(workshop: Workshop) -> HeldOut:
 
 def test_what_was_done_is_said(workshop: Workshop) -> None:
     held = predicted(workshop)
-    entry = plain(held_out_entry(workshop.trials, held))
+    entry = written(of_rig(workshop.trials, held))
     assert entry["scheme"] == "leave one condition out"
     assert entry["same_set"] == 2 == len(entry["folds"])
     assert [f["left_out"] for f in entry["folds"]] == [["00", "01"], ["10", "11"]]
@@ -260,8 +263,8 @@ def outcome(leads_to: Sequence[str], before: float, after: float, everywhere: bo
 )
 def test_nothing_is_named_that_most_folds_contradict_or_that_predicts_no_better(held: HeldOut, passed: bool) -> None:
     check = held.check()
-    assert check["passed"] is passed
-    assert check["detail"]
+    assert check.passed is passed
+    assert check.detail
 
 
 def test_nothing_foretold_is_the_spread_of_the_readings(workshop: Workshop) -> None:

@@ -11,6 +11,7 @@ import pytest
 
 import spacerobot
 from spacerobot import Scene, Servo
+from spacerobot.diagnosis.answer.record import read
 from spacerobot.diagnosis.answer.result import Diagnosis
 from spacerobot.support.errors import InputError
 from spacerobot.support.showing import html_table
@@ -42,7 +43,7 @@ def results() -> dict[str, Any]:
         "study": study,
         "recording": study.recording(study.trials[0]),
         "overlay": spacerobot.overlay(short),
-        "diagnosis": Diagnosis(verdict, {}),
+        "diagnosis": Diagnosis(read(verdict), {}),
     }
 
 
@@ -65,7 +66,7 @@ def test_what_others_wrote_is_escaped(results: dict[str, Any]) -> None:
     verdict = {**results["diagnosis"].verdict, "study": evil}
     for shown in (
         study._repr_html_(),
-        Diagnosis(verdict, {})._repr_html_(),
+        Diagnosis(read(verdict), {})._repr_html_(),
         html_table(evil, [(evil,)], (evil,), [evil]),
     ):
         assert "<script" not in shown

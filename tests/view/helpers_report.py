@@ -93,7 +93,7 @@ def verdict(kind: str) -> dict[str, Any]:
         ]
         if kind == "ambiguous"
         else [],
-        "parameters": {"wrist.stiffness": STIFFNESS} if kind == "wrong_parameter" else {},
+        "parameters": {"wrist.stiffness": dict(STIFFNESS)} if kind == "wrong_parameter" else {},
         "located": [
             {"balance": "wrist", "phase": "compression", "depends_on": "sign of velocity", "share": 0.91, "p": 1e-14},
             {"balance": "wrist", "phase": "restitution", "depends_on": "sign of velocity", "share": 0.88, "p": 3e-12},
@@ -120,9 +120,18 @@ def verdict(kind: str) -> dict[str, Any]:
                     "left_out": ["01", "02"],
                     "selected": [{"effect": "coulomb_friction", "where": "wrist"}],
                     "leads_to": "the same set",
+                    "rms_before": before,
+                    "rms_after": after,
                     "rms_selected": after,
                 },
-                {"left_out": ["<b>03</b>"], "selected": [], "leads_to": "a part of it", "rms_selected": before},
+                {
+                    "left_out": ["<b>03</b>"],
+                    "selected": [],
+                    "leads_to": "a part of it",
+                    "rms_before": before,
+                    "rms_after": after,
+                    "rms_selected": before,
+                },
             ],
             "taken_from_unseen": ["each trial's own start, from its readings"],
             "failed": [{"trial": "<i>03</i>", "model": "after", "why": "<script>alert(1)</script>"}],
@@ -141,7 +150,7 @@ def verdict(kind: str) -> dict[str, Any]:
         ],
         "next_experiment": {
             "change": {"speed_m_s": 0.03, "target.mass": 9.0},
-            "separates": ["Coulomb friction", "Stribeck friction"],
+            "separates": [[{"effect": e["effect"], "where": e["where"]}] for e in (FRICTION, STRIBECK)],
             "why": "Below 5 mm/s the two levels differ by 0.2 N, eight times the noise of the force sensor.",
         }
         if kind in ("ambiguous", "unknown")

@@ -5,13 +5,14 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Sequence
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
+from spacerobot.diagnosis.answer.record import Alternative, placed
 from spacerobot.diagnosis.selection.candidate import Candidate
-from spacerobot.diagnosis.selection.judge import AMBIGUOUS
 from spacerobot.diagnosis.selection.part_result import Part
+from spacerobot.diagnosis.terms.kinds import AMBIGUOUS
 
 T = TypeVar("T")
 
@@ -22,7 +23,7 @@ SETS = 32
 """Sets that an ambiguous verdict lists: those first in which fewest parts have another explanation than the best."""
 
 
-def alternatives(parts: Sequence[Part], verdict: str) -> list[dict[str, Any]]:
+def alternatives(parts: Sequence[Part], verdict: str) -> list[Alternative]:
     """Where ambiguous, the sets that predict alike, the favourite first; else the best rivals of each part.
 
     A set says all that may be missing: where one part is ambiguous, each of its explanations stands beside what is
@@ -55,15 +56,15 @@ def sets(choices: Sequence[Sequence[T]], others: int) -> Iterator[tuple[T, ...]]
             yield (one, *rest)
 
 
-def _alternative(chosen: Sequence[tuple[Part, Candidate]]) -> dict[str, Any]:
+def _alternative(chosen: Sequence[tuple[Part, Candidate]]) -> Alternative:
     """One set over the parts. Its score is 2 ln of the held-out rms over the best one's, summed over them."""
     scores = [_score(part, one) for part, one in chosen]
-    return {
-        "effects": [{"effect": e, "where": w} for _, one in chosen for e, w in one.label],
-        "parameters": {k: v for _, one in chosen for k, v in one.fit.values().items() if "@" in k},
-        "score": sum(scores) if np.isfinite(scores).all() else None,
-        "part": ", ".join(part.name for part, _ in chosen),
-    }
+    return Alternative(
+        effects=[p for _, one in chosen for p in placed(one.label)],
+        parameters={k: v for _, one in chosen for k, v in one.fit.values().items() if "@" in k},
+        score=sum(scores) if np.isfinite(scores).all() else None,
+        part=", ".join(part.name for part, _ in chosen),
+    )
 
 
 def _score(part: Part, one: Candidate) -> float:

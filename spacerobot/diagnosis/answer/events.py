@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
+from spacerobot.diagnosis.answer.record import ClockOffset, Event, Value
 from spacerobot.diagnosis.locate.velocity_jump import jump
 from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
 from spacerobot.diagnosis.machines.machine import Model
@@ -30,15 +30,15 @@ class Touch:
     stream: str
     moment: Moment
 
-    def entry(self) -> dict[str, Any]:
-        """As in verdict.json."""
-        return {
-            "event": "touch",
-            "trial": self.trial,
-            "seen_in": "torque balance",
-            "clock": self.stream,
-            "time_s": _value(self.moment.time, self.moment.low, self.moment.high),
-        }
+    def entry(self) -> Event:
+        """As in the verdict."""
+        return Event(
+            event="touch",
+            trial=self.trial,
+            seen_in="torque balance",
+            clock=self.stream,
+            time_s=_value(self.moment.time, self.moment.low, self.moment.high),
+        )
 
 
 def touches(models: Sequence[Model]) -> list[Touch]:
@@ -55,7 +55,7 @@ def touches(models: Sequence[Model]) -> list[Touch]:
     return list(found.values())
 
 
-def clocks(study: Study, seen: Sequence[Touch]) -> list[dict[str, Any]]:
+def clocks(study: Study, seen: Sequence[Touch]) -> list[ClockOffset]:
     """How late each tracker's own clock is: a body that is touched changes its velocity at that moment.
 
     Returns:
@@ -75,14 +75,14 @@ def clocks(study: Study, seen: Sequence[Touch]) -> list[dict[str, Any]]:
             low = late - math.hypot(at.time - at.low, touch.moment.high - touch.moment.time)
             high = late + math.hypot(at.high - at.time, touch.moment.time - touch.moment.low)
             out.append(
-                {
-                    "effect": "time_offset",
-                    "where": series.stream,
-                    "trial": touch.trial,
-                    "against": touch.stream,
-                    "parameters": {"delay_s": _value(late, low, high)},
-                    "why": f"{series.name} jumps when the torque balance says that something touched",
-                }
+                ClockOffset(
+                    effect="time_offset",
+                    where=series.stream,
+                    trial=touch.trial,
+                    against=touch.stream,
+                    parameters={"delay_s": _value(late, low, high)},
+                    why=f"{series.name} jumps when the torque balance says that something touched",
+                )
             )
     return out
 
@@ -95,5 +95,5 @@ def _velocities(recording: Recording) -> list[Series]:
 _BODIES = ("target", "body")
 
 
-def _value(value: float, low: float, high: float) -> dict[str, Any]:
-    return {"value": value, "ci95": [low, high], "unit": "s"}
+def _value(value: float, low: float, high: float) -> Value:
+    return Value(value=value, ci95=(low, high), unit="s")

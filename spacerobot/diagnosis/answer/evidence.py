@@ -8,12 +8,10 @@ from typing import Any
 import numpy as np
 
 from spacerobot.diagnosis.fitting.adequacy import Left
-from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.selection.judge import Judgement
 from spacerobot.diagnosis.selection.search_state import Found
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Label
-from spacerobot.diagnosis.terms.parameters import TIMES_STATED
 from spacerobot.effects.registry import all_effects
 from spacerobot.recordings.study import Study
 
@@ -147,29 +145,6 @@ def formulas(labels: Sequence[Label]) -> list[dict[str, str]]:
             {"effect": name, "where": where, "title": effect.title, "latex": effect.formula, "source": effect.source}
         )
     return out
-
-
-def moved(fit: Fit, absorbing: Sequence[str] = ()) -> dict[str, dict[str, Any]]:
-    """How far the fit moves every believed value: those that are there to absorb first, then by their stated sigmas.
-
-    Args:
-        fit: what is reported.
-        absorbing: believed values whose job is to stand for what is not modelled (`wrist_rig.ABSORBING`).
-    """
-    sigmas = fit.hypothesis.sigmas(fit.z)
-    found: dict[str, dict[str, Any]] = {
-        f.key: {"value": f.value(float(z)), "believed": f.centre, "in_sigmas": sigmas.get(f.key)}
-        | ({} if f.stated else {"unit": TIMES_STATED})
-        for f, z in zip(fit.hypothesis.free, fit.z, strict=True)
-        if f.kind in ("believed", "absorbing")
-    }
-    return dict(sorted(found.items(), key=lambda item: (item[0] not in absorbing, -abs(item[1]["in_sigmas"] or 0.0))))
-
-
-def exact(study: Study, fit: Fit) -> list[str]:
-    """Believed values that the fit holds as they are stated: those without a sigma."""
-    free = {f.key for f in fit.hypothesis.free}
-    return [name for name in study.values() if name not in free]
 
 
 def _names(label: Label) -> list[dict[str, str]]:

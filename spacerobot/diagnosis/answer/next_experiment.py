@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
+from spacerobot.diagnosis.answer.record import NextExperiment, placed
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.machines.wrist_rig import RigModel
 from spacerobot.diagnosis.terms.data import TrialData
@@ -17,7 +17,7 @@ SPEEDS = (0.5, 1.0, 2.0, 3.0)
 MASSES = (0.5, 1.0, 2.0)
 
 
-def next_experiment(model: RigModel, trials: Sequence[TrialData], fits: Sequence[Fit]) -> dict[str, Any] | None:
+def next_experiment(model: RigModel, trials: Sequence[TrialData], fits: Sequence[Fit]) -> NextExperiment | None:
     """The change of speed and mass under which the two best explanations differ most, in sensor sigmas.
 
     Args:
@@ -40,19 +40,19 @@ def next_experiment(model: RigModel, trials: Sequence[TrialData], fits: Sequence
                 best = (distance, speed, mass)
     distance, speed, mass = best
     names = [n for n in model.nuisances(trial) if n.rate and n.coordinate == "target"]
-    change: dict[str, Any] = {}
+    change: dict[str, float | str] = {}
     if names and speed != 1.0:
         change["target.speed_m_s"] = float(f"{abs(names[0].guess) * speed:.3g}")
     if mass != 1.0 and "target.mass" in trial.overrides:
         change["target.mass"] = float(f"{trial.overrides['target.mass'] * mass:.4g}")
     if not change:
         change["hand.x"] = "a marker on the hand"
-    return {
-        "change": change,
-        "separates": [[{"effect": e, "where": w} for e, w in f.hypothesis.label] for f in fits[:2]],
-        "why": f"one such trial would separate the two by {distance:.1f} sensor sigmas in all, "
+    return NextExperiment(
+        change=change,
+        separates=[placed(f.hypothesis.label) for f in fits[:2]],
+        why=f"one such trial would separate the two by {distance:.1f} sensor sigmas in all, "
         f"against {0.0 if here is None else here:.1f} for a trial like those recorded",
-    }
+    )
 
 
 def _distance(model: RigModel, trial: TrialData, fits: Sequence[Fit], speed: float, mass: float) -> float | None:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Set as AbstractSet
-from typing import Any
 
+from spacerobot.diagnosis.answer.record import NotPredicted
 from spacerobot.recordings.study import Study
 
 
-def not_predicted(study: Study, known: AbstractSet[str]) -> list[dict[str, Any]]:
+def not_predicted(study: Study, known: AbstractSet[str]) -> list[NotPredicted]:
     """What nothing that is said rests on, in the order of the streams.
 
     Args:
@@ -19,12 +19,17 @@ def not_predicted(study: Study, known: AbstractSet[str]) -> list[dict[str, Any]]
         channel, unit (SI), use ("output", or "input" for a recorded input that nothing takes), stream, and in how many
         trials it was recorded.
     """
-    found: dict[str, dict[str, Any]] = {}
+    found: dict[str, NotPredicted] = {}
     for trial in study.trials:
         for name, series in study.recording(trial).items():
-            if name in known:
-                continue
-            entry = {"channel": name, "unit": series.unit, "use": series.use, "stream": series.stream, "trials": 0}
-            found.setdefault(name, entry)["trials"] += 1
+            if name not in known:
+                before = found.get(name)
+                found[name] = NotPredicted(
+                    channel=name,
+                    unit=series.unit if before is None else before.unit,
+                    use=series.use if before is None else before.use,
+                    stream=series.stream if before is None else before.stream,
+                    trials=1 if before is None else before.trials + 1,
+                )
     order = {name: place for place, name in enumerate(study.channels())}
-    return sorted(found.values(), key=lambda entry: order.get(entry["channel"], len(order)))
+    return sorted(found.values(), key=lambda entry: order.get(entry.channel, len(order)))

@@ -10,6 +10,8 @@ import numpy as np
 
 from spacerobot.diagnosis.answer.evidence import POINTS, formulas
 from spacerobot.diagnosis.answer.part_verdict import balance
+from spacerobot.diagnosis.answer.record import Verdict, written
+from spacerobot.diagnosis.answer.verdict import pattern
 from spacerobot.diagnosis.fitting.noise import split
 from spacerobot.diagnosis.locate.located import Located
 from spacerobot.diagnosis.selection.candidate import Candidate
@@ -28,7 +30,7 @@ SCREENED = 60
 """Explanations that a report lists of those that were only screened."""
 
 
-def evidence_of(study: Study, parts: Sequence[Part], verdict: Mapping[str, Any]) -> dict[str, Any]:
+def evidence_of(study: Study, parts: Sequence[Part], verdict: Verdict) -> dict[str, Any]:
     """Traces, rivals, balances and checks of all parts, ready for JSON."""
     units = _units(study)
     rows = [(p, r) for p in parts if p.located is not None for r in p.located.rows]
@@ -48,14 +50,14 @@ def evidence_of(study: Study, parts: Sequence[Part], verdict: Mapping[str, Any])
         "traces": [t for p in parts for t in _traces(p, units, len(parts))],
         "hypotheses": [h for p in parts for h in _hypotheses(p, len(parts))],
         "located": [
-            {**r.entry(), "balance": balance(p, r.balance, parts), "significance": r.score} for p, r in rows[:SHOWN]
+            {**written(pattern(r, balance(p, r.balance, parts))), "significance": r.score} for p, r in rows[:SHOWN]
         ],
         "surfaces": [{**asdict(s), "balance": balance(p, s.balance, parts)} for p, s in surfaces],
         "whiteness": [],
         "formulas": formulas([p.fit.hypothesis.label for p in parts]),
         "checks": [c for p in parts for c in p.checks],
-        "timing": {"seconds": verdict["seconds"]},
-        "parts": verdict["parts"],
+        "timing": {"seconds": verdict.seconds},
+        "parts": [written(p) for p in verdict.parts or ()],
     }
 
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from copy import copy
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
+from spacerobot.diagnosis.answer.record import NextExperiment, placed
 from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
 from spacerobot.diagnosis.machines.machine import Model
 from spacerobot.diagnosis.machines.simulated import Simulated
@@ -42,14 +42,14 @@ class Variant:
         longer: factor on its length.
     """
 
-    change: dict[str, Any]
+    change: Mapping[str, float | str]
     model: Model
     rates: float = 1.0
     masses: float = 1.0
     longer: float = 1.0
 
 
-def next_trial(part: Part) -> dict[str, Any] | None:
+def next_trial(part: Part) -> NextExperiment | None:
     """The variant under which the chosen explanation and its best rival differ most.
 
     Returns:
@@ -69,13 +69,13 @@ def next_trial(part: Part) -> dict[str, Any] | None:
             best, most = variant, distance
     if best is None:
         return None
-    return {
-        "part": part.name,
-        "change": best.change,
-        "separates": [[{"effect": e, "where": w} for e, w in c.label] for c in pair],
-        "why": f"such trials would separate the two by {most:.1f} sigmas of what the better one leaves over, "
+    return NextExperiment(
+        part=part.name,
+        change=dict(best.change),
+        separates=[placed(c.label) for c in pair],
+        why=f"such trials would separate the two by {most:.1f} sigmas of what the better one leaves over, "
         f"against {here or 0.0:.1f} for trials like those recorded",
-    }
+    )
 
 
 def _variants(model: Model) -> Iterator[Variant]:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+from spacerobot.diagnosis.answer.record import Verdict, written
 from spacerobot.diagnosis.fitting.adequacy import Left
 from spacerobot.diagnosis.selection.judge import Judgement
 from spacerobot.diagnosis.selection.search_state import Found
@@ -25,7 +27,7 @@ class Diagnosis(Brief):
     """Everything a diagnosis found.
 
     Attributes:
-        verdict: verdict.json as a dict.
+        answer: what is said, typed.
         evidence: what reports are made from, as a dict.
         found: every fit and screen of a wrist rig; None for other machines.
         judgement: of a wrist rig, what was decided, on which fit; None for other machines.
@@ -35,7 +37,7 @@ class Diagnosis(Brief):
         parts: of other machines, what was found at each joint, body or sensor.
     """
 
-    verdict: Mapping[str, Any]
+    answer: Verdict
     evidence: Mapping[str, Any]
     found: Found | None = None
     judgement: Judgement | None = None
@@ -43,6 +45,12 @@ class Diagnosis(Brief):
     parts: tuple[Part, ...] = ()
     scene: Scene | None = None
     model: str | None = None
+
+    @cached_property
+    def verdict(self) -> dict[str, Any]:
+        """The answer as verdict.json has it."""
+        found: dict[str, Any] = written(self.answer)
+        return found
 
     def __repr__(self) -> str:
         named = " + ".join(f"{e['effect']} at {e['where']}" for e in self.verdict["effects"])

@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 import functools
-import json
 import sys
 from collections.abc import Mapping
-from importlib.resources import files
-from typing import Any
+from typing import Any, get_args
 
+import msgspec
+
+from spacerobot.diagnosis.answer.record import FORMAT, Verdict
+from spacerobot.diagnosis.terms.kinds import AMBIGUOUS, NAMED, WRONG_PARAMETER, Kind
 from spacerobot.support.errors import InputError
 from spacerobot.support.jsonio import plain
 
-VERDICTS = ("named", "ambiguous", "unknown", "nothing_missing", "wrong_parameter", "not_trusted")
+VERDICTS: tuple[str, ...] = get_args(Kind)
 """Every kind of verdict."""
-
-FORMAT = 1
-"""Of verdict.json. A new kind of verdict, and a key that no format promises yet, raise it."""
 
 PROMISED: dict[int, tuple[frozenset[str], frozenset[str]]] = {
     1: (
@@ -32,12 +31,31 @@ PROMISED: dict[int, tuple[frozenset[str], frozenset[str]]] = {
 _SLOW = "rfc3987_syntax"
 
 
+_RULES: tuple[dict[str, Any], ...] = (
+    {
+        "if": {"properties": {"verdict": {"const": NAMED}}},
+        "then": {"properties": {"effects": {"minItems": 1}}},
+        "else": {"properties": {"effects": {"maxItems": 0}}},
+    },
+    {
+        "if": {"properties": {"verdict": {"const": AMBIGUOUS}}},
+        "then": {"properties": {"alternatives": {"minItems": 2}}},
+    },
+    {
+        "if": {"properties": {"verdict": {"const": WRONG_PARAMETER}}},
+        "then": {"properties": {"parameters": {"minProperties": 1}}},
+    },
+)
+"""What a kind of verdict asks of the keys beside it."""
+
+
 @functools.cache
 def schema() -> dict[str, Any]:
-    """The JSON Schema (draft 2020-12) of verdict.json, as shipped in verdict.schema.json."""
-    text = files("spacerobot.diagnosis.answer").joinpath("verdict.schema.json").read_text(encoding="utf-8")
-    loaded: dict[str, Any] = json.loads(text)
-    return loaded
+    """The JSON Schema (draft 2020-12) of verdict.json, made from the record that writes it."""
+    _, found = msgspec.json.schema_components([Verdict], ref_template="#/$defs/{name}")
+    whole = found.pop(Verdict.__name__)
+    head = {"$schema": "https://json-schema.org/draft/2020-12/schema", "$id": f"urn:spacerobot:verdict:{FORMAT}"}
+    return {**head, **whole, "title": "Verdict of spacerobot diagnose", "allOf": list(_RULES), "$defs": found}
 
 
 @functools.cache

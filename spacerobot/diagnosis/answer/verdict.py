@@ -1,45 +1,76 @@
-"""verdict.json: the judgement in the words and numbers that users were promised."""
+"""The verdict of a wrist rig's study, and what every machine's says alike: fitted effects, moved values, limits."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
+from msgspec import UNSET, UnsetType
+
+from spacerobot import __version__
+from spacerobot.diagnosis.answer.held_out import of_rig
+from spacerobot.diagnosis.answer.not_predicted import not_predicted
+from spacerobot.diagnosis.answer.record import (
+    FORMAT,
+    Alternative,
+    Believed,
+    Detectable,
+    Effect,
+    Instead,
+    Moved,
+    NextExperiment,
+    Pattern,
+    Value,
+    Verdict,
+    placed,
+)
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.interval import Intervals, interval
-from spacerobot.diagnosis.selection.judge import AMBIGUOUS, MOVED, NAMED, SETTLED, Judgement
+from spacerobot.diagnosis.locate.located import LEVEL, Located, Row
+from spacerobot.diagnosis.machines.wrist_rig import ABSORBING, RigModel
+from spacerobot.diagnosis.selection.held_out import HeldOut
+from spacerobot.diagnosis.selection.judge import MOVED, Judgement
+from spacerobot.diagnosis.selection.limits import Limit
+from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Label
+from spacerobot.diagnosis.terms.kinds import AMBIGUOUS, NAMED, SETTLED
 from spacerobot.diagnosis.terms.parameters import TIMES_STATED, Free
+from spacerobot.recordings.study import Study
+
+RIVALS = 5
+"""Rivals that a verdict lists beside what is said."""
 
 
-def effect_entries(fit: Fit, inflation: float, profiled: Intervals | None = None) -> list[dict[str, Any]]:
+def fitted_effects(fit: Fit, inflation: float, profiled: Intervals | None = None) -> list[Effect]:
     """The fit's effects with their values, intervals and units."""
-    entries = []
-    for site in sorted(fit.hypothesis.sites, key=lambda s: s.label):
-        values = {}
-        for parameter in site.effect.parameters:
-            key = site.key(parameter.name)
-            value, ci = interval(fit, key, inflation)
-            ci = (profiled or {}).get(key, ci)
-            values[parameter.name] = {"value": value, "ci95": list(ci), "unit": parameter.unit}
-        entry: dict[str, Any] = {"effect": site.effect.name, "where": site.where, "parameters": values}
-        if site.trials:
-            entry["trials"] = list(site.trials)
-        entries.append(entry)
-    return entries
+    return [
+        Effect(
+            effect=site.effect.name,
+            where=site.where,
+            parameters={
+                p.name: _value(fit, site.key(p.name), p.unit, inflation, profiled) for p in site.effect.parameters
+            },
+            trials=list(site.trials) if site.trials else UNSET,
+        )
+        for site in sorted(fit.hypothesis.sites, key=lambda s: s.label)
+    ]
 
 
-def alternative(fit: Fit, best: Fit, sigma: Mapping[str, float]) -> dict[str, Any]:
+def _value(fit: Fit, key: str, unit: str, inflation: float, profiled: Intervals | None) -> Value:
+    value, ci = interval(fit, key, inflation)
+    return Value(value=value, ci95=(profiled or {}).get(key, ci), unit=unit)
+
+
+def alternative(fit: Fit, best: Fit, sigma: Mapping[str, float]) -> Alternative:
     """One of several sets that the data cannot tell apart; its score is -2 ln of the likelihood over the best's.
 
     One without an effect is told by the believed values that it moves.
     """
     stated = set() if fit.hypothesis.sites else _wrong(fit, sigma)
-    return {
-        "effects": [{"effect": e, "where": w} for e, w in fit.hypothesis.label],
-        "parameters": {k: v for k, v in fit.values().items() if "@" in k or k in stated},
-        "score": fit.cost - best.cost,
-    }
+    return Alternative(
+        effects=placed(fit.hypothesis.label),
+        parameters={k: v for k, v in fit.values().items() if "@" in k or k in stated},
+        score=fit.cost - best.cost,
+    )
 
 
 def _wrong(fit: Fit, sigma: Mapping[str, float]) -> set[str]:
@@ -56,20 +87,19 @@ def moved_values(
     profiled: Intervals | None = None,
     *,
     settled: bool = True,
-) -> dict[str, Any]:
+) -> dict[str, Believed]:
     """Believed values beyond three of their sigmas; where the physics is not settled, without intervals."""
     out = {}
     for name in names:
-        value, ci = interval(fit, name, inflation)
-        ci = (profiled or {}).get(name, ci)
         free = fit.hypothesis.free[fit.hypothesis.keys.index(name)]
-        out[name] = {
-            "value": value,
-            "ci95": list(ci) if settled else None,
-            "unit": unit_of(free),
-            "believed": free.centre,
-            "sigma": abs(free.centre) * sigma[name],
-        }
+        found = _value(fit, name, unit_of(free), inflation, profiled)
+        out[name] = Believed(
+            value=found.value,
+            ci95=found.ci95 if settled else None,
+            unit=found.unit,
+            believed=free.centre,
+            sigma=abs(free.centre) * sigma[name],
+        )
     return out
 
 
@@ -81,43 +111,95 @@ def unit_of(free: Free) -> str:
     return {"mass": "kg", "stiffness": "N/m", "yaw_inertia": "kg m^2"}.get(last, "N s/m" if "damping" in last else "")
 
 
-def verdict_dict(
+def all_moved(fit: Fit, absorbing: Sequence[str] = ()) -> dict[str, Moved]:
+    """How far the fit moves every believed value: those that are there to absorb first, then by their stated sigmas.
+
+    Args:
+        fit: what is reported.
+        absorbing: believed values whose job is to stand for what is not modelled (`wrist_rig.ABSORBING`).
+    """
+    sigmas = fit.hypothesis.sigmas(fit.z)
+    found = [
+        (f, f.value(float(z)))
+        for f, z in zip(fit.hypothesis.free, fit.z, strict=True)
+        if f.kind in ("believed", "absorbing")
+    ]
+    found.sort(key=lambda item: (item[0].key not in absorbing, -abs(sigmas.get(item[0].key) or 0.0)))
+    return {
+        f.key: Moved(
+            value=value,
+            believed=f.centre,
+            in_sigmas=sigmas.get(f.key),
+            unit=UNSET if f.stated else TIMES_STATED,
+        )
+        for f, value in found
+    }
+
+
+def exact(study: Study, fit: Fit) -> list[str]:
+    """Believed values that the fit holds as they are stated: those without a sigma."""
+    free = {f.key for f in fit.hypothesis.free}
+    return [name for name in study.values() if name not in free]
+
+
+def pattern(row: Row, balance: str | None = None) -> Pattern:
+    """What a row of the located patterns says, of a balance that may be called otherwise."""
+    return Pattern(balance=balance or row.balance, phase=row.phase, depends_on=row.depends_on, share=row.share, p=row.p)
+
+
+def detectable(limit: Limit, part: str | UnsetType = UNSET) -> Detectable:
+    """The smallest size of an effect that would have been named."""
+    effect, where = limit.site.label
+    instead: Instead | UnsetType = UNSET
+    if limit.instead:
+        first, *second = placed(limit.instead)
+        instead = Instead(effect=first.effect, where=first.where, beside=second[0] if second else UNSET)
+    return Detectable(
+        effect=effect,
+        where=where,
+        parameter=limit.parameter.name,
+        smallest=limit.smallest,
+        unit=limit.parameter.unit,
+        instead=instead,
+        part=part,
+    )
+
+
+def verdict_of_rig(
+    study: Study,
+    model: RigModel,
+    trials: Sequence[TrialData],
     judgement: Judgement,
     *,
-    version: str,
-    input_hash: str,
     seed: int,
-    study: str,
     seconds: float,
-    sigma: Mapping[str, float],
     inflation: float,
-    located: Sequence[Mapping[str, Any]],
-    held_out: Mapping[str, Any],
-    detectable_sizes: Sequence[Mapping[str, Any]],
-    next_experiment: Mapping[str, Any] | None,
-    profiled: Intervals | None = None,
-) -> dict[str, Any]:
-    """The whole of verdict.json."""
-    chosen = judgement.chosen
-    named = judgement.verdict == NAMED
-    alternatives: list[dict[str, Any]] = []
+    located: Located,
+    held: HeldOut | None,
+    limits: Sequence[Limit],
+    next_experiment: NextExperiment | None,
+    profiled: Intervals,
+    why: Sequence[str],
+) -> Verdict:
+    """The whole answer of a wrist rig's study."""
+    chosen, sigma = judgement.chosen, model.believed.sigma
     if judgement.verdict == AMBIGUOUS:
-        alternatives = [alternative(f, judgement.alternatives[0], sigma) for f in judgement.alternatives]
+        others = [alternative(f, judgement.alternatives[0], sigma) for f in judgement.alternatives]
     else:
-        near = [r.fit for r in judgement.rivals if r.fit.hypothesis.sites][:5]
-        alternatives = [alternative(f, chosen, sigma) for f in near]
-    return {
-        "format": 1,
-        "spacerobot": version,
-        "input_hash": input_hash,
-        "seed": seed,
-        "study": study,
-        "seconds": round(seconds, 3),
-        "verdict": judgement.verdict,
-        "confidence": round(judgement.confidence, 4),
-        "effects": effect_entries(chosen, inflation, profiled) if named else [],
-        "alternatives": alternatives,
-        "parameters": moved_values(
+        near = [r.fit for r in judgement.rivals if r.fit.hypothesis.sites][:RIVALS]
+        others = [alternative(f, chosen, sigma) for f in near]
+    return Verdict(
+        format=FORMAT,
+        spacerobot=__version__,
+        input_hash=study.input_hash,
+        seed=seed,
+        study=study.title,
+        seconds=round(seconds, 3),
+        verdict=judgement.verdict,
+        confidence=round(judgement.confidence, 4),
+        effects=fitted_effects(chosen, inflation, profiled) if judgement.verdict == NAMED else [],
+        alternatives=others,
+        parameters=moved_values(
             chosen,
             [n for n in judgement.moved if n in chosen.hypothesis.keys],
             sigma,
@@ -125,11 +207,15 @@ def verdict_dict(
             profiled,
             settled=judgement.verdict in SETTLED,
         ),
-        "located": [dict(row) for row in located],
-        "held_out": dict(held_out),
-        "detectable": [dict(row) for row in detectable_sizes],
-        "next_experiment": None if next_experiment is None else dict(next_experiment),
-    }
+        located=[pattern(r) for r in located.rows if r.p < LEVEL],
+        held_out=of_rig(trials, held),
+        detectable=[detectable(limit) for limit in limits],
+        next_experiment=next_experiment,
+        exact=exact(study, chosen),
+        moved=all_moved(chosen, ABSORBING),
+        not_predicted=not_predicted(study, {c for t in trials for c in t.channels}),
+        why=list(why),
+    )
 
 
 def labels_of(judgement: Judgement) -> list[Label]:

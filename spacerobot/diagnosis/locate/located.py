@@ -46,16 +46,6 @@ class Row:
     log_p: float
     p_flips: float
 
-    def entry(self) -> dict[str, str | float]:
-        """The row as a verdict's "located" list states it."""
-        return {
-            "balance": self.balance,
-            "phase": self.phase,
-            "depends_on": self.depends_on,
-            "share": self.share,
-            "p": self.p,
-        }
-
 
 @dataclass(frozen=True, eq=False)
 class Surface:

@@ -15,7 +15,7 @@ from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.fitting.profile import LEVEL_95, profile_interval
 from spacerobot.diagnosis.fitting.starts import effect_starts
 from spacerobot.diagnosis.fitting.workshop import Only, Task, Workshop
-from spacerobot.diagnosis.selection.agreed import agreed
+from spacerobot.diagnosis.selection.check import Check, agreed
 from spacerobot.diagnosis.selection.search_state import Found, effect_values
 from spacerobot.diagnosis.terms.data import TrialData
 
@@ -42,7 +42,7 @@ WIDER = 2.0
 """Half width of such an interval, in what the copy missed by."""
 
 
-def nested(found: Found, chosen: Fit) -> dict[str, Any]:
+def nested(found: Found, chosen: Fit) -> Check:
     """A model with an effect more never costs more than the one without."""
     bad = []
     chosen_label = set(chosen.hypothesis.label)
@@ -51,7 +51,7 @@ def nested(found: Found, chosen: Fit) -> dict[str, Any]:
         if less and fit.cost < chosen.cost - SLACK:
             bad.append(fit.hypothesis.label)
     detail = "no smaller model costs less" if not bad else f"a smaller model costs less: {bad[0]}"
-    return {"name": "nested cost", "passed": not bad, "detail": detail}
+    return Check("nested cost", not bad, detail)
 
 
 def copied(model: Any, trials: Sequence[TrialData], fit: Fit, seed: int) -> tuple[TrialData, ...]:
@@ -70,7 +70,7 @@ def copied(model: Any, trials: Sequence[TrialData], fit: Fit, seed: int) -> tupl
     return tuple(out)
 
 
-def synthetic(workshop: Workshop, chosen: Fit, lead: float = 0.0) -> list[dict[str, Any]]:
+def synthetic(workshop: Workshop, chosen: Fit, lead: float = 0.0) -> list[Check]:
     """On a copy of the study made from the chosen model, the fit ends no worse than the truth, and near it.
 
     The copies' noise is always the same: what is concluded hangs on no seed.
@@ -84,28 +84,26 @@ def synthetic(workshop: Workshop, chosen: Fit, lead: float = 0.0) -> list[dict[s
     return list(agreed(lambda copy: _on_copy(workshop, chosen, SECOND * copy, lead)))
 
 
-def _on_copy(workshop: Workshop, chosen: Fit, seed: int, lead: float) -> list[dict[str, Any]]:
+def _on_copy(workshop: Workshop, chosen: Fit, seed: int, lead: float) -> list[Check]:
     done = _copied_fit(workshop, chosen, seed)
     if done is None:
-        return [{"name": "cost at truth", "passed": False, "detail": "a synthetic copy could not be simulated"}]
+        return [Check("cost at truth", False, "a synthetic copy could not be simulated")]
     fitter, again, truth = done
     passed = again.cost <= truth + max(SLACK, FRACTION * lead)
-    cost = {
-        "name": "cost at truth",
-        "passed": bool(passed),
-        "detail": f"on a synthetic copy the fit costs {again.cost:.1f}, its truth {truth:.1f}",
-    }
+    cost = Check(
+        "cost at truth", bool(passed), f"on a synthetic copy the fit costs {again.cost:.1f}, its truth {truth:.1f}"
+    )
     first = calibration(chosen, again, interval=lambda key: profile_interval(fitter, again, key, 1.0))
-    if first["passed"] or first["worst"] > ROUGH:
+    if first.passed or first.worst > ROUGH:
         return [cost, first]
     missed = misses(chosen, again)
     second = _copied_fit(workshop, chosen, seed + 1)
     if second is None:
         return [cost, first]
     then = calibration(chosen, second[1], known=missed)
-    if then["passed"]:
-        said = f"{first['detail']}: interval widened to that, and right on a second copy"
-        return [cost, {**first, "passed": True, "detail": said, "missed": missed}]
+    if then.passed:
+        said = f"{first.detail}: interval widened to that, and right on a second copy"
+        return [cost, replace(first, passed=True, detail=said, missed=missed)]
     return [cost, first]
 
 
@@ -183,7 +181,7 @@ def calibration(
     name: str = "calibration",
     interval: Callable[[str], tuple[float, float]] | None = None,
     known: Mapping[str, float] = MappingProxyType({}),
-) -> dict[str, Any]:
+) -> Check:
     """Whether the effects' sizes that a synthetic copy was made with lie where the fit of it claims.
 
     Args:
@@ -208,9 +206,4 @@ def calibration(
             if off > worst:
                 worst, key = float(off), free.key
     said = f"{key} {worst:.1f} standard errors" if key else "nothing"
-    return {
-        "name": name,
-        "passed": bool(worst <= APART),
-        "detail": f"on a synthetic copy {said} off what it was made with",
-        "worst": worst,
-    }
+    return Check(name, bool(worst <= APART), f"on a synthetic copy {said} off what it was made with", worst)

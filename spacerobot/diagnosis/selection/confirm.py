@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.mended_scene import scene_of
 from spacerobot.diagnosis.fitting.workshop import Workshop
 from spacerobot.diagnosis.machines.wrist_rig import counted
+from spacerobot.diagnosis.selection.check import Check
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.simulation.multibody.run import integrate_scene
 from spacerobot.simulation.sensors import read_channels
@@ -27,7 +26,7 @@ COUNTED_FROM = ("target.y", "target.yaw")
 TOLERANCE = 1e-8
 
 
-def confirm(workshop: Workshop, chosen: Fit) -> dict[str, Any]:
+def confirm(workshop: Workshop, chosen: Fit) -> Check:
     """A check of the chosen fit: one trial of the first conditions in the full multibody, beside the reduced model."""
     seen: dict[str, TrialData] = {}
     for trial in workshop.trials:
@@ -37,11 +36,11 @@ def confirm(workshop: Workshop, chosen: Fit) -> dict[str, Any]:
         try:
             apart = difference(workshop, chosen, trial)
         except (InputError, NotFoundError, SimulationError) as error:
-            return {"name": "multibody", "passed": True, "detail": f"not simulated with the whole robot: {error}"}
+            return Check("multibody", True, f"not simulated with the whole robot: {error}")
         worst = max(worst, apart)
         done.append(trial.id)
     detail = f"with the whole robot, trials {', '.join(done)} differ by {worst:.2g} sensor sigmas (rms)"
-    return {"name": "multibody", "passed": worst < APART, "detail": detail}
+    return Check("multibody", worst < APART, detail)
 
 
 def difference(workshop: Workshop, chosen: Fit, trial: TrialData) -> float:

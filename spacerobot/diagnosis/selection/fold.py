@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.workshop import Workshop
@@ -19,10 +19,8 @@ from spacerobot.diagnosis.selection.refit import refit
 from spacerobot.diagnosis.selection.unseen import Foretold, foretell, seen_sites
 from spacerobot.diagnosis.terms.candidates import contains
 from spacerobot.diagnosis.terms.hypothesis import Site
+from spacerobot.diagnosis.terms.kinds import OPEN, OTHER, PART, SAME, LeadsTo
 from spacerobot.support.errors import SimulationError
-
-SAME, OPEN, PART, OTHER = "the same set", "not told apart from it", "a part of it", "another set"
-"""What a fold leads to by itself. Fewer trials may show less than all of them; they should show nothing else."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +39,7 @@ class Fold:
     before: Foretold
     after: Foretold
     selected: Foretold
-    leads_to: str
+    leads_to: LeadsTo
 
     def as_json(self) -> dict[str, Any]:
         """For a store."""
@@ -52,7 +50,7 @@ class Fold:
     def from_json(cls, kept: Mapping[str, Any]) -> Fold:
         """Of `as_json`, or of what a store has made of it."""
         told = {k: Foretold.from_json(kept[k]) for k in ("before", "after", "selected")}
-        return cls(tuple(kept["out"]), leads_to=str(kept["leads_to"]), **told)
+        return cls(tuple(kept["out"]), leads_to=cast(LeadsTo, kept["leads_to"]), **told)
 
 
 def folded(
@@ -81,6 +79,7 @@ def folded(
     best = said.chosen.hypothesis.label
     after = said.chosen if best == label else found.fits.get(label) if label else found.baseline
     told = {id(f): foretell(workshop.model, f, unseen) for f in (found.baseline, after, said.chosen)}
+    leads_to: LeadsTo
     if best == label:
         leads_to = SAME
     elif any(f.hypothesis.label == label for f in said.alternatives):

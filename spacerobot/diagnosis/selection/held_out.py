@@ -2,30 +2,27 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.machines.wrist_rig import RigModel
-from spacerobot.diagnosis.selection.fold import OPEN, OTHER, SAME, Fold, folded
-from spacerobot.diagnosis.selection.judge import AMBIGUOUS, NAMED, Judgement
+from spacerobot.diagnosis.selection.check import Check
+from spacerobot.diagnosis.selection.fold import Fold, folded
+from spacerobot.diagnosis.selection.judge import Judgement
 from spacerobot.diagnosis.selection.unseen import nothing_foretold
 from spacerobot.diagnosis.terms.candidates import contains
 from spacerobot.diagnosis.terms.data import TrialData
+from spacerobot.diagnosis.terms.kinds import AMBIGUOUS, NAMED, OPEN, OTHER, SAME, TOLD
 
 MOST_FOLDS = 6
 """Conditions, or trials, that are left out one by one; of more, so many groups are left out in turn."""
 
 RIVALS = 3
 """Sets nearest to the chosen one that each fold chooses among, beside those that are not told apart."""
-
-TOLD = ("before", "after", "selected")
-"""Whose errors are reported: the baseline's, the chosen set's, and those of what each fold would itself have chosen."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +69,7 @@ class HeldOut:
         """Folds that lead to such a set by themselves."""
         return [f for f in self.folds if f.leads_to in what]
 
-    def check(self) -> dict[str, Any]:
+    def check(self) -> Check:
         """Whether a set may be named, as far as unseen trials tell.
 
         Not where most folds lead to something else; nor where those that lead to it (all, where none does) predict
@@ -82,13 +79,13 @@ class HeldOut:
         said = f"without a part of the trials {same} of {count} times the same set is chosen"
         if 2 * len(self.leading_to(OTHER)) > count:
             others = f"{len(self.leading_to(OTHER))} of {count} times another set is chosen"
-            return {"name": "held out", "passed": False, "detail": f"without a part of the trials {others}"}
+            return Check("held out", False, f"without a part of the trials {others}")
         telling = [t for f in self.leading_to(SAME, OPEN) or self.folds for t in f.out]
         before, after = (sum(e.chi2[t] for t in telling) for e in (self.before, self.after))
         if self.everywhere and not after < before:
             worse = "it predicts trials that were kept aside no better than the baseline"
-            return {"name": "held out", "passed": False, "detail": f"{said}, and {worse}"}
-        return {"name": "held out", "passed": True, "detail": said}
+            return Check("held out", False, f"{said}, and {worse}")
+        return Check("held out", True, said)
 
 
 def folds(trials: Sequence[TrialData]) -> tuple[str, list[tuple[str, ...]]]:
@@ -155,67 +152,3 @@ def _errors(model: RigModel, trials: Sequence[TrialData], done: Sequence[Fold], 
         residuals[trial.id] = row
         chi2[trial.id] = float(row @ row) + said.paid.get(trial.id, 0.0)
     return Errors(residuals, chi2, failed)
-
-
-def held_out_entry(trials: Sequence[TrialData], held: HeldOut | None) -> dict[str, Any]:
-    """Held-out errors per channel in SI and over all in sensor sigmas; what each fold chose, and what failed."""
-    nothing = {"rms_before": None, "rms_after": None, "noise_floor": None, "chi2_before": None, "chi2_after": None}
-    if held is None:
-        return {"scheme": None, "channels": {}, "overall": nothing}
-    said = {name: getattr(held, name) for name in TOLD}
-    by_channel = {name: _by_channel(trials, e.residuals) for name, e in said.items()}
-    chi2 = {name: e.total for name, e in said.items()}
-    counts = {t.id: t.samples for t in trials}
-    total = max(sum(counts.values()), 1)
-    return {
-        "scheme": held.scheme,
-        "channels": {c: {f"rms_{n}": by_channel[n][c] for n in TOLD} for c in by_channel["before"]},
-        "overall": {
-            **{f"rms_{n}": math.sqrt(x / total) for n, x in chi2.items()},
-            "noise_floor": 1.0,
-            **{f"chi2_{n}": x for n, x in chi2.items()},
-        },
-        "decided": "effects chosen among those in play, and all values fitted, without the trials that are predicted",
-        "taken_from_unseen": taken(held),
-        "same_set": len(held.leading_to(SAME)),
-        "folds": [
-            {
-                "left_out": list(f.out),
-                "selected": [{"effect": e, "where": w} for e, w in f.selected.label],
-                "leads_to": f.leads_to,
-                **{
-                    f"rms_{n}": math.sqrt(sum(e.chi2[t] for t in f.out) / max(sum(counts[t] for t in f.out), 1))
-                    for n, e in said.items()
-                },
-            }
-            for f in held.folds
-        ],
-        "failed": [{"trial": t, "model": n, "why": why} for n, e in said.items() for t, why in e.failed.items()],
-    }
-
-
-def taken(held: HeldOut) -> list[str]:
-    """What was found from the unseen trials themselves, in words."""
-    said = ["each trial's own start, from its readings"]
-    own = sorted({k.split("|", 1)[1] for f in held.folds for v in f.after.own.values() for k in v})
-    alone = any(x > 0.0 for f in held.folds for x in f.after.paid.values())
-    if own:
-        where = "from its other trials, where it has none from the trial itself under its prior, whose cost counts"
-        said.append(f"each condition's own {', '.join(own)}, {where if alone else 'from its other trials'}")
-    return said
-
-
-def _by_channel(trials: Sequence[TrialData], residuals: Mapping[str, np.ndarray]) -> dict[str, float]:
-    """rms by channel, SI."""
-    sums: dict[str, tuple[float, int]] = {}
-    for trial in trials:
-        row = 0
-        for block in trial.blocks:
-            for c, channel in enumerate(block.channels):
-                r = residuals[trial.id][row : row + block.time.size]
-                row += block.time.size
-                good = block.weight[c] > 0.0
-                error = r[good] / block.weight[c][good]
-                square, count = sums.get(channel, (0.0, 0))
-                sums[channel] = (square + float(error @ error), count + int(good.sum()))
-    return {c: math.sqrt(s / max(n, 1)) for c, (s, n) in sums.items()}

@@ -16,11 +16,12 @@ from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.profile import LEVEL_95, Profile, profile
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
 from spacerobot.diagnosis.selection.decide import Decided
-from spacerobot.diagnosis.selection.judge import NAMED, SETTLED, Judgement
+from spacerobot.diagnosis.selection.judge import Judgement
 from spacerobot.diagnosis.selection.penalty import STAND_IN
 from spacerobot.diagnosis.selection.search_state import Found
 from spacerobot.diagnosis.selection.shown import not_shown
 from spacerobot.diagnosis.terms.candidates import contains
+from spacerobot.diagnosis.terms.kinds import NAMED, SETTLED
 
 BETTER = 1.0
 """Fall of the cost from which a minimum that a profile met takes the place of the fit: the level of an interval's ends

@@ -14,12 +14,15 @@ from spacerobot.diagnosis.selection.penalty import MARGIN, PENALTY, defect, scor
 from spacerobot.diagnosis.selection.search_state import Found
 from spacerobot.diagnosis.terms.candidates import contains
 from spacerobot.diagnosis.terms.hypothesis import Label
-
-NAMED, AMBIGUOUS, UNKNOWN = "named", "ambiguous", "unknown"
-NOTHING_MISSING, WRONG_PARAMETER, NOT_TRUSTED = "nothing_missing", "wrong_parameter", "not_trusted"
-
-SETTLED = (NAMED, WRONG_PARAMETER, NOTHING_MISSING)
-"""Verdicts that settle the physics. A value fitted in any other model is no measurement and states no interval."""
+from spacerobot.diagnosis.terms.kinds import (
+    AMBIGUOUS,
+    NAMED,
+    NOT_TRUSTED,
+    NOTHING_MISSING,
+    UNKNOWN,
+    WRONG_PARAMETER,
+    Kind,
+)
 
 EARN = 20.0
 """Fall of the penalised cost that an effect must bring, after correction for the noise's level and colour."""
@@ -50,7 +53,7 @@ class Rival:
 class Judgement:
     """What is said, on which fit, against which rivals."""
 
-    verdict: str
+    verdict: Kind
     confidence: float
     chosen: Fit
     alternatives: tuple[Fit, ...]
@@ -137,6 +140,7 @@ def judge(
         odds += _richer(favourite, ranked, scores)
     left = left_of.get(id(favourite))
     adequate = left is not None and left.adequate
+    verdict: Kind
     if failed:
         verdict = NOT_TRUSTED
     elif not adequate:
@@ -231,6 +235,7 @@ def _without_effect(
 ) -> Judgement:
     left = left_of[id(freed)] if freed is not None and id(freed) in left_of else left_of[id(base)]
     out = moved(base)
+    verdict: Kind
     if failed:
         verdict = NOT_TRUSTED
     elif not left.adequate or len(out) > FEW:

@@ -16,7 +16,6 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
-from typing import Any
 
 import numpy as np
 from scipy.ndimage import binary_erosion
@@ -116,14 +115,6 @@ class Limit:
     parameter: Parameter
     smallest: float | None
     instead: tuple[tuple[str, str], ...] = ()
-
-    def entry(self) -> dict[str, Any]:
-        """As in verdict.json."""
-        effect, where = self.site.label
-        entry = {"effect": effect, "where": where, "parameter": self.parameter.name}
-        placed = [{"effect": name, "where": place} for name, place in self.instead]
-        rival = {"instead": {**placed[0], **({"beside": placed[1]} if placed[1:] else {})}} if placed else {}
-        return {**entry, "smallest": self.smallest, "unit": self.parameter.unit, **rival}
 
 
 class _Rivals:

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
-from spacerobot.diagnosis.selection.agreed import agreed
 from spacerobot.diagnosis.selection.bench import STEPS
+from spacerobot.diagnosis.selection.check import Check, agreed
 from spacerobot.diagnosis.selection.checks import SLACK, calibration, copied
 from spacerobot.diagnosis.selection.part_result import Part
 from spacerobot.diagnosis.terms.data import TrialData
@@ -21,21 +20,21 @@ AWAY = 0.5
 """A refit begins with every strength at this share of its value."""
 
 
-def checks_of(part: Part) -> tuple[dict[str, Any], ...]:
+def checks_of(part: Part) -> tuple[Check, ...]:
     """Whether more freedom costs more, and whether a synthetic copy of the chosen model is fitted as well as it is."""
     fit = part.fit
     if not fit.hypothesis.sites:
         return ()
     base = part.growth.before.fit
-    nested = {
-        "name": f"nested cost, {part.name}",
-        "passed": bool(fit.cost <= base.cost + SLACK),
-        "detail": f"chi-squared {fit.cost:.1f} as chosen, {base.cost:.1f} without any effect",
-    }
+    nested = Check(
+        f"nested cost, {part.name}",
+        bool(fit.cost <= base.cost + SLACK),
+        f"chi-squared {fit.cost:.1f} as chosen, {base.cost:.1f} without any effect",
+    )
     return nested, *agreed(lambda copy: synthetic(part, fit, copy))
 
 
-def synthetic(part: Part, fit: Fit, copy: int) -> tuple[dict[str, Any], ...]:
+def synthetic(part: Part, fit: Fit, copy: int) -> tuple[Check, ...]:
     """On a copy of the trials made from the chosen model, a fit from afar ends no worse than the truth, and near it.
 
     The copies' noise is always the same: what is concluded hangs on no seed.
@@ -51,7 +50,7 @@ def synthetic(part: Part, fit: Fit, copy: int) -> tuple[dict[str, Any], ...]:
     except SimulationError:
         again = None
     if state is None or again is None:
-        return ({"name": name, "passed": False, "detail": "a synthetic copy could not be simulated"},)
+        return (Check(name, False, "a synthetic copy could not be simulated"),)
     prior = np.array([f.prior for f in fit.hypothesis.free], dtype=float)
     truth = state.chi2() + float(prior @ fit.z**2)
     if again.cost > truth + SLACK:  # once more from where it ended, as fits that grow are
@@ -62,14 +61,14 @@ def synthetic(part: Part, fit: Fit, copy: int) -> tuple[dict[str, Any], ...]:
             again = more if more.cost < again.cost else again
     if again.cost > truth + SLACK:
         again = _careful(part, trials, again)
-    cost = {
-        "name": name,
-        "passed": bool(again.cost <= truth + SLACK),
-        "detail": f"on a synthetic copy the fit costs {again.cost:.1f}, its truth {truth:.1f}",
-    }
+    cost = Check(
+        name,
+        bool(again.cost <= truth + SLACK),
+        f"on a synthetic copy the fit costs {again.cost:.1f}, its truth {truth:.1f}",
+    )
     sizes = calibration(fit, again, f"calibration, {part.name}")
-    if not sizes["passed"]:
-        sizes = calibration(fit, _careful(part, trials, again), sizes["name"])
+    if not sizes.passed:
+        sizes = calibration(fit, _careful(part, trials, again), sizes.name)
     return cost, sizes
 
 

@@ -13,7 +13,6 @@ import contextlib
 from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -24,7 +23,7 @@ from spacerobot.diagnosis.machines.machine import Model
 from spacerobot.diagnosis.machines.simulated import Simulated
 from spacerobot.diagnosis.machines.windows import FOLDS
 from spacerobot.diagnosis.selection.bench import STEPS, Bench
-from spacerobot.diagnosis.selection.fold import OPEN, OTHER, PART, SAME
+from spacerobot.diagnosis.selection.check import Check
 from spacerobot.diagnosis.selection.forward_selection import among
 from spacerobot.diagnosis.selection.growth import Growth
 from spacerobot.diagnosis.selection.model_choice import TIE, ratio
@@ -33,6 +32,7 @@ from spacerobot.diagnosis.selection.unseen import NOT_FITTED, nothing_foretold
 from spacerobot.diagnosis.terms.candidates import contains
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Label, Site
+from spacerobot.diagnosis.terms.kinds import OPEN, OTHER, PART, SAME, TOLD, LeadsTo, Told
 from spacerobot.support.errors import SimulationError
 
 MOST_FOLDS = 6
@@ -43,9 +43,6 @@ INNER = 4
 
 RIVALS = 2
 """Sets nearest to the chosen one that each fold chooses among, beside those that are not told apart."""
-
-TOLD = ("before", "after", "selected")
-"""Whose errors are reported: the baseline's, the chosen set's, and those of what each fold would itself have chosen."""
 
 
 @dataclass(frozen=True)
@@ -61,8 +58,8 @@ class PartFold:
 
     out: tuple[str, ...]
     selected: Label
-    leads_to: str
-    failed: tuple[tuple[str, str, str], ...] = ()
+    leads_to: LeadsTo
+    failed: tuple[tuple[str, Told, str], ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +80,7 @@ class Unseen:
         """Folds that lead to such a set."""
         return sum(f.leads_to in what for f in self.folds)
 
-    def check(self, name: str) -> dict[str, Any]:
+    def check(self, name: str) -> Check:
         """Whether effects may be named, as far as unseen trials tell; see `held_out.HeldOut.check` of the wrist rig."""
         count, other = len(self.folds), self.count(OTHER)
         said = f"without a part of the trials {self.count(SAME)} of {count} times the same set is chosen"
@@ -91,14 +88,14 @@ class Unseen:
             said = f"without a part of the trials {other} of {count} times another set is chosen"
             strays = [t for f in self.folds if f.leads_to == OTHER for t in f.out]
             if not self._better(strays, self.selected):  # several sets say the same of much that is left unexplained
-                return {"name": f"held out, {name}", "passed": False, "detail": said}
+                return Check(f"held out, {name}", False, said)
             said += ", which predicts what was kept aside worse"
         every = list(self.after.residual)
         telling = [t for f in self.folds if f.leads_to in (SAME, OPEN) for t in f.out] or every
         better = self._better(every) or self._better(telling)  # others may have seen too little of it to foretell it
         if not better:
             said += ", and it predicts trials that were kept aside no better than the baseline"
-        return {"name": f"held out, {name}", "passed": better, "detail": said}
+        return Check(f"held out, {name}", better, said)
 
     def _better(self, trials: Sequence[str], than: HeldOut | None = None) -> bool:
         """Whether the chosen set predicts these trials better, than the baseline if nothing else is said."""
@@ -171,7 +168,7 @@ def decided_without(growth: Growth, out: Sequence[str]) -> tuple[PartFold, dict[
     whole, chosen = growth.bench, growth.after.label
     unseen = [t for t in whole.model.trials if t.id in out]
     rows: dict[str, Rows] = {}
-    missed: list[tuple[str, str, str]] = []
+    missed: list[tuple[str, Told, str]] = []
     try:
         said = decided(growth, out)
     except SimulationError as error:
@@ -179,10 +176,11 @@ def decided_without(growth: Growth, out: Sequence[str]) -> tuple[PartFold, dict[
             rows[name], failed = _rows(whole, {}, None, unseen, str(error))
             missed += [(trial, name, why) for trial, why in failed.items()]
         return PartFold(tuple(out), (), OTHER, tuple(missed)), rows
-    for name, fit in said.fits.items():
-        rows[name], failed = _rows(whole, said.weights, fit, unseen, NOT_FITTED)
+    for name in TOLD:
+        rows[name], failed = _rows(whole, said.weights, said.fits[name], unseen, NOT_FITTED)
         missed += [(trial, name, why) for trial, why in failed.items()]
     best = said.growth.after.label
+    leads_to: LeadsTo
     if best == chosen:
         leads_to = SAME
     elif contains(chosen, best):

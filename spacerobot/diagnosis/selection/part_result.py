@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
@@ -12,20 +11,22 @@ from spacerobot.diagnosis.fitting.noise import squares_of
 from spacerobot.diagnosis.locate.located import LEVEL, Located, Row
 from spacerobot.diagnosis.machines.machine import Model
 from spacerobot.diagnosis.selection.candidate import Candidate, tried
+from spacerobot.diagnosis.selection.check import Check
 from spacerobot.diagnosis.selection.growth import Growth
-from spacerobot.diagnosis.selection.judge import (
+from spacerobot.diagnosis.selection.judge import moved
+from spacerobot.diagnosis.selection.model_choice import TIE, agreeing, ratio
+from spacerobot.diagnosis.selection.part_fold import Unseen
+from spacerobot.diagnosis.selection.part_held_out import HeldOut
+from spacerobot.diagnosis.terms.data import TrialData
+from spacerobot.diagnosis.terms.kinds import (
     AMBIGUOUS,
     NAMED,
     NOT_TRUSTED,
     NOTHING_MISSING,
     UNKNOWN,
     WRONG_PARAMETER,
-    moved,
+    Kind,
 )
-from spacerobot.diagnosis.selection.model_choice import TIE, agreeing, ratio
-from spacerobot.diagnosis.selection.part_fold import Unseen
-from spacerobot.diagnosis.selection.part_held_out import HeldOut
-from spacerobot.diagnosis.terms.data import TrialData
 
 STRIKING = 0.2
 """Share of what a balance leaves over that one pattern must explain to be called a mismatch: an effect size, for in
@@ -46,13 +47,13 @@ class Part:
     Attributes:
         growth: the search.
         located: its balances; None where it has none of its own.
-        checks: of the fit itself, with "name", "passed" and "detail".
+        checks: of the fit itself.
         unseen: what was decided and predicted without each trial; None before that was asked.
     """
 
     growth: Growth
     located: Located | None = None
-    checks: tuple[dict[str, Any], ...] = field(default=())
+    checks: tuple[Check, ...] = field(default=())
     unseen: Unseen | None = None
 
     @property
@@ -121,9 +122,9 @@ class Part:
         return {c: float(np.sqrt(sums[c][0] / max(sums[c][1], 1))) / noise for c, noise in expected.items()}
 
     @property
-    def verdict(self) -> str:
+    def verdict(self) -> Kind:
         """As in verdict.json, of this part alone."""
-        if not all(c["passed"] for c in self.checks):
+        if not all(c.passed for c in self.checks):
             return NOT_TRUSTED
         if any(x > LOUD for x in self.loudness.values()):
             return UNKNOWN

@@ -16,8 +16,8 @@ from hypothesis import strategies as st
 
 from spacerobot.diagnosis.diagnose import diagnose
 from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
-from spacerobot.diagnosis.selection.agreed import COPIES, agreed
 from spacerobot.diagnosis.selection.candidate import Candidate
+from spacerobot.diagnosis.selection.check import COPIES, Check, agreed
 from spacerobot.diagnosis.selection.forward_selection import grow
 from spacerobot.diagnosis.selection.model_choice import WORTH_OF_REST, as_good, choice, pays, ratio
 from spacerobot.diagnosis.selection.part_held_out import HeldOut
@@ -113,11 +113,11 @@ def test_a_light_ball_lacks_its_drag_whatever_else_is_dropped(tmp_path: Path, st
 def test_no_single_draw_of_noise_takes_an_answer_back(bad: tuple[int, ...], passed: bool) -> None:
     asked: list[int] = []
 
-    def copy(number: int) -> tuple[dict[str, Any], ...]:
+    def copy(number: int) -> tuple[Check, ...]:
         asked.append(number)
-        return ({"name": "a", "passed": True, "detail": ""}, {"name": "b", "passed": number not in bad, "detail": "x"})
+        return (Check("a", True, ""), Check("b", number not in bad, "x"))
 
-    found = {c["name"]: c["passed"] for c in agreed(copy)}
+    found = {c.name: c.passed for c in agreed(copy)}
     assert found == {"a": True, "b": passed}
     assert asked == list(range(COPIES if 0 in bad else 1))
 

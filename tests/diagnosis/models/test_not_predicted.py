@@ -31,7 +31,7 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
 
 
 def listed(study: Study, known: set[str]) -> list[str]:
-    return [entry["channel"] for entry in not_predicted(study, known)]
+    return [entry.channel for entry in not_predicted(study, known)]
 
 
 @given(st.sets(st.sampled_from(["body.position.z", *EXTRA])))

@@ -12,9 +12,9 @@ from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
 from spacerobot.diagnosis.selection.forward_selection import grow
-from spacerobot.diagnosis.selection.judge import NAMED, NOT_TRUSTED
 from spacerobot.diagnosis.selection.part_checks import checks_of
 from spacerobot.diagnosis.selection.part_result import Part
+from spacerobot.diagnosis.terms.kinds import NAMED, NOT_TRUSTED
 from spacerobot.effects.registry import effect
 from spacerobot.model.library import load
 from spacerobot.support.errors import SimulationError
@@ -32,7 +32,7 @@ def part() -> Part:
 
 def outcome(part: Part) -> tuple[dict[str, bool], str]:
     checks = checks_of(part)
-    return {c["name"].split(",")[0]: c["passed"] for c in checks}, replace(part, checks=checks).verdict
+    return {c.name.split(",")[0]: c.passed for c in checks}, replace(part, checks=checks).verdict
 
 
 def test_a_sound_fit_passes_all(part: Part) -> None:

@@ -20,12 +20,12 @@ from spacerobot.diagnosis.machines.machine import Model
 from spacerobot.diagnosis.machines.simulated import Simulated
 from spacerobot.diagnosis.selection import part_fold
 from spacerobot.diagnosis.selection.bench import Bench
-from spacerobot.diagnosis.selection.fold import OPEN, OTHER, PART, SAME
 from spacerobot.diagnosis.selection.forward_selection import grow
 from spacerobot.diagnosis.selection.growth import Growth
 from spacerobot.diagnosis.selection.part_fold import PartFold, Unseen, decided, decided_without, keep_aside
 from spacerobot.diagnosis.selection.part_held_out import HeldOut
 from spacerobot.diagnosis.terms.data import Block, TrialData
+from spacerobot.diagnosis.terms.kinds import OPEN, OTHER, PART, SAME
 from spacerobot.effects.registry import all_effects, effect
 from spacerobot.support.errors import SimulationError
 
@@ -133,7 +133,7 @@ def test_every_trial_is_predicted_once_and_better(growth: Growth) -> None:
     ids = [t.id for t in growth.bench.model.trials]
     assert sorted(t for f in unseen.folds for t in f.out) == sorted(ids) == sorted(unseen.after.residual)
     assert unseen.count(SAME) == len(unseen.folds)
-    assert unseen.check("body")["passed"]
+    assert unseen.check("body").passed
     assert unseen.after.mean_square < 0.1 * unseen.before.mean_square
     for id in ids:
         assert np.array_equal(unseen.after.residual[id], unseen.selected.residual[id])
@@ -175,7 +175,7 @@ def test_what_predicts_no_better_or_is_not_found_again_is_not_named(folds: list[
     agreed = 2 * len(strays) <= len(folds) or sum(x**2 for x, _ in strays) < sum(own**2 for _, own in strays)
     telling = [x for what, x, _ in folds if what in (SAME, OPEN)] or [x for _, x, _ in folds]
     better = any(sum(x**2 for x in some) < len(some) for some in (telling, [x for _, x, _ in folds]))
-    assert Unseen(parts, before, after, selected).check("body")["passed"] == (agreed and better)
+    assert Unseen(parts, before, after, selected).check("body").passed == (agreed and better)
 
 
 def test_the_verdict_says_what_was_decided_without_what_it_predicts(tmp_path: Path) -> None:
