@@ -17,7 +17,6 @@ _OTHERS = {
     "diagnosis": "forward diagnose_parts overlay study_check",
     "diagnosis/machines": "axis body choose grid impacts joint_torques links machine measured platform prescribed "
     "simulated sizes stated_noise test_functions tossed touch windows",
-    "diagnosis/fitting": "noise",
     "diagnosis/locate": "of_model series velocity_jump",
     "diagnosis/selection": "bench candidate forward_selection growth likelihood_ratio model_choice nested_laws "
     "part_checks part_fold part_held_out part_limits part_result plausible",
