@@ -1,0 +1,101 @@
+"""Every effect that is planted in a rig, a newcomer's too, is found again by the fit that supposes it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from spacerobot.diagnosis.fitting.fitted import Fit
+from spacerobot.diagnosis.fitting.starts import effect_starts, informed_starts
+from spacerobot.diagnosis.fitting.workshop import Task, Workshop
+from spacerobot.diagnosis.selection.checks import APART, SLACK
+from spacerobot.diagnosis.terms.candidates import candidate_sites
+from spacerobot.diagnosis.terms.hypothesis import Believed, Site
+from spacerobot.effects.effect import Parameter
+from spacerobot.simulation.rig import rig
+
+from .rigs import BELIEVED, write_study
+
+LOUD = (150.0, 3000.0)
+"""Chi-squared that the planted effect costs the baseline: it shows, and is no other machine."""
+
+CLOSER, FURTHER, TRIED = 0.4, 2.1, 12
+"""Factors by which a planted size comes nearer to what is loud enough, and how often it may."""
+
+QUIET = 1.1
+"""Chi-squared a reading that noise alone leaves, at most."""
+
+LEAST = 1e-3
+"""Of a standard error, in units of the parameter's scale, so that a bound that is met is no miss."""
+
+REACHED = 0.004
+"""Displacement [m] that every trial passes: what acts from one on must be reached."""
+
+
+def candidates() -> list[Site]:
+    """What a search along the approach would propose."""
+    return candidate_sites(rig({}), Believed(BELIEVED, dict.fromkeys([*BELIEVED, "target.mass"], 0.01), {}, ("all",)))
+
+
+def sized(parameter: Parameter, size: float) -> float:
+    """Of a strength: so many times its start, from where it does nothing."""
+    if parameter.reach:
+        return REACHED
+    start = parameter.starts[0]
+    if parameter.shape:
+        return start
+    if math.isinf(parameter.null):
+        return start / size
+    return min(max(parameter.null + size * (start - parameter.null), parameter.lower), parameter.upper)
+
+
+def planted(site: Site, size: float, folder: Path) -> tuple[Workshop, dict[str, float]]:
+    numbers = {p.name: sized(p, size) for p in site.effect.parameters}
+    where = folder / f"{size:.6g}"
+    where.mkdir()
+    study = write_study(where, planted=[(*site.label, numbers)], masses=(9.0,), speeds=(0.08, 0.11))
+    return Workshop(study), {site.key(k): v for k, v in numbers.items()}
+
+
+def best(shop: Workshop, site: Site, starts: Sequence[Mapping[str, float]]) -> Fit:
+    fits = [shop.run(Task((site.label,), start)) for start in starts]
+    return min((f for f in fits if f is not None), key=lambda f: f.cost)
+
+
+def loud(site: Site, folder: Path) -> tuple[Workshop, Fit, dict[str, float]]:
+    """A rig with enough of the effect in it, the fit that begins at the truth, and the truth."""
+    size = 1.0
+    for _ in range(TRIED):
+        shop, truth = planted(site, size, folder)
+        base, known = shop.run(Task((), {})), best(shop, site, [truth])
+        assert base is not None
+        gain = base.cost - known.cost
+        if LOUD[0] <= gain <= LOUD[1]:
+            return shop, known, truth
+        size *= CLOSER if gain > LOUD[1] else FURTHER
+    pytest.fail(f"{site.label} shows at no size")
+
+
+@pytest.mark.parametrize("site", candidates(), ids=lambda s: "-".join(s.label))
+def test_what_is_planted_is_found_again(site: Site, tmp_path: Path) -> None:
+    """From the starts of a search: as good a fit as from the truth, and sizes that hold it."""
+    shop, known, truth = loud(site, tmp_path)
+    found = best(shop, site, [*effect_starts([site]), *informed_starts(site, shop.trials)])
+    assert found.cost < known.cost + SLACK
+    assert found.chi2 < QUIET * found.samples
+    assert found.covariance is not None
+    errors = np.sqrt(np.diag(found.covariance))
+    for free, z, error in zip(found.hypothesis.free, found.z, errors, strict=True):
+        if free.kind == "effect":
+            assert abs(z - free.z(truth[free.key])) < APART * max(error, LEAST), free.key
+
+
+def test_what_is_not_planted_does_not_fit(tmp_path: Path) -> None:
+    sites = {s.label: s for s in candidates()}
+    shop, known, _ = loud(sites["coulomb_friction", "wrist"], tmp_path)
+    other = sites["hertz_contact", "contact"]
+    assert best(shop, other, [*effect_starts([other])]).cost > known.cost + SLACK
