@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from hypothesis import strategies as st
 
-from tests.diagnosis.models.helpers_balls import balls
+from tests.diagnosis.parts.helpers_balls import balls
 from tests.overlay.studies import axis_study, write_csv
 
 _PLANAR = """<robot name="floater"><link name="deck"><inertial><mass value="10"/>

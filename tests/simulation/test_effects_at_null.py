@@ -90,7 +90,7 @@ def test_constants_are_removed_at_all() -> None:
 
 
 WITHOUT_CONTACT = {"table_curvature"}
-"""Effects of bodies that glide alone; tests/diagnosis/models/test_free_bodies.py holds them to the same."""
+"""Effects of bodies that glide alone; tests/diagnosis/parts/test_free_bodies.py holds them to the same."""
 
 
 def test_every_effect_has_a_place_somewhere() -> None:
