@@ -146,7 +146,7 @@ def diagnose(
         "surfaces": [asdict(s) for s in located.surfaces],
         "whiteness": ev.whiteness(left_of[id(base)], left_of.get(id(judgement.chosen), left_of[id(base)])),
         "formulas": ev.formulas(labels_of(judgement)),
-        "checks": checks,
+        "checks": [asdict(c) for c in checks],
         "timing": {"seconds": verdict.seconds},
     }
     scene = scene_of(study, workshop.model, judgement.chosen)

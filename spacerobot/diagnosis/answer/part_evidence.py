@@ -55,7 +55,7 @@ def evidence_of(study: Study, parts: Sequence[Part], verdict: Verdict) -> dict[s
         "surfaces": [{**asdict(s), "balance": balance(p, s.balance, parts)} for p, s in surfaces],
         "whiteness": [],
         "formulas": formulas([p.fit.hypothesis.label for p in parts]),
-        "checks": [c for p in parts for c in p.checks],
+        "checks": [asdict(c) for p in parts for c in p.checks],
         "timing": {"seconds": verdict.seconds},
         "parts": [written(p) for p in verdict.parts or ()],
     }
