@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 
 from spacerobot.diagnosis.answer import evidence as ev
-from spacerobot.diagnosis.answer.next_experiment import next_experiment
+from spacerobot.diagnosis.answer.next_trial import next_trial_of_rig
 from spacerobot.diagnosis.answer.record import written
 from spacerobot.diagnosis.answer.result import Diagnosis
 from spacerobot.diagnosis.answer.verdict import labels_of, pattern, verdict_of_rig
@@ -116,7 +116,7 @@ def diagnose(
         smallest = sizes()
     base = found.baseline
     further = (
-        next_experiment(workshop.model, workshop.trials, judgement.alternatives)
+        next_trial_of_rig(workshop.model, workshop.trials, judgement.alternatives)
         if judgement.verdict == AMBIGUOUS
         else None
     )
