@@ -33,8 +33,8 @@ def test_rivals_are_told_apart_by_a_faster_motion() -> None:
     rival = next(c for c in growth.considered if c.label == (("quadratic_damping", "joint.shoulder"),))
     said = next_trial(Part(replace(growth, rivals=(rival,))))
     assert said is not None
-    assert said["change"] == {"speed": "3 times that of the recorded motion"}
-    assert [s[0]["effect"] for s in said["separates"]] == ["viscous_friction", "quadratic_damping"]
+    assert said.change == {"speed": "3 times that of the recorded motion"}
+    assert [s[0]["effect"] for s in said.separates] == ["viscous_friction", "quadratic_damping"]
     assert next_trial(Part(growth)) is None  # nothing is in doubt
 
 
