@@ -34,7 +34,7 @@ def test_rivals_are_told_apart_by_a_faster_motion() -> None:
     said = next_trial(Part(replace(growth, rivals=(rival,))))
     assert said is not None
     assert said.change == {"speed": "3 times that of the recorded motion"}
-    assert [s[0]["effect"] for s in said.separates] == ["viscous_friction", "quadratic_damping"]
+    assert [s[0].effect for s in said.separates] == ["viscous_friction", "quadratic_damping"]
     assert next_trial(Part(growth)) is None  # nothing is in doubt
 
 

@@ -12,7 +12,7 @@ from helpers_models import ARM, arm_log, real_study
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from spacerobot.diagnosis.answer.part_verdict import moved
+from spacerobot.diagnosis.answer.part_verdict import furthest_moved
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.fitting.noise import floor_of, reweighted
 from spacerobot.diagnosis.machines import torque_log
@@ -188,8 +188,8 @@ def test_a_doubted_motor_constant_and_zero_come_back() -> None:
     error = np.sqrt(np.diag(fit.covariance)) * steps
     assert found == pytest.approx([2.0, 0.8], rel=0.01)
     assert (np.abs(found - [2.0, 0.8]) < 4.0 * error).all()
-    told = moved([cast(Part, SimpleNamespace(fit=fit))])
+    told = furthest_moved([cast(Part, SimpleNamespace(fit=fit))])
     assert list(told) == ["joint.shoulder.bias", "joint.shoulder.gain"]  # the furthest first
-    assert [told[n]["in_sigmas"] for n in names] == pytest.approx([-0.1 / 0.105, 0.3 / 0.25], rel=0.15)
+    assert [told[n].in_sigmas for n in names] == pytest.approx([-0.1 / 0.105, 0.3 / 0.25], rel=0.15)
     assert ("preload", "joint.shoulder") not in {s.label for s in model.sites()}
     assert ("preload", "joint.shoulder") in {s.label for s in misread(2.0, 0.8).sites()}
