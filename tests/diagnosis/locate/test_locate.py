@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable
 
@@ -8,6 +7,8 @@ import numpy as np
 import pytest
 from helpers_locate import VALUES, record
 
+from spacerobot.diagnosis.answer.record import written
+from spacerobot.diagnosis.answer.verdict import pattern
 from spacerobot.diagnosis.locate.locate import believed_values, locate
 from spacerobot.diagnosis.locate.located import Row
 from spacerobot.effects.effect import Placed
@@ -96,7 +97,7 @@ def test_surface_of_friction_is_a_step() -> None:
 def test_rows_are_what_a_verdict_prints() -> None:
     model, trials = record(seed=8, masses=(9.0,), speeds=(0.1, 0.15))
     found = locate(model, trials)
-    entry = json.loads(json.dumps(found.rows[0].entry()))
+    entry = written(pattern(found.rows[0]))
     assert set(entry) == {"balance", "phase", "depends_on", "share", "p"}
     assert all(0.0 <= r.share <= 1.0 and 0.0 < r.p <= 1.0 for r in found.rows)
     assert [r.p < 0.05 for r in found.rows] == sorted((r.p < 0.05 for r in found.rows), reverse=True)

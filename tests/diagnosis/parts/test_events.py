@@ -63,6 +63,7 @@ def test_the_satellite_is_touched_and_its_clock_is_behind() -> None:
     from helpers_models import real_study
 
     from spacerobot.diagnosis.answer.events import clocks, touches
+    from spacerobot.diagnosis.answer.record import written
     from spacerobot.diagnosis.machines.choose import models_for
 
     study = real_study("franka_captures_satellite")
@@ -70,11 +71,11 @@ def test_the_satellite_is_touched_and_its_clock_is_behind() -> None:
     moments = {t.trial: t.moment.time for t in seen}
     assert moments == {"free": pytest.approx(9.17, abs=0.02), "compensated": pytest.approx(8.70, abs=0.02)}
     (late,) = clocks(study, seen)
-    assert (late["trial"], late["where"]) == ("compensated", "satellite")
-    low, high = late["parameters"]["delay_s"]["ci95"]
+    assert (late.trial, late.where) == ("compensated", "satellite")
+    low, high = late.parameters["delay_s"].ci95
     assert low <= -1.0 <= high
-    assert late["parameters"]["delay_s"]["value"] == pytest.approx(-1.0, abs=0.05)
-    said = happened({"events": [t.entry() for t in seen], "clocks": [late]})
+    assert late.parameters["delay_s"].value == pytest.approx(-1.0, abs=0.05)
+    said = happened({"events": [written(t.entry()) for t in seen], "clocks": [written(late)]})
     assert any("behind" in s for s in said)
     assert len(said) == 3
 
