@@ -133,9 +133,9 @@ def test_one_effect_instead_of_several_wrong_values_is_ambiguous(tmp_path: Path)
     assert loose in judgement.alternatives
     assert loose is not None
     told = alternative(loose, scale, shop.model.believed.sigma)
-    assert told["effects"] == []
-    assert set(told["parameters"]) <= set(moved(loose))
-    assert told["parameters"]
+    assert told.effects == []
+    assert set(told.parameters) <= set(moved(loose))
+    assert told.parameters
 
 
 def test_a_scale_that_does_clearly_more_than_one_wrong_value_is_ambiguous_with_it(tmp_path: Path) -> None:
