@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 
 from spacerobot.diagnosis.answer import evidence as ev
+from spacerobot.diagnosis.answer.held_out import of_rivals
 from spacerobot.diagnosis.answer.next_trial import next_trial_of_rig
 from spacerobot.diagnosis.answer.record import written
 from spacerobot.diagnosis.answer.result import Diagnosis
@@ -141,7 +142,7 @@ def diagnose(
     evidence = {
         "study": ev.study_evidence(study, workshop.trials),
         "traces": ev.traces(workshop.trials, shown_before, shown_after, held is not None),
-        "hypotheses": ev.hypotheses(found, judgement),
+        "hypotheses": ev.hypotheses(found, judgement, of_rivals(workshop.trials, held)),
         "located": [{**written(pattern(r)), "significance": r.score} for r in located.rows[:SHOWN]],
         "surfaces": [asdict(s) for s in located.surfaces],
         "whiteness": ev.whiteness(left_of[id(base)], left_of.get(id(judgement.chosen), left_of[id(base)])),

@@ -14,7 +14,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from spacerobot.diagnosis.answer.held_out import of_rig, taken
+from spacerobot.diagnosis.answer.held_out import of_rig, of_rivals, taken
 from spacerobot.diagnosis.answer.record import written
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.pool import Pool
@@ -22,7 +22,7 @@ from spacerobot.diagnosis.fitting.workshop import Task, Workshop
 from spacerobot.diagnosis.selection import intervals, unseen
 from spacerobot.diagnosis.selection.fold import Fold, folded
 from spacerobot.diagnosis.selection.held_out import MOST_FOLDS, Errors, HeldOut, folds, hold_out
-from spacerobot.diagnosis.selection.judge import Judgement
+from spacerobot.diagnosis.selection.judge import Judgement, Rival
 from spacerobot.diagnosis.selection.unseen import Foretold, foretell, nothing_foretold, seen_sites
 from spacerobot.diagnosis.terms.data import Block, TrialData
 from spacerobot.diagnosis.terms.hypothesis import Site
@@ -213,6 +213,21 @@ def test_a_store_gives_back_the_same_to_the_last_bit(workshop: Workshop) -> None
             rows = [getattr(f, name).residual(workshop.model, trial) for f in (there, back)]
             np.testing.assert_array_equal(*rows)
     assert back.as_json() == there.as_json()
+
+
+def test_a_rival_predicts_what_was_kept_aside_too(workshop: Workshop) -> None:
+    """Friction hidden: a tilted bed, fitted without the trials, foretells them worse than friction, and is told so."""
+    fit = workshop.run(Task((RUB.label,), {RUB.key("force_N"): 0.3}, max_iterations=2))
+    other = workshop.run(Task((("table_tilt", "target"),), {}, max_iterations=4))
+    assert fit is not None
+    assert other is not None
+    with Pool(workshop, 1) as pool:
+        held = hold_out(pool, Judgement(NAMED, 0.9, fit, (), (Rival(other, 50.0, ""),), ()))()
+    assert held is not None
+    told = of_rivals(workshop.trials, held)
+    entry = of_rig(workshop.trials, held).overall
+    assert set(told) == {other.hypothesis.label}
+    assert told[other.hypothesis.label] > 1.1 * float(entry.rms_after or 0.0)
 
 
 def test_a_knock_in_a_trial_kept_aside_is_foretold_by_nobody() -> None:

@@ -84,8 +84,14 @@ def traces(
     return out
 
 
-def hypotheses(found: Found, judgement: Judgement) -> list[dict[str, Any]]:
-    """Every rival with its score and why it lost; then what was only screened."""
+def hypotheses(found: Found, judgement: Judgement, unseen: Mapping[Label, float]) -> list[dict[str, Any]]:
+    """Every rival with its score and why it lost; then what was only screened.
+
+    Args:
+        found: every fit.
+        judgement: what was chosen.
+        unseen: rms of trials that were kept aside [sensor sigmas], by set; of those that were tried on them.
+    """
     lost = {r.fit.hypothesis.label: r.lost for r in judgement.rivals}
     above = {r.fit.hypothesis.label: r.score for r in judgement.rivals}
     rows = []
@@ -99,6 +105,7 @@ def hypotheses(found: Found, judgement: Judgement) -> list[dict[str, Any]]:
                 "chi2": fit.chi2,
                 "chi2_per_sample": fit.chi2 / max(fit.samples, 1),
                 "held_out": None,
+                "unseen": unseen.get(label),
                 "above": None if chosen else above.get(label),
                 "chosen": chosen,
                 "parameters": {k: v for k, v in fit.values().items() if "@" in k},

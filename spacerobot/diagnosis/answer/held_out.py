@@ -79,6 +79,12 @@ def of_rig(trials: Sequence[TrialData], held: held_out.HeldOut | None) -> HeldOu
     )
 
 
+def of_rivals(trials: Sequence[TrialData], held: held_out.HeldOut | None) -> dict[Label, float]:
+    """rms of the trials that were kept aside [sensor sigmas], by further set that the folds chose among."""
+    count = sum(t.samples for t in trials)
+    return {} if held is None else {k: math.sqrt(e.total / max(count, 1)) for k, e in held.rivals.items()}
+
+
 def taken(held: held_out.HeldOut) -> list[str]:
     """What was found from the unseen trials themselves, in words."""
     said = ["each trial's own start, from its readings"]

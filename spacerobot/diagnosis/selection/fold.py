@@ -11,11 +11,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, cast
 
+from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.workshop import Workshop
 from spacerobot.diagnosis.selection.decide import conclude
 from spacerobot.diagnosis.selection.intervals import curved
 from spacerobot.diagnosis.selection.refit import refit
+from spacerobot.diagnosis.selection.search_state import Found
 from spacerobot.diagnosis.selection.unseen import Foretold, foretell, seen_sites
 from spacerobot.diagnosis.terms.candidates import contains
 from spacerobot.diagnosis.terms.hypothesis import Site
@@ -33,6 +35,7 @@ class Fold:
         after: of the set that was chosen on all trials, fitted to the others.
         selected: of the set that the others alone lead to.
         leads_to: what that set is to the chosen one, as far as this one's effects act in the others.
+        rivals: of the further sets that it chose among, in their order.
     """
 
     out: tuple[str, ...]
@@ -40,17 +43,20 @@ class Fold:
     after: Foretold
     selected: Foretold
     leads_to: LeadsTo
+    rivals: tuple[Foretold, ...] = ()
 
     def as_json(self) -> dict[str, Any]:
         """For a store."""
         told = {k: getattr(self, k).as_json() for k in ("before", "after", "selected")}
-        return {"out": list(self.out), "leads_to": self.leads_to, **told}
+        rivals = [r.as_json() for r in self.rivals]
+        return {"out": list(self.out), "leads_to": self.leads_to, **told, "rivals": rivals}
 
     @classmethod
     def from_json(cls, kept: Mapping[str, Any]) -> Fold:
         """Of `as_json`, or of what a store has made of it."""
         told = {k: Foretold.from_json(kept[k]) for k in ("before", "after", "selected")}
-        return cls(tuple(kept["out"]), leads_to=cast(LeadsTo, kept["leads_to"]), **told)
+        rivals = tuple(Foretold.from_json(r) for r in kept["rivals"])
+        return cls(tuple(kept["out"]), leads_to=cast(LeadsTo, kept["leads_to"]), rivals=rivals, **told)
 
 
 def folded(
@@ -74,11 +80,12 @@ def folded(
             decided = curved(pool.workshop, conclude(pool, found, lambda what, done, total: None))
     except SimulationError as error:
         none = Foretold((), failed={t.id: str(error) for t in unseen})
-        return Fold(out, none, none, none, OTHER).as_json()
+        return Fold(out, none, none, none, OTHER, (none,) * len(rivals)).as_json()
     said = decided.judgement
     best = said.chosen.hypothesis.label
-    after = said.chosen if best == label else found.fits.get(label) if label else found.baseline
-    told = {id(f): foretell(workshop.model, f, unseen) for f in (found.baseline, after, said.chosen)}
+    after = said.chosen if best == label else _fit_of(found, sites)
+    others = [_fit_of(found, seen_sites(r, out)) for r in rivals]
+    told = {id(f): foretell(workshop.model, f, unseen) for f in (found.baseline, after, said.chosen, *others)}
     leads_to: LeadsTo
     if best == label:
         leads_to = SAME
@@ -86,4 +93,10 @@ def folded(
         leads_to = OPEN
     else:
         leads_to = PART if contains(label, best) else OTHER
-    return Fold(out, told[id(found.baseline)], told[id(after)], told[id(said.chosen)], leads_to).as_json()
+    rest = tuple(told[id(f)] for f in others)
+    return Fold(out, told[id(found.baseline)], told[id(after)], told[id(said.chosen)], leads_to, rest).as_json()
+
+
+def _fit_of(found: Found, sites: Sequence[Site]) -> Fit | None:
+    label = tuple(sorted(s.label for s in sites))
+    return found.fits.get(label) if label else found.baseline

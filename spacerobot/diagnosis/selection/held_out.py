@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from operator import attrgetter
 
 import numpy as np
 
@@ -13,9 +14,10 @@ from spacerobot.diagnosis.machines.wrist_rig import RigModel
 from spacerobot.diagnosis.selection.check import Check
 from spacerobot.diagnosis.selection.fold import Fold, folded
 from spacerobot.diagnosis.selection.judge import Judgement
-from spacerobot.diagnosis.selection.unseen import nothing_foretold
+from spacerobot.diagnosis.selection.unseen import Foretold, nothing_foretold
 from spacerobot.diagnosis.terms.candidates import contains
 from spacerobot.diagnosis.terms.data import TrialData
+from spacerobot.diagnosis.terms.hypothesis import Label
 from spacerobot.diagnosis.terms.kinds import AMBIGUOUS, NAMED, OPEN, OTHER, SAME, TOLD
 
 MOST_FOLDS = 6
@@ -56,6 +58,7 @@ class HeldOut:
         after: of the set chosen on all trials.
         selected: of the set that each fold has chosen by itself.
         everywhere: whether any of the chosen set's effects acts in more than some trials.
+        rivals: errors of the further sets that the folds chose among.
     """
 
     scheme: str
@@ -64,6 +67,7 @@ class HeldOut:
     after: Errors
     selected: Errors
     everywhere: bool = True
+    rivals: Mapping[Label, Errors] = field(default_factory=dict)
 
     def leading_to(self, *what: str) -> list[Fold]:
         """Folds that lead to such a set by themselves."""
@@ -119,10 +123,18 @@ def hold_out(pool: Pool, judgement: Judgement) -> Callable[[], HeldOut | None]:
     def result() -> HeldOut:
         done = tuple(Fold.from_json(one()) for one in begun)
         trials, model = pool.workshop.trials, pool.workshop.model
-        before, after, selected = (_errors(model, trials, done, name) for name in TOLD)
-        return HeldOut(scheme, done, before, after, selected, any(not s.trials for s in chosen.sites))
+        before, after, selected = (_errors(model, trials, done, attrgetter(name)) for name in TOLD)
+        others = {
+            tuple(sorted(s.label for s in sites)): _errors(model, trials, done, _rival(k))
+            for k, sites in enumerate(rivals)
+        }
+        return HeldOut(scheme, done, before, after, selected, any(not s.trials for s in chosen.sites), others)
 
     return result
+
+
+def _rival(number: int) -> Callable[[Fold], Foretold]:
+    return lambda fold: fold.rivals[number]
 
 
 def _in_play(judgement: Judgement) -> list[Fit]:
@@ -138,11 +150,13 @@ def _in_play(judgement: Judgement) -> list[Fit]:
     return [*(f for f in judgement.alternatives if f.hypothesis.sites and f not in near), *near]
 
 
-def _errors(model: RigModel, trials: Sequence[TrialData], done: Sequence[Fold], name: str) -> Errors:
+def _errors(
+    model: RigModel, trials: Sequence[TrialData], done: Sequence[Fold], of: Callable[[Fold], Foretold]
+) -> Errors:
     residuals: dict[str, np.ndarray] = {}
     chi2: dict[str, float] = {}
     failed: dict[str, str] = {}
-    told = {trial: getattr(fold, name) for fold in done for trial in fold.out}
+    told = {trial: of(fold) for fold in done for trial in fold.out}
     for trial in trials:
         said = told[trial.id]
         row = said.residual(model, trial)

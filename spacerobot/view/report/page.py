@@ -204,7 +204,9 @@ def _with_held_out(verdict: Mapping[str, Any], hypotheses: Sequence[Mapping[str,
         effects = sorted((str(e["effect"]), str(e["where"])) for e in h.get("effects") or ())
         fitted = h.get("stage") == "fitted"
         won = bool(h["chosen"]) if "chosen" in h else fitted and effects == named and not h.get("lost")
-        error = overall.get("rms_after") if won else overall.get("rms_before") if fitted and not effects else None
+        error = h.get("unseen")
+        if won or (fitted and not effects):
+            error = overall.get("rms_after" if won else "rms_before")
         picked = [f for f in folds if f.get("part", "") == (h.get("part") or f.get("part", "")) and _set(f) == effects]
         chosen = won and verdict["verdict"] not in UNEXPLAINED
         out.append({**h, "chosen": chosen, "unseen": error, "folds": _folds(picked, len(folds)) if fitted else None})
