@@ -41,9 +41,9 @@ def off_a_line(found: Trajectory, first: float) -> float:
 
 
 def test_a_tumbling_body_drifts_towards_a_chaser_for_hours() -> None:
-    """Three different moments of inertia: its axis of rotation wanders for ever, its momentum does not, but for the tolerance.
+    """Three different moments of inertia: its axis of rotation wanders for ever, its momentum does not.
 
-    The wrist, stiff and at rest, is stepped over: steps are as long as the rotation allows.
+    But for the tolerance: the wrist, stiff and at rest, is stepped over, steps are as long as the rotation allows.
     """
     end = 2.0 * HOUR
     target = Target(mass=9.0, speed=SPEED, gap=2.0 * SPEED * end, spin=(0.05, 0.01, 0.02),
