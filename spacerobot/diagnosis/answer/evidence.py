@@ -100,7 +100,7 @@ def hypotheses(found: Found, judgement: Judgement, unseen: Mapping[Label, float]
         chosen = label == judgement.chosen.hypothesis.label
         rows.append(
             {
-                "effects": _names(label),
+                "effects": names_of(label),
                 "stage": "fitted",
                 "chi2": fit.chi2,
                 "chi2_per_sample": fit.chi2 / max(fit.samples, 1),
@@ -117,7 +117,7 @@ def hypotheses(found: Found, judgement: Judgement, unseen: Mapping[Label, float]
     for gain, label in rest[:60]:
         rows.append(
             {
-                "effects": _names(label),
+                "effects": names_of(label),
                 "stage": "screened",
                 "chi2": found.baseline.chi2 - gain,
                 "chi2_per_sample": (found.baseline.chi2 - gain) / max(found.baseline.samples, 1),
@@ -154,5 +154,6 @@ def formulas(labels: Sequence[Label]) -> list[dict[str, str]]:
     return out
 
 
-def _names(label: Label) -> list[dict[str, str]]:
+def names_of(label: Label) -> list[dict[str, str]]:
+    """A set of effects, each at its place, ready for JSON."""
     return [{"effect": e, "where": w} for e, w in label]

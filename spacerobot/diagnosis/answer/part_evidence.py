@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from spacerobot.diagnosis.answer.evidence import POINTS, formulas
+from spacerobot.diagnosis.answer.evidence import POINTS, formulas, names_of
 from spacerobot.diagnosis.answer.part_verdict import balance
 from spacerobot.diagnosis.answer.record import Verdict, written
 from spacerobot.diagnosis.answer.verdict import pattern
@@ -132,7 +132,7 @@ def _hypotheses(part: Part, count: int) -> list[dict[str, Any]]:
     rows = [
         {
             "part": part.name if count > 1 else "",
-            "effects": _names(c),
+            "effects": names_of(c.label),
             "stage": "fitted",
             "ratio": c.error / growth.considered_baseline.error,
             "held_out": -float(np.log(c.error / best)) if np.isfinite(c.error) else None,
@@ -149,7 +149,7 @@ def _hypotheses(part: Part, count: int) -> list[dict[str, Any]]:
     rows += [
         {
             "part": part.name if count > 1 else "",
-            "effects": [{"effect": e, "where": w} for e, w in label],
+            "effects": names_of(label),
             "stage": "screened",
             "ratio": None,
             "held_out": None,
@@ -180,7 +180,3 @@ def _lost(one: Candidate, part: Part) -> str:
     if one.simplicity > chosen.simplicity and more < 1.0:
         return "predicts no better, and is more complicated"
     return f"predicts unseen data {more:.3g} % worse"
-
-
-def _names(one: Candidate) -> list[dict[str, str]]:
-    return [{"effect": e, "where": w} for e, w in one.label]

@@ -160,11 +160,12 @@ def _moved(part: Part) -> dict[str, Believed]:
 def _all_moved(parts: Sequence[Part]) -> dict[str, Believed]:
     """Of a value that several parts judge, the one that moves it furthest."""
     out: dict[str, Believed] = {}
-    furthest: dict[str, Part] = {}
+    furthest: dict[str, float] = {}
     for part in parts:
+        sigmas = part.fit.hypothesis.sigmas(part.fit.z)
         for name, entry in _moved(part).items():
-            if name not in out or _far(part, name) > _far(furthest[name], name):
-                out[name], furthest[name] = entry, part
+            if name not in out or abs(sigmas[name]) > furthest[name]:
+                out[name], furthest[name] = entry, abs(sigmas[name])
     return out
 
 
@@ -188,10 +189,6 @@ def held_exact(study: Study, parts: Sequence[Part]) -> list[str]:
     used = {n for p in parts for n in (*p.model.believed.values, *(v for t in p.trials for v in t.overrides))}
     stated = dict.fromkeys(n for t in study.trials for n in study.values(t))
     return [n for n in stated if n in used and n not in free and n not in study.sigma]
-
-
-def _far(part: Part, name: str) -> float:
-    return abs(part.fit.hypothesis.sigmas(part.fit.z)[name])
 
 
 def _detectable(parts: Sequence[Part]) -> list[Detectable]:

@@ -9,7 +9,7 @@ import msgspec
 from msgspec import UNSET, Meta, UnsetType
 
 from spacerobot.diagnosis.terms.hypothesis import Label
-from spacerobot.diagnosis.terms.kinds import Kind, LeadsTo
+from spacerobot.diagnosis.terms.kinds import Kind, LeadsTo, Told
 from spacerobot.support.jsonio import plain
 
 FORMAT: Final = 1
@@ -118,7 +118,7 @@ class NotForetold(Record, frozen=True, kw_only=True):
     """A trial that could not be predicted."""
 
     trial: str
-    model: Literal["before", "after", "selected"]
+    model: Told
     why: str
     part: str | UnsetType = UNSET
 

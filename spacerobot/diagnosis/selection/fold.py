@@ -20,7 +20,7 @@ from spacerobot.diagnosis.selection.refit import refit
 from spacerobot.diagnosis.selection.search_state import Found
 from spacerobot.diagnosis.selection.unseen import Foretold, foretell, seen_sites
 from spacerobot.diagnosis.terms.candidates import contains
-from spacerobot.diagnosis.terms.hypothesis import Site
+from spacerobot.diagnosis.terms.hypothesis import Site, label_of
 from spacerobot.diagnosis.terms.kinds import OPEN, OTHER, PART, SAME, LeadsTo
 from spacerobot.support.errors import SimulationError
 
@@ -73,7 +73,7 @@ def folded(
     """
     unseen = [t for t in workshop.trials if t.id in out]
     sites = seen_sites(chosen, out)
-    label = tuple(sorted(s.label for s in sites))
+    label = label_of(sites)
     try:
         with Pool(workshop.but_for(out), 1) as pool:
             found = refit(pool, sites, [seen_sites(r, out) for r in rivals], thorough)
@@ -98,5 +98,5 @@ def folded(
 
 
 def _fit_of(found: Found, sites: Sequence[Site]) -> Fit | None:
-    label = tuple(sorted(s.label for s in sites))
+    label = label_of(sites)
     return found.fits.get(label) if label else found.baseline

@@ -29,7 +29,7 @@ from spacerobot.diagnosis.selection.model_choice import TIE, WORTH_OF_REST, as_g
 from spacerobot.diagnosis.selection.nested_laws import inherited, not_excluded, wordings
 from spacerobot.diagnosis.selection.shown import not_shown
 from spacerobot.diagnosis.terms.candidates import contains, redundant
-from spacerobot.diagnosis.terms.hypothesis import Label, Site
+from spacerobot.diagnosis.terms.hypothesis import Label, Site, label_of
 from spacerobot.effects.effect import Effect
 
 PATIENCE = 2
@@ -121,7 +121,7 @@ def among(bench: Bench, chosen: Sequence[Site], rivals: Sequence[Sequence[Site]]
         search.grown(sites, tested)
     weights = bench.weights
     growth = search.concluded(tested, baseline)
-    label = tuple(sorted(s.label for s in chosen))
+    label = label_of(chosen)
     if growth.after.label == label:
         return growth, growth.after.fit
     met = next((c for c in tested if c.label == label), None)
@@ -221,7 +221,7 @@ class _Search:
         """Without effects that gain no more than chance would beside the others, of sets that were tried."""
         for site in chosen.sites:
             rest = [s for s in chosen.sites if s is not site]
-            if not rest or tuple(sorted(s.label for s in rest)) not in tried:
+            if not rest or label_of(rest) not in tried:
                 continue
             fit = self.bench.fitted_as(chosen.fit, rest, {})
             if fit is not None and by_chance(fit.cost - chosen.cost, len(site.effect.parameters)):

@@ -17,7 +17,7 @@ from spacerobot.diagnosis.selection.judge import Judgement
 from spacerobot.diagnosis.selection.unseen import Foretold, nothing_foretold
 from spacerobot.diagnosis.terms.candidates import contains
 from spacerobot.diagnosis.terms.data import TrialData
-from spacerobot.diagnosis.terms.hypothesis import Label
+from spacerobot.diagnosis.terms.hypothesis import Label, label_of
 from spacerobot.diagnosis.terms.kinds import AMBIGUOUS, NAMED, OPEN, OTHER, SAME, TOLD
 
 MOST_FOLDS = 6
@@ -124,10 +124,7 @@ def hold_out(pool: Pool, judgement: Judgement) -> Callable[[], HeldOut | None]:
         done = tuple(Fold.from_json(one()) for one in begun)
         trials, model = pool.workshop.trials, pool.workshop.model
         before, after, selected = (_errors(model, trials, done, attrgetter(name)) for name in TOLD)
-        others = {
-            tuple(sorted(s.label for s in sites)): _errors(model, trials, done, _rival(k))
-            for k, sites in enumerate(rivals)
-        }
+        others = {label_of(sites): _errors(model, trials, done, _rival(k)) for k, sites in enumerate(rivals)}
         return HeldOut(scheme, done, before, after, selected, any(not s.trials for s in chosen.sites), others)
 
     return result

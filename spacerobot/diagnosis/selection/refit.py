@@ -17,7 +17,7 @@ from spacerobot.diagnosis.fitting.workshop import Task
 from spacerobot.diagnosis.selection.penalty import PENALTY
 from spacerobot.diagnosis.selection.search_state import Found, noise_of, run_tasks, share_of
 from spacerobot.diagnosis.terms.candidates import contains, refines, simpler
-from spacerobot.diagnosis.terms.hypothesis import Label, Site
+from spacerobot.diagnosis.terms.hypothesis import Label, Site, label_of
 from spacerobot.effects.registry import effect
 
 STEPS, RIVAL_STEPS = 30, 12
@@ -44,13 +44,13 @@ def refit(pool: Pool, chosen: Sequence[Site], rivals: Sequence[Sequence[Site]], 
     sets = _with_parts(chosen, rivals)
     singles = {s.label: Site(s.effect, s.where) for one in sets.values() for s in one}
     found = Found(baseline, singles=tuple(singles.values()), noise=noise_of(pool.workshop))
-    mine = tuple(sorted(s.label for s in chosen))
+    mine = label_of(chosen)
     for label, sites in sets.items():
         run_tasks(pool, found, [_near(pool, found, label, sites, label == mine)], _silent, "")
         if label == mine:
             to_its_end(pool, found, label)
     for whole in (chosen, *rivals) if thorough else ():
-        label = tuple(sorted(s.label for s in whole))
+        label = label_of(whole)
         own = found.fits.get(label)
         if (label and not found.explained) or (label == mine and (own is None or not found.explains(own))):
             run_tasks(pool, found, _afresh(pool, label, whole), _silent, "")
@@ -75,7 +75,7 @@ def _with_parts(chosen: Sequence[Site], rivals: Sequence[Sequence[Site]]) -> dic
     for sites in (chosen, *rivals):
         for size in range(1, len(sites) + 1):
             for part in itertools.combinations(sites, size):
-                sets.setdefault(tuple(sorted(s.label for s in part)), part)
+                sets.setdefault(label_of(part), part)
     for label in simpler(tuple(s.label for s in chosen)):
         sets.setdefault(label, tuple(Site(effect(name), where) for name, where in label))
     return dict(sorted(sets.items(), key=lambda item: (len(item[0]), _size(item[1]))))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -42,6 +42,11 @@ class Site:
     def key(self, parameter: str) -> str:
         """Key of one of its parameters among the free ones."""
         return f"{self.effect.name}@{self.where}.{parameter}"
+
+
+def label_of(sites: Iterable[Site]) -> Label:
+    """What a set of sites is called, in whatever order they stand."""
+    return tuple(sorted(s.label for s in sites))
 
 
 @dataclass(frozen=True)
@@ -84,7 +89,7 @@ class Hypothesis:
     @property
     def label(self) -> Label:
         """Which effects where, sorted."""
-        return tuple(sorted(s.label for s in self.sites))
+        return label_of(self.sites)
 
     @property
     def keys(self) -> tuple[str, ...]:
