@@ -28,6 +28,7 @@ class Parameter:
         shape: says how the effect acts, not how strongly; it means nothing while the strength is null.
         reach: a displacement that its place hardly exceeds, so that fits also begin at the largest one recorded.
         moment: a time within a trial, so that fits also begin at times all over it.
+        spread: normally distributed about its null value, `scale` being the standard deviation: fits count that.
     """
 
     name: str
@@ -41,6 +42,7 @@ class Parameter:
     shape: bool = False
     reach: bool = False
     moment: bool = False
+    spread: bool = False
 
     def __post_init__(self) -> None:
         if not self.lower <= self.upper or not self.scale > 0.0 or not self.starts:
@@ -83,6 +85,7 @@ class Effect(ABC):
         carried: acts on a floating body only where something carries or moors it, not on one that falls.
         relative: of a sensor; only the difference between two sensors shows, counted as positive at one of them.
         instant: shows in what is read just before and just after an impact, which has no duration.
+        learned: a curve found in recordings, which has no name.
     """
 
     name: ClassVar[str]
@@ -100,6 +103,7 @@ class Effect(ABC):
     carried: ClassVar[bool] = False
     relative: ClassVar[bool] = False
     instant: ClassVar[bool] = False
+    learned: ClassVar[bool] = False
 
     @abstractmethod
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:

@@ -14,8 +14,8 @@ from spacerobot.support import jit
 ScalarLaw = Callable[[float, float, float, Any], float]
 """(d, v, aux, p) -> value: displacement [m or rad], rate, an auxiliary rate or input, parameters shape (P,)."""
 
-PARAMETERS = 8
-"""Every kernel's parameter vector is padded to this length."""
+PARAMETERS = 48
+"""Every kernel's parameter vector is padded to this length; a learned curve takes nearly all of it."""
 
 
 def no_edge(d: float, v: float, aux: float, p: Any) -> float:

@@ -116,8 +116,9 @@ class Friction:
     Attributes:
         name: its line in the energy ledger.
         port: where it acts.
-        level: `(v, normal, 0.0, p)` -> largest magnitude [N or N m] while sliding with rate v; the sign of v is
-            that of the sliding, +-1e-300 at rest; `normal` is the normal load [N] where `normal` names a contact.
+        level: `(v, normal, d, p)` -> largest magnitude [N or N m] while sliding with rate v at displacement d; the
+            sign of v is that of the sliding, +-1e-300 at rest; `normal` is the normal load [N] where `normal` names a
+            contact.
         p: parameters of the level.
         normal: name of the contact that presses, or None.
         steady: whether the level depends on nothing but the direction of sliding; such friction is integrated faster.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import importlib
 import importlib.metadata
 import importlib.util
@@ -13,6 +14,7 @@ from types import ModuleType
 
 from spacerobot.effects import catalogue
 from spacerobot.effects.effect import Effect
+from spacerobot.effects.learned import PREFIX, LearnedLaw, parsed
 from spacerobot.support.errors import InputError, NotFoundError
 
 ENTRY_POINT_GROUP = "spacerobot.effects"
@@ -47,10 +49,17 @@ def effect(name: str) -> Effect:
     Raises:
         NotFoundError: no such effect; names the nearest.
     """
+    if name.startswith(PREFIX):
+        return _learned(name)
     known = all_effects()
     if name not in known:
         raise NotFoundError("effect", name, sorted(known))
     return known[name]
+
+
+@functools.cache
+def _learned(name: str) -> Effect:
+    return LearnedLaw(parsed(name))
 
 
 def load_file(path: Path) -> list[str]:

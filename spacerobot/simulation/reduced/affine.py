@@ -149,7 +149,7 @@ def system(x: Any, c: Any, laws: Any, y: Any, modes: Any, w: Any, a: Any, held: 
         if m == STICK or c[c[FRICTION_NORMAL] + r] == 1:
             continue
         p = c[c[FRICTION_PORT] + r]
-        f = -m * level(x, c, laws, r, m * TINY, 0.0)
+        f = -m * level(x, c, laws, r, m * TINY, 0.0, 0.0)
         for i in range(n):
             a[i, last] += w[rows + p * n + i] * f
     _hold(x, c, modes, w, a, held)

@@ -92,7 +92,7 @@ def linear_guards(x: Any, c: Any, laws: Any, modes: Any, w: Any, even: bool, hel
         for side in (-1.0, 1.0):
             for i in range(last + 1):
                 g[count, i] = side * held[r, i]
-            g[count, last] += level(x, c, laws, r, side * TINY, 0.0) * (1.0 + 1e-12) + 1e-300
+            g[count, last] += level(x, c, laws, r, side * TINY, 0.0, 0.0) * (1.0 + 1e-12) + 1e-300
             owner[count] = base + r
             count += 1
     return count

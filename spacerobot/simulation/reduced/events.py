@@ -265,7 +265,8 @@ def settle(x: Any, c: Any, laws: Any, t: float, y: Any, modes: Any, u: Any, w: A
         for r in range(c[FRICTIONS]):
             if modes[base + r] == STICK:
                 f = w[c[FRICTION] + r]
-                over = abs(f) - level(x, c, laws, r, -TINY if f > 0.0 else TINY, normal) * (1.0 + 1e-12)
+                d = w[c[D] + c[c[FRICTION_PORT] + r]]
+                over = abs(f) - level(x, c, laws, r, -TINY if f > 0.0 else TINY, normal, d) * (1.0 + 1e-12)
                 if over > excess:
                     worst, excess = r, over
         if worst < 0:

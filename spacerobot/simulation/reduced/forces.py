@@ -62,10 +62,10 @@ AT_REST = 1e-12
 
 
 @lean
-def level(x: Any, c: Any, laws: Any, r: int, v: float, normal: float) -> float:
-    """Largest magnitude of friction r while sliding at rate v (its sign is the direction)."""
+def level(x: Any, c: Any, laws: Any, r: int, v: float, normal: float, d: float) -> float:
+    """Largest magnitude of friction r at displacement d, sliding at rate v (its sign is the direction)."""
     load = normal if c[c[FRICTION_NORMAL] + r] == 1 else 1.0
-    return call_law(laws[c[c[FRICTION_LAW] + r]], v, load, 0.0, x, c[FRICTION_PARAMETER] + PARAMETERS * r)
+    return call_law(laws[c[c[FRICTION_LAW] + r]], v, load, d, x, c[FRICTION_PARAMETER] + PARAMETERS * r)
 
 
 @inlined
@@ -107,7 +107,7 @@ def rub(x: Any, c: Any, laws: Any, w: Any, r: int, mate: int, normal: float) -> 
     if speed > AT_REST:
         way = -1.0 if along * ahead + across * aside < 0.0 else 1.0
         ahead, aside = way * along / speed, way * across / speed
-    f = -level(x, c, laws, r, max(speed, TINY), normal)
+    f = -level(x, c, laws, r, max(speed, TINY), normal, w[c[D] + p])
     w[c[FRICTION] + r], w[c[FRICTION] + mate] = f * ahead, f * aside
     for i in range(n):
         w[c[TAU] + i] += f * (ahead * w[c[W_ROWS] + p * n + i] + aside * w[c[W_ROWS] + q * n + i])
@@ -148,7 +148,7 @@ def act(x: Any, c: Any, laws: Any, t: float, modes: Any, u: Any, w: Any, count: 
             continue
         p = c[c[FRICTION_PORT] + r]
         speed = m * max(m * w[c[V] + p], TINY)
-        f = -m * level(x, c, laws, r, speed, normal)
+        f = -m * level(x, c, laws, r, speed, normal, w[c[D] + p])
         w[c[FRICTION] + r] = f
         for i in range(n):
             w[c[TAU] + i] += w[c[W_ROWS] + p * n + i] * f

@@ -1,0 +1,1 @@
+"""Laws that no catalogue holds: a curve at a port, fitted inside the simulation."""
