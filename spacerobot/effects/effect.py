@@ -8,6 +8,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
+import numpy as np
+
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.sizes import Sizes
 from spacerobot.support.errors import InputError, NotFoundError
@@ -28,7 +30,6 @@ class Parameter:
         shape: says how the effect acts, not how strongly; it means nothing while the strength is null.
         reach: a displacement that its place hardly exceeds, so that fits also begin at the largest one recorded.
         moment: a time within a trial, so that fits also begin at times all over it.
-        spread: normally distributed about its null value, `scale` being the standard deviation: fits count that.
     """
 
     name: str
@@ -42,7 +43,6 @@ class Parameter:
     shape: bool = False
     reach: bool = False
     moment: bool = False
-    spread: bool = False
 
     def __post_init__(self) -> None:
         if not self.lower <= self.upper or not self.scale > 0.0 or not self.starts:
@@ -121,6 +121,14 @@ class Effect(ABC):
             sizes: typical of what was recorded at its place.
         """
         return True
+
+    @property
+    def precision(self) -> np.ndarray | None:
+        """Inverse covariance of a normal prior of all its parameters about null, in their scales, shape (P, P).
+
+        None where nothing is known of them but their bounds.
+        """
+        return None
 
     @property
     def strength(self) -> Parameter:

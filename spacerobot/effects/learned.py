@@ -1,12 +1,8 @@
 """A learned law: what acts at a port as a smooth curve whose numbers a fit finds, where no formula is known.
 
 The curve is a cubic spline on equal cells over the range that recordings visited, held at its end value beyond. Its
-coefficients c_k are a level and a slope at rest, and second differences ("bends") away from it:
-
-    c = level + slope u + T bend,    bend ~ N(0, roughness^2),
-
-in units of a typical force, u = -1..1 over the range. Bends have a normal prior, so the curve is as smooth as its
-roughness says: an integrated random walk, whose posterior mean is the smoothing spline of Wahba (1978).
+second differences of its coefficients ("bends") are normally distributed with a standard deviation of `roughness` typical
+forces: the P-spline of Eilers and Marx (1996). A level of friction is never negative.
 
 Its name holds all that is not fitted ("learned_law[level|d|0|0.02|24|0.1|1]"), so that it can be kept, sent and found
 again like any other effect's.
@@ -15,7 +11,7 @@ again like any other effect's.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Final, Literal, TypeAlias, cast, get_args
 
@@ -38,6 +34,9 @@ Variable: TypeAlias = Literal["d", "v"]
 HEADER = 5
 MOST = PARAMETERS - HEADER
 """Coefficients of a curve, at most."""
+
+ABSURD = 10.0
+"""Typical forces that a coefficient is not beyond, as one standard deviation: what no reading visits stays finite."""
 
 
 def curve(first: float, second: float, third: float, p: Any) -> float:
@@ -77,7 +76,7 @@ class Shape:
         low, high: range that the curve covers, SI.
         cells: of equal width.
         roughness: standard deviation of a bend, in units of `size`.
-        size: typical force [N]; standard deviation of level and slope.
+        size: typical force [N].
     """
 
     kind: Kind
@@ -109,31 +108,14 @@ class Shape:
         width = (self.high - self.low) / self.cells
         return self.low + width * np.arange(-1.0, self.cells + 2.0)
 
-    def transform(self) -> np.ndarray:
-        """Coefficients per parameter (level, slope, bends), shape (cells + 3, cells + 3) [N].
+    def bends(self) -> np.ndarray:
+        """Second differences of the coefficients, shape (cells + 1, cells + 3)."""
+        return np.asarray(np.diff(np.eye(self.cells + 3), 2, axis=0))
 
-        Bends count from the coefficient nearest to rest outwards, so that level and slope are those at rest.
-        """
-        x = self.places
-        rest = int(np.argmin(np.abs(x)))
-        count = x.size
-        out = np.zeros((count, count))
-        out[:, 0] = 1.0
-        out[:, 1] = (x - x[rest]) / np.abs(x - x[rest]).max()
-        column = 2
-        for way in (1, -1):
-            reach = count - 1 - rest if way > 0 else rest
-            for start in range(1, reach):  # a bend at `start` turns all that lies beyond it
-                beyond = np.arange(start + 1, reach + 1)
-                out[rest + way * beyond, column] = self.roughness * (beyond - start)
-                column += 1
-        if column < count:  # the bend at rest itself, where there is something on either side
-            out[:, column] = self.roughness * 0.5 * np.abs(np.arange(count) - rest)
-        return self.size * out
-
-    def coefficients(self, parameters: Sequence[float]) -> np.ndarray:
-        """Coefficients of the spline, shape (cells + 3,) [N]."""
-        return self.transform() @ np.asarray(parameters, dtype=float)
+    def precision(self) -> np.ndarray:
+        """Of the coefficients in units of `size`, shape (cells + 3, cells + 3): bends, and a size that is not absurd."""
+        bends = self.bends()
+        return np.asarray(bends.T @ bends / self.roughness**2 + np.eye(self.cells + 3) / ABSURD**2)
 
     def rows(self, x: np.ndarray) -> np.ndarray:
         """Of the curve at x, shape (T,): its value per coefficient, shape (T, cells + 3)."""
@@ -163,7 +145,9 @@ def parsed(name: str) -> Shape:
         kind, of, low, high, cells, roughness, size = words
         numbers = float(low), float(high), int(cells), float(roughness), float(size)
     except ValueError:
-        raise InputError("not a learned law", given=name, valid=f"{PREFIX}kind|of|low|high|cells|roughness|size]") from None
+        raise InputError(
+            "not a learned law", given=name, valid=f"{PREFIX}kind|of|low|high|cells|roughness|size]"
+        ) from None
     return Shape(cast(Kind, kind), cast(Variable, of), *numbers)
 
 
@@ -172,7 +156,7 @@ class LearnedLaw(Effect):
 
     title = "learned law"
     phrase = "a law of no name"
-    source = "smoothing spline; Wahba (1978)"
+    source = "P-spline; Eilers and Marx (1996)"
     learned = True
 
     def __init__(self, shape: Shape) -> None:
@@ -180,7 +164,7 @@ class LearnedLaw(Effect):
         given = {
             "name": shape.name,
             "formula": rf"f = -s({shape.of})" if shape.kind == "force" else rf"|f| \le s({shape.of})",
-            "parameters": tuple(_parameter(k) for k in range(shape.cells + 3)),
+            "parameters": tuple(_parameter(k, shape) for k in range(shape.cells + 3)),
         }
         for key, value in given.items():
             setattr(self, key, value)  # an instance is an effect of its own, as a class of the catalogue is
@@ -189,20 +173,25 @@ class LearnedLaw(Effect):
         """Wherever something moves along a line."""
         return tuple(p for p in mechanism.ports if p != "contact")
 
+    @property
+    def precision(self) -> np.ndarray:
+        """How smooth the curve is believed to be."""
+        return self.shape.precision()
+
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
         """The curve at the port."""
         shape = self.shape
         friction = shape.kind == "friction"
         which = {"d": 2.0, "v": 0.0}[shape.of] if friction else {"d": 0.0, "v": 1.0}[shape.of]
         width = (shape.high - shape.low) / shape.cells
-        inside = shape.coefficients([values[p.name] for p in self.parameters])
-        p = (which, 1.0 if friction else -1.0, shape.low, width, float(shape.cells), *inside.tolist())
+        inside = [values[p.name] for p in self.parameters]
+        p = (which, 1.0 if friction else -1.0, shape.low, width, float(shape.cells), *inside)
         line = f"learned law at {where}"
         if friction:
             return mechanism.with_friction(Friction(line, where, curve, p))
         return mechanism.with_force(Force(line, where, Kernel(curve), p))
 
 
-def _parameter(number: int) -> Parameter:
-    name = ("level", "slope")[number] if number < 2 else f"bend_{number - 1:02d}"
-    return Parameter(name, "", 0.0, 1.0, -1e4, 1e4, (0.0,), spread=True)
+def _parameter(number: int, shape: Shape) -> Parameter:
+    lower = 0.0 if shape.kind == "friction" else -1e6 * shape.size
+    return Parameter(f"c_{number:02d}", "", 0.0, shape.size, lower, 1e6 * shape.size, (0.0,))

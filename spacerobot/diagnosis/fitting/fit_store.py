@@ -74,13 +74,12 @@ def from_json(kept: dict[str, Any], fitter: Fitter, made: Hypothesis) -> Fit | N
     state = fitter.state(made, z, {k: np.array(v, dtype=float) for k, v in said["initials"].items()})
     if state is None or z.size != len(made.free):
         return None
-    prior = np.array([f.prior for f in made.free], dtype=float)
     return Fit(
         made,
         z,
         {k: TrialFit(state.own[k], np.where(state.keep[k], state.raw[k], 0.0)) for k in state.raw},
         state.chi2(),
-        float(prior @ z**2),
+        float(z @ made.precision @ z),
         state.samples,
         None if said["covariance"] is None else np.array(said["covariance"], dtype=float),
         said["converged"],

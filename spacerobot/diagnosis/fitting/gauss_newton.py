@@ -164,7 +164,8 @@ class Fitter:
         Raises:
             SimulationError: the start cannot be simulated.
         """
-        self._left = BUDGET * len(self.trials) * max_iterations
+        spread = sum(len(s.effect.parameters) for s in hypothesis.sites if s.effect.learned)  # each a column to take
+        self._left = (BUDGET + spread) * len(self.trials) * max_iterations
         state = self.state(hypothesis, hypothesis.start(warm), initials or self.guess())
         if state is None:
             raise SimulationError("the start of a fit cannot be simulated")
@@ -185,7 +186,7 @@ class Fitter:
             state, rescued = self.rescue(hypothesis, state)
             if not rescued or used >= max_iterations:
                 break
-        prior = np.array([f.prior for f in hypothesis.free], dtype=float)
+        prior = hypothesis.precision
         covariance = None if system is None else system.covariance()
         trials = {
             t.id: TrialFit(state.own[t.id], np.where(state.keep[t.id], state.raw[t.id], 0.0)) for t in self.trials
@@ -195,7 +196,7 @@ class Fitter:
             state.z,
             trials,
             state.chi2(),
-            float(prior @ state.z**2),
+            float(state.z @ prior @ state.z),
             state.samples,
             covariance,
             converged,
@@ -240,7 +241,7 @@ class Fitter:
     ) -> tuple[State, int, bool, Normal | None, bool]:
         """Where it ended, steps taken, whether it converged, its last normal equations, and whether it was given up."""
         low, high = hypothesis.bounds()
-        prior = np.array([f.prior for f in hypothesis.free], dtype=float)
+        prior = hypothesis.precision
         damping, converged, iterations, age = 1e-4, False, 0, 0 if known is None else 1
         system = None
         rows: dict[str, np.ndarray] = dict(known or {})
@@ -257,7 +258,7 @@ class Fitter:
             settled = SETTLED if self._careful else max(SETTLED, misfit * (WORTH_IF_BAD if bad else WORTH))
             for _ in range(10):
                 dz, dn, promised = system.step(damping, state.z, low, high)
-                if eager and state.chi2() + float(prior @ state.z**2) - HOPE * promised > hopeless:
+                if eager and state.chi2() + float(state.z @ prior @ state.z) - HOPE * promised > hopeless:
                     return state, iterations - 1, False, system, True
                 if promised < settled:
                     converged = age == 0
@@ -268,7 +269,7 @@ class Fitter:
                 if new is not None:
                     # both under the old masks, else a touch that moves would pay for itself
                     fall = state.loss(self.trials, robust) - new.loss(self.trials, robust, state.keep)
-                    fall += float(prior @ (state.z**2 - new.z**2))
+                    fall += float(state.z @ prior @ state.z - new.z @ prior @ new.z)
                     if fall > 0.0:
                         damping = max(damping * (0.2 if fall > 0.7 * promised else 1.0), 1e-9)
                         converged = fall < settled and age == 0
@@ -277,7 +278,7 @@ class Fitter:
                         if age < REUSE:
                             rows = self._corrected(rows, state, new)
                         state, accepted = new, True
-                        hope = state.chi2() + float(prior @ state.z**2) - 10.0 * fall
+                        hope = state.chi2() + float(state.z @ prior @ state.z) - 10.0 * fall
                         if not robust and iterations >= 3 and hope > hopeless:
                             return state, iterations, False, system, False
                         break

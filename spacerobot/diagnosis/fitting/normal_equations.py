@@ -21,10 +21,10 @@ class Normal:
     def build(
         cls, jacobians: Sequence[np.ndarray], residuals: Sequence[np.ndarray], z: np.ndarray, prior: np.ndarray
     ) -> Normal:
-        """From the trials' Jacobians, shape (S, G + N) each, and residuals."""
+        """From the trials' Jacobians, shape (S, G + N) each, residuals, and the prior's precision, shape (G, G)."""
         count = z.size
-        full = np.diag(prior).astype(float)
-        gradient = prior * z
+        full = prior.astype(float)
+        gradient = prior @ z
         schur = full.copy()
         right = gradient.copy()
         own = []

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.fitting.workshop import Workshop
+from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Site, hypothesis
 from spacerobot.effects.learned import Kind, LearnedLaw, Shape, Variable
 from spacerobot.support.errors import SimulationError
@@ -20,11 +21,16 @@ CELLS = 29
 MARGIN = 0.05
 """Share of the recorded range that a curve reaches beyond it on either side: a better fit moves a little further."""
 
-ROUGHNESS = 0.02
+ROUGHNESS = 0.2
 """Where the search for a curve's roughness begins, in units of its size: nearly straight, so that nothing is trapped."""
 
-ROUNDS, STEPS = 5, 8
-"""Times that the roughness is estimated anew, and steps of each fit between."""
+ANNEALED = (30.0, 8.0, 2.5, 1.0, 1.0, 1.0)
+"""Factors on the sensors' noise, one fit after the other: what is believed holds at first, or a fit that lacks the law
+has bent every value before the curve has found its shape. The roughness is estimated anew after each.
+"""
+
+STEPS = 10
+"""Of each of these fits."""
 
 SETTLED = 1.25
 """Factor by which the roughness may still change when it counts as found."""
@@ -46,8 +52,8 @@ class Curve:
     fit: Fit
     evidence: float
 
-    def parameters(self) -> np.ndarray:
-        """Of the curve, shape (cells + 3,)."""
+    def coefficients(self) -> np.ndarray:
+        """Of the curve, shape (cells + 3,) [N]."""
         values = self.fit.values()
         return np.array([values[self.site.key(p.name)] for p in self.site.effect.parameters])
 
@@ -56,8 +62,7 @@ class Curve:
         assert self.fit.covariance is not None  # fits of curves go on until it is known
         keys = self.fit.hypothesis.keys
         own = [keys.index(self.site.key(p.name)) for p in self.site.effect.parameters]
-        turn = self.shape.transform()
-        return turn @ self.fit.covariance[np.ix_(own, own)] @ turn.T
+        return np.asarray(self.shape.size**2 * self.fit.covariance[np.ix_(own, own)])
 
 
 def visited(workshop: Workshop, fit: Fit, port: str, of: Variable) -> tuple[float, float]:
@@ -87,29 +92,29 @@ def fit_curve(
         size: typical force [N].
         bar: cost above which, after the first round, it is given up.
     """
-    fitter = workshop.fitter()
     low, high = visited(workshop, beside, port, of)
     shape = Shape(kind, of, low, high, CELLS, ROUGHNESS, size)
-    warm, initials = dict(beside.values()), beside.initials()
+    warm = {k: v for k, v in beside.values().items() if "@" in k}
+    initials = None
     found: Curve | None = None
-    for _ in range(ROUNDS):
+    for noise in ANNEALED:
+        fitter = Fitter(workshop.model, [louder(t, noise) for t in workshop.trials])
         try:
             now = _fitted(fitter, workshop, beside, shape, port, warm, initials)
         except SimulationError:
             return found
-        if found is None or now.evidence > found.evidence:
-            found = now
-        if now.fit.cost > bar:
-            return found
         factor = _rougher(now)
-        if max(factor, 1.0 / factor) < SETTLED:
-            break
+        if noise > 1.0:
+            factor = max(factor, 1.0)  # what loud noise hides is not smooth
+        if noise == 1.0:
+            if found is None or now.evidence > found.evidence:
+                found = now
+            if now.fit.cost > bar or max(factor, 1.0 / factor) < SETTLED:
+                break
         shape = shape.rougher(factor)
-        inside = np.linalg.lstsq(shape.transform(), now.shape.coefficients(now.parameters()), rcond=None)[0]
         site = Site(LearnedLaw(shape), port)
-        warm = dict(now.fit.values()) | {
-            site.key(p.name): float(x) for p, x in zip(site.effect.parameters, inside, strict=True)
-        }
+        inside = zip(site.effect.parameters, now.coefficients().tolist(), strict=True)
+        warm = dict(now.fit.values()) | {site.key(p.name): x for p, x in inside}
         initials = now.fit.initials()
     return found
 
@@ -121,12 +126,17 @@ def _fitted(
     shape: Shape,
     port: str,
     warm: Mapping[str, float],
-    initials: Mapping[str, np.ndarray],
+    initials: Mapping[str, np.ndarray] | None,
 ) -> Curve:
     site = Site(LearnedLaw(shape), port)
     made = hypothesis(workshop.model.believed, [*beside.hypothesis.sites, site], warm)
     fit = fitter.fit(made, warm=warm, initials=initials, max_iterations=STEPS, robust=False)
     return Curve(shape, site, fit, evidence(fit))
+
+
+def louder(trial: TrialData, factor: float) -> TrialData:
+    """The trial as sensors of so many times the noise would have it."""
+    return replace(trial, blocks=tuple(replace(b, weight=b.weight / factor) for b in trial.blocks))
 
 
 def evidence(fit: Fit) -> float:
@@ -135,19 +145,18 @@ def evidence(fit: Fit) -> float:
     What has no prior is alike in all that are compared, and its unit with it.
     """
     assert fit.covariance is not None
-    eigenvalues = np.linalg.eigvalsh(fit.covariance)
-    return -0.5 * fit.cost + 0.5 * float(np.log(np.maximum(eigenvalues, 1e-300)).sum())
+    volume = np.linalg.slogdet(fit.covariance)[1]
+    stated = sum(np.linalg.slogdet(s.effect.precision)[1] for s in fit.hypothesis.sites if s.effect.learned)
+    return float(-0.5 * fit.cost + 0.5 * (volume + stated))
 
 
 def _rougher(curve: Curve) -> float:
     """Factor on the roughness: the bends' mean square over what their prior leaves determined (Fellner and Schall)."""
-    fit, site = curve.fit, curve.site
-    assert fit.covariance is not None
-    keys = fit.hypothesis.keys
-    bends = [keys.index(site.key(p.name)) for p in site.effect.parameters[2:]]
-    z = fit.z[bends]
-    determined = len(bends) - float(np.trace(fit.covariance[np.ix_(bends, bends)]))
-    return float(np.sqrt(np.clip(float(z @ z) / max(determined, 1e-3), 1e-4, 1e4)))
+    shape = curve.shape
+    bends = shape.bends()
+    found = bends @ curve.coefficients() / (shape.size * shape.roughness)
+    unsure = np.einsum("bi,ij,bj->", bends, curve.covariance(), bends) / (shape.size * shape.roughness) ** 2
+    return float(np.sqrt(np.clip(found @ found / max(len(bends) - unsure, 1e-3), 1e-4, 1e4)))
 
 
 def kinds() -> Sequence[tuple[Kind, Variable]]:

@@ -120,8 +120,7 @@ def _copied_fit(workshop: Workshop, chosen: Fit, seed: int) -> tuple[Fitter, Fit
     again = copy.run(Task(chosen.hypothesis.label, start, only=only, freed=chosen.hypothesis.freed))
     if state is None or again is None:
         return None
-    prior = np.array([f.prior for f in chosen.hypothesis.free], dtype=float)
-    truth = state.chi2() + float(prior @ state.z**2)
+    truth = state.chi2() + float(state.z @ chosen.hypothesis.precision @ state.z)
     for task in _other_starts(copy, chosen, again, only):  # a search begins more than once too
         if again.cost <= truth + SLACK:
             break

@@ -51,8 +51,7 @@ def synthetic(part: Part, fit: Fit, copy: int) -> tuple[Check, ...]:
         again = None
     if state is None or again is None:
         return (Check(name, False, "a synthetic copy could not be simulated"),)
-    prior = np.array([f.prior for f in fit.hypothesis.free], dtype=float)
-    truth = state.chi2() + float(prior @ fit.z**2)
+    truth = state.chi2() + float(fit.z @ fit.hypothesis.precision @ fit.z)
     if again.cost > truth + SLACK:  # once more from where it ended, as fits that grow are
         with contextlib.suppress(SimulationError):
             more = fitter.fit(

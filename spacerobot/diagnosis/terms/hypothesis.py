@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -157,6 +158,17 @@ class Hypothesis:
         except InputError as error:
             raise SimulationError(str(error)) from None
         return mechanism
+
+    @functools.cached_property
+    def precision(self) -> np.ndarray:
+        """Inverse covariance of what is believed of z, shape (G, G); what is held at a value has no part in it."""
+        out = np.diag([float(f.prior) for f in self.free])
+        for site in self.sites:
+            block = site.effect.precision
+            index = [self.keys.index(site.key(p.name)) for p in site.effect.parameters] if block is not None else []
+            if index and all(self.free[i].lower < self.free[i].upper for i in index):
+                out[np.ix_(index, index)] = block
+        return out
 
     def start(self, warm: Mapping[str, float] | None = None) -> np.ndarray:
         """First z: the centre of each, or the value of the same key in `warm`."""

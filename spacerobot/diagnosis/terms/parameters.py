@@ -96,7 +96,6 @@ def of_effect(effect: str, where: str, parameter: Parameter, start: float) -> Fr
         "effect",
         0.0 if math.isinf(parameter.null) else parameter.null,
         parameter.scale,
-        prior=parameter.spread,
         lower=parameter.lower,
         upper=parameter.upper,
     )

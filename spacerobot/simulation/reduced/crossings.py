@@ -20,6 +20,7 @@ from spacerobot.simulation.reduced.arrays import (
     PRESS,
     W_ROWS,
     YAW,
+    D,
     N,
 )
 from spacerobot.simulation.reduced.forces import APART, PRESSED, STICK, TINY, level
@@ -92,7 +93,8 @@ def linear_guards(x: Any, c: Any, laws: Any, modes: Any, w: Any, even: bool, hel
         for side in (-1.0, 1.0):
             for i in range(last + 1):
                 g[count, i] = side * held[r, i]
-            g[count, last] += level(x, c, laws, r, side * TINY, 0.0, 0.0) * (1.0 + 1e-12) + 1e-300
+            limit = level(x, c, laws, r, side * TINY, 0.0, w[c[D] + c[c[FRICTION_PORT] + r]])  # it is at rest
+            g[count, last] += limit * (1.0 + 1e-12) + 1e-300
             owner[count] = base + r
             count += 1
     return count

@@ -37,7 +37,8 @@ def disc(x: Any, c: Any, laws: Any, w: Any, r: int, mate: int, m: int, normal: f
     """Guard of a friction in two directions: what is left of its limit, or the sliding along its heading."""
     if m == STICK:
         a, b = w[c[FRICTION] + r], w[c[FRICTION] + mate]
-        return float(level(x, c, laws, r, TINY, normal, w[c[D] + c[c[FRICTION_PORT] + r]]) * (1.0 + 1e-12) + 1e-300 - np.sqrt(a * a + b * b))
+        limit = level(x, c, laws, r, TINY, normal, w[c[D] + c[c[FRICTION_PORT] + r]])
+        return float(limit * (1.0 + 1e-12) + 1e-300 - np.sqrt(a * a + b * b))
     along, across = w[c[V] + c[c[FRICTION_PORT] + r]], w[c[V] + c[c[FRICTION_PORT] + mate]]
     return float(along * w[c[HEADING] + r] + across * w[c[HEADING] + mate])
 
