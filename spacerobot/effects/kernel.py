@@ -70,12 +70,17 @@ def padded(parameters: tuple[float, ...]) -> np.ndarray:
 
 @functools.cache
 def compiled(law: ScalarLaw) -> Any:
-    """`law` compiled once as a C function of (d, v, aux, pointer to p); cached on disk where its source is a file.
+    """`law` compiled once as a C function of (d, v, aux, pointer to p)."""
+    return c_function(law, 3)
+
+
+def c_function(law: Callable[..., float], numbers: int) -> Any:
+    """`law` as a C function of so many numbers and a pointer to p; cached on disk where its source is a file.
 
     Division by zero gives an infinity or NaN there, which integrators refuse; a C function cannot raise.
     """
     numba = jit.numba()
-    signature = numba.float64(numba.float64, numba.float64, numba.float64, numba.types.CPointer(numba.float64))
+    signature = numba.float64(*[numba.float64] * numbers, numba.types.CPointer(numba.float64))
     try:
         return numba.cfunc(signature, cache=True, error_model="numpy")(law)
     except RuntimeError:  # no file to cache beside: defined in a notebook or by exec

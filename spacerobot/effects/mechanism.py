@@ -15,6 +15,7 @@ from spacerobot.effects.primitives import (
     Impulse,
     Input,
     Readout,
+    State,
 )
 from spacerobot.support.errors import InputError, NotFoundError
 
@@ -27,7 +28,7 @@ class Mechanism:
         coordinates: absolute degrees of freedom by name, constant mass (the reduced form).
         ports: port name -> {coordinate: coefficient}; d = sum of coefficient times coordinate.
         contact: the contact between `wrist` and `target`, or None.
-        forces, frictions, fields, impulses, inputs: what acts.
+        forces, frictions, states, fields, impulses, inputs: what acts.
         readouts: what the channels show, by channel.
         maps: what sensors do to channels.
         sensors: sensor (stream) name -> its channels, so that an effect can sit at a sensor.
@@ -38,6 +39,7 @@ class Mechanism:
     contact: Contact | None = None
     forces: tuple[Force, ...] = ()
     frictions: tuple[Friction, ...] = ()
+    states: tuple[State, ...] = ()
     fields: tuple[Field, ...] = ()
     impulses: tuple[Impulse, ...] = ()
     inputs: tuple[Input, ...] = ()
@@ -50,8 +52,8 @@ class Mechanism:
             for name in row:
                 if name not in self.coordinates:
                     raise NotFoundError("coordinate", name, self.coordinates, where=f"port {port}")
-        acting: tuple[Force | Friction | Impulse | Input, ...]
-        acting = (*self.forces, *self.frictions, *self.impulses, *self.inputs)
+        acting: tuple[Force | Friction | State | Impulse | Input, ...]
+        acting = (*self.forces, *self.frictions, *self.states, *self.impulses, *self.inputs)
         for element in acting:
             self._require_port(element.port, element.name)
         for item in self.fields:
@@ -73,6 +75,10 @@ class Mechanism:
     def with_friction(self, *frictions: Friction) -> Mechanism:
         """This mechanism with further friction."""
         return replace(self, frictions=(*self.frictions, *frictions))
+
+    def with_state(self, *states: State) -> Mechanism:
+        """This mechanism with further laws that remember."""
+        return replace(self, states=(*self.states, *states))
 
     def with_field(self, *fields: Field) -> Mechanism:
         """This mechanism with further uniform accelerations."""

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from spacerobot.effects.kernel import Kernel, ScalarLaw
+from spacerobot.effects.memory import Memory
 from spacerobot.support.errors import InputError
 
 MAP_ORDER = ("inertia", "low_pass", "delay", "gain", "offset")
@@ -133,6 +134,34 @@ class Friction:
 
     def __post_init__(self) -> None:
         _finite(f"parameter of {self.name}", *self.p)
+
+
+@dataclass(frozen=True)
+class State:
+    """A force at a port that remembers: f(z, z', d, v, N) with z' = g(z, d, v, N), z a number of its own.
+
+    At the start z is at rest: what does not change while the port stands where it is.
+
+    Attributes:
+        name: its line in the energy ledger.
+        port: where it acts, and whose motion it reads.
+        law: the two functions, and the energy it stores.
+        p: their parameters, SI, as many as they need (a table of spline coefficients too).
+        size: a typical value of z, by which its error is measured.
+        normal: name of the contact that presses, or None.
+    """
+
+    name: str
+    port: str
+    law: Memory
+    p: tuple[float, ...]
+    size: float
+    normal: str | None = None
+
+    def __post_init__(self) -> None:
+        _finite(f"parameter of {self.name}", *self.p)
+        if not (math.isfinite(self.size) and self.size > 0.0):
+            raise InputError("size of a state must be positive and finite", given=self.size, where=self.name)
 
 
 @dataclass(frozen=True)

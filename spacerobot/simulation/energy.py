@@ -9,6 +9,7 @@ import numpy as np
 
 from spacerobot.effects.kernel import Kernel, no_energy, padded
 from spacerobot.effects.mechanism import Mechanism
+from spacerobot.effects.memory import no_memory_energy
 from spacerobot.simulation.reduced.forces import PRESSED
 
 
@@ -71,6 +72,7 @@ def stored_by_elements(
     displacement: Mapping[str, np.ndarray],
     rate: Mapping[str, np.ndarray],
     contact_mode: np.ndarray,
+    memory: np.ndarray,
 ) -> dict[str, np.ndarray]:
     """Energy held by every force, by name; the contact's counts while it is pressed.
 
@@ -78,6 +80,7 @@ def stored_by_elements(
         mechanism: what there is.
         displacement, rate: by port, shape (T,), "contact" among them.
         contact_mode: shape (T,).
+        memory: what laws with a memory keep, shape (T, S).
     """
     found: dict[str, np.ndarray] = {}
     contact = mechanism.contact
@@ -90,4 +93,9 @@ def stored_by_elements(
         held = stored_in(force.kernel, force.p, displacement[sense], rate[sense])
         if held is not None:
             found[force.name] = found.get(force.name, 0.0) + held
+    for s, state in enumerate(mechanism.states):
+        if state.law.energy is not no_memory_energy:
+            moves = np.stack([memory[:, s], displacement[state.port], rate[state.port]], axis=1).tolist()
+            held = np.array([state.law.energy(z, 0.0, d, v, 1.0, 1.0, state.p) for z, d, v in moves])
+            found[state.name] = found.get(state.name, 0.0) + held
     return found

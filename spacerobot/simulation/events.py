@@ -11,8 +11,8 @@ class Event:
 
     Attributes:
         time: s.
-        element: "contact", or the name of a force or friction.
-        kind: "touch", "release", "apart", "stick", "slip" or "edge".
+        element: "contact", or the name of a force, friction or law with a memory.
+        kind: "touch", "release", "apart", "stick", "slip", "edge" or "turn" (of the way of a port).
     """
 
     time: float

@@ -176,7 +176,16 @@ def _actuation(run: MultibodyRun, taken: MultibodySample, port: str) -> np.ndarr
     for r, friction in enumerate(run.mechanism.frictions):
         if friction.port == port:
             total += taken.friction[:, r]
+    for s, state in enumerate(run.mechanism.states):
+        if state.port == port:
+            total += taken.remembered[:, s]
     return total
+
+
+def _read_by_elements(mechanism: Mechanism) -> list[str]:
+    """Ports whose motion says what an element stores, the contact apart."""
+    read = dict.fromkeys([(f.sense or f.port) for f in mechanism.forces] + [s.port for s in mechanism.states])
+    return [p for p in read if p != "contact"]
 
 
 def multibody_ledger(run: MultibodyRun) -> Ledger:
@@ -184,13 +193,13 @@ def multibody_ledger(run: MultibodyRun) -> Ledger:
     times = run.boundaries()
     taken = run.sample(times)
     mechanism = run.mechanism
-    ports = dict.fromkeys((f.sense or f.port) for f in mechanism.forces)
+    ports = _read_by_elements(mechanism)
     displacement = {p: run.port_values(p, taken, 0) for p in ports}
     rate = {p: run.port_values(p, taken, 1) for p in ports}
     displacement["contact"], rate["contact"] = taken.contact[:, 0], taken.contact[:, 1]
-    stored = stored_by_elements(mechanism, displacement, rate, taken.modes[:, 0])
+    stored = stored_by_elements(mechanism, displacement, rate, taken.modes[:, 0], taken.memory)
     own = run.dynamics.names
-    names = [*own.forces, *own.frictions, *own.inputs]
+    names = [*own.forces, *own.frictions, *own.states, *own.inputs]
     work: dict[str, np.ndarray] = {}
     for i, name in enumerate(names):
         work[name] = work.get(name, 0.0) + taken.work[:, i]
@@ -299,12 +308,12 @@ def reduced_ledger(run: ReducedRun) -> Ledger:
     times = run.boundaries()
     taken = run.sample(times)
     mechanism = run.mechanism
-    ports = dict.fromkeys((f.sense or f.port) for f in mechanism.forces)
+    ports = _read_by_elements(mechanism)
     displacement = {p: run.port(p, taken.position) for p in ports}
     rate = {p: run.port(p, taken.velocity) for p in ports}
     displacement["contact"], rate["contact"] = reduced_contact(run, taken)
     modes = np.append(run.steps.modes[:, 0], run.steps.modes[-1, 0])
-    stored = stored_by_elements(mechanism, displacement, rate, modes)
+    stored = stored_by_elements(mechanism, displacement, rate, modes, taken.memory)
     work: Mapping[str, np.ndarray] = dict(run.work())
     kinetic = run.kinetic(taken.velocity)
     for kick in mechanism.impulses:  # a kick happens between two steps; sampled is the side after it

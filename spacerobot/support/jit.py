@@ -114,6 +114,29 @@ def call_law() -> Any:
 
 
 @functools.cache
+def call_memory() -> Any:
+    """As `call_law`, of a law that reads more numbers: `(address, tuple of them, array, first) -> float`."""
+    from llvmlite import ir
+    from numba.core import cgutils, types
+    from numba.extending import intrinsic
+
+    numba()
+
+    @intrinsic
+    def call(typingctx: Any, address: Any, numbers: Any, array: Any, first: Any) -> Any:
+        def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+            double, read = ir.DoubleType(), cgutils.unpack_tuple(builder, args[1])
+            kind = ir.FunctionType(double, [double] * len(read) + [double.as_pointer()])
+            data = context.make_array(signature.args[2])(context, builder, args[2]).data
+            law = builder.inttoptr(args[0], kind.as_pointer())
+            return builder.call(law, [*read, cgutils.gep_inbounds(builder, data, args[3])])
+
+        return types.float64(types.int64, numbers, array, types.int64), codegen
+
+    return call
+
+
+@functools.cache
 def by_address() -> tuple[Any, Any, Any]:
     """What keeps a large compiled function out of its callers, where LLVM would copy it to every call.
 

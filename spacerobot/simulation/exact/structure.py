@@ -142,6 +142,8 @@ def _require_linear(
     for friction in mechanism.frictions:
         if friction.level is not coulomb or friction.normal is not None or len(mechanism.frictions) > 1:
             refuse("friction", friction.name)
+    for state in mechanism.states:
+        refuse("a law with a memory", state.name)
     if mechanism.impulses or mechanism.inputs:
         refuse(
             "an impulse or a recorded drive",

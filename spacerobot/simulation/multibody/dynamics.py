@@ -22,11 +22,11 @@ from spacerobot.simulation.reduced.law_table import LAWS
 class Dynamics:
     """Right-hand side and guards. Holds work arrays, so one at a time.
 
-    The ambient state is (configuration, velocity, work of every force, friction and input); quaternions and
-    cosine-sine pairs are brought back to length 1 before they are used.
+    The ambient state is (configuration, velocity, work of every force, friction, law with a memory and input, what such
+    laws keep); quaternions and cosine-sine pairs are brought back to length 1 before they are used.
 
     Attributes:
-        modes: shape (1 + F + R,), contact, sign of every edge, friction; see the reduced model.
+        modes: shape (1 + F + R + S,), contact, sign of every edge, friction, way of every law with a memory.
         features, coordinates: names of what ports are combined from, and the mechanism's coordinates in them,
             shape (n, nf).
         layout, scratch: constant and work arrays of the kernel, as views.
@@ -43,10 +43,12 @@ class Dynamics:
         system, self.names = assemble(self.mechanism)
         self.nq, self.nv = self.model.nq, self.model.nv
         self.forces, self.frictions = len(self.names.forces), len(self.names.frictions)
-        self.size = self.nq + self.nv + self.forces + self.frictions + len(self.names.inputs)
+        self.states = len(self.names.states)
+        worked = self.forces + self.frictions + self.states + len(self.names.inputs)
+        self.size = self.nq + self.nv + worked + self.states
         self.packed = pack(self._widened(system))
         self.w = self.packed.work()
-        self.modes = np.zeros(1 + self.forces + self.frictions, dtype=np.int64)
+        self.modes = np.zeros(1 + self.forces + self.frictions + self.states, dtype=np.int64)
         self.q, self.v = np.zeros(self.nq), np.zeros(self.nv)
         ints, floats, work = packed(self.layout, assembly.tree, self.frictions)
         self.scratch = scratch_from(ints, work)

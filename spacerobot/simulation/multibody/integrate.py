@@ -29,7 +29,7 @@ from spacerobot.simulation.multibody.modes import start, switch, turn
 from spacerobot.simulation.multibody.radau import NODES
 from spacerobot.simulation.multibody.stepper import error_norm, interpolant, stage
 from spacerobot.simulation.multibody.watch import SAMPLES, first_event
-from spacerobot.simulation.reduced.arrays import EDGE, FORCES, FRICTIONS, HEADING, PORTS, PRESS, W_ROWS
+from spacerobot.simulation.reduced.arrays import EDGE, FORCES, FRICTIONS, HEADING, PORTS, PRESS, STATES, W_ROWS
 from spacerobot.support.jit import jit, lean
 
 MAX_STEPS, MAX_EVENTS = 150_000, 5_000
@@ -206,7 +206,7 @@ def _onwards(
         start(m, t, y, slope)
         rate_at(m, t, y, k[0])
         count[BEGUN] = 1
-    watched = m.c[PRESS] >= 0 or frictions > 0
+    watched = m.c[PRESS] >= 0 or frictions > 0 or m.c[STATES] > 0
     for j in range(m.c[FORCES]):
         watched |= m.c[m.c[EDGE] + j] >= 0
     status, fastest = DONE, linearise(m, scale, o)

@@ -25,12 +25,17 @@ from spacerobot.simulation.reduced.arrays import (
     INPUTS,
     PORT,
     PRESS,
+    REMEMBERED,
     SLIDE,
+    STATE_PORT,
+    STATES,
     STUCK,
     TAU,
     W_ROWS,
+    Z_RATE,
     D,
     V,
+    Z,
 )
 from spacerobot.simulation.reduced.forces import STICK, act
 from spacerobot.simulation.reduced.ports import driven
@@ -316,7 +321,7 @@ def accelerate(
     v: Any,
     out: Any,
 ) -> None:
-    """out = d/dt (configuration, velocity, work of every force, friction and input); call after `sense`."""
+    """out = d/dt (configuration, velocity, work of every force, friction, state and input, states); after `sense`."""
     nq, nv = q.size, v.size
     stuck = exert(x, c, laws, t, modes, u, w, nv)
     split = layout.split
@@ -339,6 +344,10 @@ def accelerate(
         sticks = modes[1 + c[FORCES] + r] == STICK
         out[at + r] = 0.0 if sticks else w[c[FRICTION] + r] * w[c[V] + c[c[FRICTION_PORT] + r]]
     at += c[FRICTIONS]
+    for s in range(c[STATES]):
+        out[at + s] = w[c[REMEMBERED] + s] * w[c[V] + c[c[STATE_PORT] + s]]
+        out[at + c[STATES] + c[INPUTS] + s] = w[c[Z_RATE] + s]
+    at += c[STATES]
     for j in range(c[INPUTS]):
         out[at + j] = x[c[GAIN] + j] * driven(u, j, t) * w[c[V] + c[c[INPUT_PORT] + j]]
 
@@ -389,6 +398,13 @@ def hold(c: Any, w: Any, stuck: int, split: int, scratch: Scratch) -> None:
 
 
 @lean
+def _recall(c: Any, w: Any, y: Any) -> None:
+    """What laws with a memory keep, the last of the ambient state, into the work array."""
+    for s in range(c[STATES]):
+        w[c[Z] + s] = y[y.size - c[STATES] + s]
+
+
+@lean
 def locate(c: Any, w: Any, ints: Any, floats: Any, work: Any, y: Any, q: Any, v: Any, needs: float) -> None:
     """Configuration, velocity, bodies and ports of an ambient state."""
     layout, scratch = layout_inside(ints, floats), scratch_inside(ints, work)
@@ -397,6 +413,7 @@ def locate(c: Any, w: Any, ints: Any, floats: Any, work: Any, y: Any, q: Any, v:
     place_bodies(tree, bodies, q)
     if needs > 0.0:
         move_bodies(tree, bodies, v)
+    _recall(c, w, y)
     sense(c, w, layout, scratch, bodies, q, v, needs)
 
 
@@ -425,5 +442,6 @@ def rate_of(
     place_bodies(tree, bodies, q)
     move_bodies(tree, bodies, v)
     weigh_bodies(tree, bodies)
+    _recall(c, w, y)
     sense(c, w, layout, scratch, bodies, q, v, needs)
     accelerate(x, c, laws, t, modes, u, w, layout, scratch, bodies, q, v, out)

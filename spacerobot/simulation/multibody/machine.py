@@ -17,6 +17,7 @@ from spacerobot.simulation.reduced.arrays import (
     INPUTS,
     NONE,
     PRESS,
+    STATES,
     W_ROWS,
     V,
 )
@@ -35,7 +36,7 @@ class Machine(NamedTuple):
     x: np.ndarray  # numbers of the mechanism
     c: np.ndarray  # its counts, indices and offsets
     laws: np.ndarray  # addresses of laws
-    modes: np.ndarray  # (1 + F + R,) int
+    modes: np.ndarray  # (1 + F + R + S,) int
     drives: np.ndarray  # (1 + U, T): times, then the recorded inputs
     w: np.ndarray  # work of the ports and forces
     ints: np.ndarray  # layout and tree of bodies
@@ -97,8 +98,8 @@ def _exert(m: Any, t: float, y: Any) -> None:
 
 @lean
 def size_of(m: Any) -> int:
-    """Of the ambient state: configuration, velocity, work of every force, friction and input."""
-    return int(m.q.size + m.v.size + m.c[FORCES] + m.c[FRICTIONS] + m.c[INPUTS])
+    """Of the ambient state: configuration, velocity, work of every force, friction, state and input, states."""
+    return int(m.q.size + m.v.size + m.c[FORCES] + m.c[FRICTIONS] + 2 * m.c[STATES] + m.c[INPUTS])
 
 
 def _rate(here: int, t: float, y: Any, out: Any, spare: Any) -> float:

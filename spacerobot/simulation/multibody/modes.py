@@ -23,6 +23,8 @@ from spacerobot.simulation.reduced.arrays import (
     HEADING,
     PRESS,
     RAW,
+    STATE_PORT,
+    STATES,
     D,
     V,
 )
@@ -133,6 +135,8 @@ def start(m: Any, t: float, y: Any, slope: Any) -> None:
             m.modes[0] = PRESSED
     for r in range(c[FRICTIONS]):
         _start_friction(m, r)
+    for s in range(c[STATES]):
+        m.modes[1 + c[FORCES] + c[FRICTIONS] + s] = -1 if w[c[V] + c[c[STATE_PORT] + s]] < 0.0 else 1
     settle(m, t, y, slope)
     turn(m)
     if m.modes[0] == PRESSED and m.x[c[GEOMETRY] + 3] < 0.5:
@@ -210,7 +214,7 @@ def switch(m: Any, i: int, t: float, y: Any, slope: Any) -> None:
     rate_at(m, t, y, slope)
     if i == 0:
         _switch_contact(m)
-    elif i <= m.c[FORCES]:
+    elif i <= m.c[FORCES] or i > m.c[FORCES] + m.c[FRICTIONS]:
         m.modes[i] = -m.modes[i]
     else:
         _switch_friction(m, i - 1 - m.c[FORCES], y)

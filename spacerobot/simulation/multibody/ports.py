@@ -120,8 +120,8 @@ def layout_of(assembly: Assembly, mechanism: Mechanism) -> tuple[Layout, list[st
     rows = np.zeros((len(mechanism.ports), len(names)))
     for p, port in enumerate(mechanism.ports):
         rows[p] = _port(mechanism.ports[port], mechanism, names)
-    frictions, kicks, inputs = mechanism.frictions, mechanism.impulses, mechanism.inputs
-    read = {*(f.port for f in frictions), *(i.port for i in kicks), *(i.port for i in inputs)}
+    at_ports = (mechanism.frictions, mechanism.states, mechanism.impulses, mechanism.inputs)
+    read = {element.port for some in at_ports for element in some}
     read |= {p for f in mechanism.forces for p in (f.port, f.sense, f.aux) if p is not None}
     used = np.array([p in read for p in mechanism.ports])
     coordinates = np.array([_coordinate(c, mechanism, names) for c in mechanism.coordinates])

@@ -17,7 +17,8 @@ from spacerobot.simulation.multibody.integrate import DONE, TOO_MANY_STEPS, VANI
 from spacerobot.simulation.multibody.kernel import load
 from spacerobot.simulation.multibody.machine import SLACK, STILL
 from spacerobot.simulation.multibody.sample import displacements, pushes, read, widths
-from spacerobot.simulation.reduced.assemble import recorded
+from spacerobot.simulation.reduced.arrays import REST
+from spacerobot.simulation.reduced.assemble import recorded, rested
 from spacerobot.simulation.reduced.forces import APART, AT_REST, PRESSED, RELEASED, STICK
 from spacerobot.simulation.scene import Scene
 from spacerobot.simulation.unfinished import remedy, too_many
@@ -34,12 +35,14 @@ ROUNDING = 4e-15
 
 @dataclass(frozen=True, eq=False)
 class MultibodySample:
-    """States and forces at given times. T times; n coordinates and P ports of the mechanism, F forces, R frictions.
+    """States and forces at given times. T times; n coordinates and P ports of the mechanism; forces, frictions and so on.
+
+    Of these there are F forces, R frictions, S laws with a memory and U inputs.
 
     Attributes:
         time: shape (T,) [s].
         position, velocity, acceleration: of the mechanism's coordinates, shape (T, n).
-        force, friction: along their ports, shapes (T, F) and (T, R).
+        force, friction, remembered: along their ports, shapes (T, F), (T, R) and (T, S).
         configuration, rates: Pinocchio's q and v of the assembly, shapes (T, nq) and (T, nv).
         features: displacements and rates from which ports are combined, shape (T, nf, 2).
         slider: displacement and rate of the wrist slider, shape (T, 2).
@@ -48,8 +51,9 @@ class MultibodySample:
         place: world position of hand, tip, base and target, shape (T, 4, 3).
         kinetic, potential: energy of motion, and of weight, shape (T,) [J].
         momentum: linear, and angular about the world's origin, of everything that moves, shape (T, 6).
-        work: done by every force, friction and input since the start, shape (T, F + R + U) [J].
-        modes: shape (T, 1 + F + R).
+        work: done by every force, friction, law with a memory and input since the start, shape (T, F + R + S + U) [J].
+        memory: what laws with a memory keep, shape (T, S).
+        modes: shape (T, 1 + F + R + S).
     """
 
     time: np.ndarray
@@ -58,6 +62,7 @@ class MultibodySample:
     acceleration: np.ndarray
     force: np.ndarray
     friction: np.ndarray
+    remembered: np.ndarray
     configuration: np.ndarray
     rates: np.ndarray
     features: np.ndarray
@@ -69,6 +74,7 @@ class MultibodySample:
     potential: np.ndarray
     momentum: np.ndarray
     work: np.ndarray
+    memory: np.ndarray
     modes: np.ndarray
 
 
@@ -123,7 +129,7 @@ class MultibodyRun:
             return last
         dyn = self.dynamics
         nf = len(dyn.features)
-        columns = widths(nf, dyn.nq, dyn.nv, dyn.forces, dyn.frictions, len(dyn.names.inputs))
+        columns = widths(nf, dyn.nq, dyn.nv, dyn.forces, dyn.frictions, dyn.states, len(dyn.names.inputs))
         ends = np.cumsum(list(columns.values()))
         rows = np.empty((times.size, int(ends[-1])))
         read(dyn.machine, self.steps.rows, self._index(times), times, rows)
@@ -136,6 +142,7 @@ class MultibodyRun:
             acceleration=parts["acceleration"] @ dyn.coordinates.T,
             force=parts["force"],
             friction=parts["friction"],
+            remembered=parts["remembered"],
             configuration=parts["configuration"],
             rates=parts["rates"],
             features=features,
@@ -147,6 +154,7 @@ class MultibodyRun:
             potential=parts["potential"][:, 0],
             momentum=parts["momentum"],
             work=parts["work"],
+            memory=parts["memory"],
             modes=parts["modes"].astype(np.int64),
         )
         return out
@@ -255,6 +263,11 @@ def integrate_scene(
     y[dynamics.nq : dynamics.nq + dynamics.nv] = assembly.velocity
     load(y, dynamics.layout.joints, dynamics.q, dynamics.v)
     y[: dynamics.nq] = dynamics.q
+    if dynamics.states:
+        with dynamics.whole():
+            dynamics.rate(0.0, y, np.empty_like(y))
+        y[-dynamics.states :] = rested(dynamics.mechanism, dynamics.port_position)
+        dynamics.w[dynamics.packed.ints[REST]] = scale[dynamics.nq]
     impulses = sorted((i for i in dynamics.mechanism.impulses if i.time >= 0.0), key=lambda i: i.time)
     kicks = np.array([(i.time, i.impulse) for i in impulses]).reshape(-1, 2)
     ports = np.array([dynamics.names.port(i.port) for i in impulses], dtype=np.int64)
@@ -286,7 +299,10 @@ def _event(dynamics: Dynamics, t: float, index: float, mode: float) -> Event:
         return Event(t, "contact", _CONTACT[int(mode)])
     if i <= dynamics.forces:
         return Event(t, dynamics.names.forces[i - 1], "edge")
-    return Event(t, dynamics.names.frictions[i - 1 - dynamics.forces], "stick" if mode == STICK else "slip")
+    i -= 1 + dynamics.forces
+    if i < dynamics.frictions:
+        return Event(t, dynamics.names.frictions[i], "stick" if mode == STICK else "slip")
+    return Event(t, dynamics.names.states[i - dynamics.frictions], "turn")
 
 
 def _scale(scene: Scene, dynamics: Dynamics, tolerance: float) -> tuple[np.ndarray, float]:
@@ -304,4 +320,5 @@ def _scale(scene: Scene, dynamics: Dynamics, tolerance: float) -> tuple[np.ndarr
     scale[:nq] = max(share * depth, ROUNDING)
     scale[nq : nq + nv] = max(share * speed, 1e-16)
     scale[nq + nv :] = max(share * 0.5 * scene.target.mass * speed**2, 1e-18)
+    scale[dynamics.size - dynamics.states :] = [share * s.size for s in dynamics.mechanism.states]
     return scale, 1e-12 * scene.contact.stiffness * depth

@@ -18,7 +18,9 @@ from spacerobot.simulation.reduced.arrays import (
     FRICTIONS,
     HEADING,
     PRESS,
+    REMEMBERED,
     SLIDE,
+    STATES,
     TAU,
     D,
     V,
@@ -27,13 +29,14 @@ from spacerobot.simulation.reduced.forces import STICK
 from spacerobot.support.jit import jit, lean
 
 
-def widths(nf: int, nq: int, nv: int, forces: int, frictions: int, inputs: int) -> dict[str, int]:
+def widths(nf: int, nq: int, nv: int, forces: int, frictions: int, states: int, inputs: int) -> dict[str, int]:
     """What a row of `read` holds, in order, and how many numbers of each."""
     return {
         "feature": 2 * nf,
         "acceleration": nf,
         "force": forces,
         "friction": frictions,
+        "remembered": states,
         "generalized": nv,
         "contact": 6,
         "configuration": nq,
@@ -42,8 +45,9 @@ def widths(nf: int, nq: int, nv: int, forces: int, frictions: int, inputs: int) 
         "kinetic": 1,
         "potential": 1,
         "momentum": 6,
-        "work": forces + frictions + inputs,
-        "modes": 1 + forces + frictions,
+        "work": forces + frictions + states + inputs,
+        "memory": states,
+        "modes": 1 + forces + frictions + states,
     }
 
 
@@ -117,6 +121,9 @@ def _read(m: Any, t: float, y: Any, rate: Any, o: Any) -> None:
     for r in range(c[FRICTIONS]):
         o[at + r] = w[c[FRICTION] + r]
     at += c[FRICTIONS]
+    for s in range(c[STATES]):
+        o[at + s] = w[c[REMEMBERED] + s]
+    at += c[STATES]
     for i in range(nv):
         o[at + i] = w[c[TAU] + i]
         for r in range(c[FRICTIONS]):

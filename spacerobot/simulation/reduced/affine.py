@@ -1,4 +1,4 @@
-"""Modes in which everything that acts is straight: v' = A (q, v) + b, stepped by its Taylor series. Compiled.
+"""Modes in which everything that acts is straight: (v, z)' = A (q, v, z) + b, stepped by its Taylor series. Compiled.
 
 Between events most mechanisms are such: linear springs, dampers and contact, friction of a steady level, sticking. A
 step of degree DEGREE then reaches as far as ten of the general method, and its own series is the dense output.
@@ -7,6 +7,8 @@ step of degree DEGREE then reaches as far as ten of the general method, and its 
 from __future__ import annotations
 
 from typing import Any
+
+import numpy as np
 
 from spacerobot.effects.kernel import PARAMETERS
 from spacerobot.simulation.reduced.arrays import (
@@ -32,13 +34,17 @@ from spacerobot.simulation.reduced.arrays import (
     SENSE,
     SLIDE,
     SLOPE,
+    STATE_LINEAR,
+    STATE_NORMAL,
+    STATE_PORT,
+    STATES,
     W_ROWS,
     YAW,
     D,
     N,
     V,
 )
-from spacerobot.simulation.reduced.forces import PRESSED, STICK, TINY, call_law, level
+from spacerobot.simulation.reduced.forces import PRESSED, STICK, TINY, call_law, level, remember
 from spacerobot.simulation.reduced.ports import kinematics
 from spacerobot.support.jit import lean
 
@@ -69,6 +75,10 @@ def straight(x: Any, c: Any, modes: Any) -> bool:
             if pressed and not plain:
                 return False
         elif c[c[SLOPE] + j] < 0 or (turning and (swings(c, c[c[PORT] + j]) or swings(c, c[c[SENSE] + j]))):
+            return False
+    for s in range(c[STATES]):
+        pressing = pressed and c[c[STATE_NORMAL] + s] == 1
+        if c[c[STATE_LINEAR] + s] == 0 or pressing or (turning and swings(c, c[c[STATE_PORT] + s])):
             return False
     base = 1 + c[FORCES]
     for r in range(c[FRICTIONS]):
@@ -108,18 +118,20 @@ def _coupled(x: Any, c: Any, modes: Any, r: int) -> bool:
 
 @lean
 def system(x: Any, c: Any, laws: Any, y: Any, modes: Any, w: Any, a: Any, held: Any) -> float:
-    """Fills a, shape (n, 2n + 1), with (A, b) of these modes; returns the longest step [s].
+    """Fills a, shape (n + S, 2n + S + 1), with (A, b) of these modes; returns the longest step [s].
 
     Args:
         y: the state, for the side of every kink.
-        held: filled for each friction that sticks with its force as a row over (q, v, 1), shape (R, 2n + 1).
+        held: filled for each friction that sticks with its force as a row over (q, v, z, 1), shape (R, 2n + S + 1).
     """
     n = c[N]
-    last = 2 * n
+    last = 2 * n + c[STATES]
     rows = c[W_ROWS]
     for i in range(n):
-        for j in range(last):
-            a[i, j] = x[c[LINEAR] + last * i + j]
+        for j in range(2 * n):
+            a[i, j] = x[c[LINEAR] + 2 * n * i + j]
+        for j in range(2 * n, last):
+            a[i, j] = 0.0
         a[i, last] = x[c[CONSTANT] + i]
     kinematics(x, c, y, w, c[LIVE_PORTS])
     for k in range(c[LIVE_FORCES]):
@@ -152,6 +164,7 @@ def system(x: Any, c: Any, laws: Any, y: Any, modes: Any, w: Any, a: Any, held: 
         f = -m * level(x, c, laws, r, m * TINY, 0.0, 0.0)
         for i in range(n):
             a[i, last] += w[rows + p * n + i] * f
+    memory = _remembered(x, c, laws, modes, w, a)
     _hold(x, c, modes, w, a, held)
     stiff, damp = 0.0, 0.0
     for i in range(n):
@@ -161,15 +174,43 @@ def system(x: Any, c: Any, laws: Any, y: Any, modes: Any, w: Any, a: Any, held: 
             share = x[c[MASS] + j] / x[c[MASS] + i]  # as if every coordinate were scaled by the root of its mass
             stiff += a[i, j] * a[i, j] * share
             damp += a[i, n + j] * a[i, n + j] * share
-    rate = stiff**0.25 + damp**0.5
+    rate = stiff**0.25 + damp**0.5 + memory
     return REACH / rate if rate > 0.0 else 1e300
+
+
+@lean
+def _remembered(x: Any, c: Any, laws: Any, modes: Any, w: Any, a: Any) -> float:
+    """Adds the laws with a memory to a, their own rows among them; returns a bound of the rates they bring [1/s]."""
+    n, first = c[N], 1 + c[FORCES] + c[FRICTIONS]
+    last, fastest = 2 * n + c[STATES], 0.0
+    for s in range(c[STATES]):
+        row, way = c[W_ROWS] + c[c[STATE_PORT] + s] * n, 1.0 * modes[first + s]
+        rate, force = remember(x, c, laws, s, 0.0, 0.0, 0.0, way, 1.0)
+        by_z = remember(x, c, laws, s, 1.0, 0.0, 0.0, way, 1.0)
+        by_d = remember(x, c, laws, s, 0.0, 1.0, 0.0, way, 1.0)
+        by_v = remember(x, c, laws, s, 0.0, 0.0, 1.0, way, 1.0)
+        give = 0.0
+        for j in range(last + 1):
+            a[n + s, j] = 0.0
+        a[n + s, last], a[n + s, 2 * n + s] = rate, by_z[0] - rate
+        for i in range(n):
+            pull = w[row + i]
+            give += pull * pull * x[c[MASS] + i]
+            a[n + s, i], a[n + s, n + i] = pull * (by_d[0] - rate), pull * (by_v[0] - rate)
+            a[i, last] += pull * force
+            a[i, 2 * n + s] += pull * (by_z[1] - force)
+            for j in range(n):
+                a[i, j] += pull * (by_d[1] - force) * w[row + j]
+                a[i, n + j] += pull * (by_v[1] - force) * w[row + j]
+        fastest += abs(by_z[0] - rate) + np.sqrt(give * abs((by_z[1] - force) * (by_v[0] - rate)))
+    return fastest
 
 
 @lean
 def _hold(x: Any, c: Any, modes: Any, w: Any, a: Any, held: Any) -> None:
     """Takes out of the generalised forces a what would move a port that sticks, none coupled to another."""
     n, base, rows = c[N], 1 + c[FORCES], c[W_ROWS]
-    width = 2 * n + 1
+    width = 2 * n + c[STATES] + 1
     for r in range(c[FRICTIONS]):
         for j in range(width):
             held[r, j] = 0.0
@@ -192,12 +233,13 @@ def _hold(x: Any, c: Any, modes: Any, w: Any, a: Any, held: Any) -> None:
 
 @lean
 def series(y: Any, a: Any, h: float, rtol: float, atol: Any, q: Any) -> float:
-    """Fills q, shape (2n, DEGREE), with y(t + theta h) = y + h theta (q0 + theta (q1 + ...)); returns h, shortened
+    """Fills q, shape (2n + S, DEGREE), with y(t + theta h) = y + h theta (q0 + theta (q1 + ...)); returns h, shortened
     until the last term is within SHARE of the tolerance."""
     size = y.size
-    n = size // 2
+    n = size - a.shape[0]
     for i in range(n):
         q[i, 0] = y[n + i]
+    for i in range(a.shape[0]):
         total = a[i, size]
         for j in range(size):
             total += a[i, j] * y[j]
@@ -206,6 +248,7 @@ def series(y: Any, a: Any, h: float, rtol: float, atol: Any, q: Any) -> float:
         factor = h / (k + 1)
         for i in range(n):
             q[i, k] = factor * q[n + i, k - 1]
+        for i in range(a.shape[0]):
             total = 0.0
             for j in range(size):
                 total += a[i, j] * q[j, k - 1]

@@ -14,7 +14,7 @@ NATIVE_SPRING, NATIVE_DAMPER, NATIVE_CONTACT = -2, -3, -4
 
 
 class System(NamedTuple):
-    """The arrays. n coordinates, P ports, F forces, R frictions, U inputs.
+    """The arrays. n coordinates, P ports, F forces, R frictions, S states, U inputs.
 
     `rows` of the contact and slide ports are templates; their yaw entries depend on the state.
     """
@@ -37,6 +37,13 @@ class System(NamedTuple):
     friction_steady: np.ndarray  # (R,) int: 1 if its level does not change while it slides one way
     friction_mate: np.ndarray  # (R,) int: the friction across it that shares its limit (a disc), NONE or FOLLOWS
     friction_parameters: np.ndarray  # (R, PARAMETERS)
+    state_port: np.ndarray  # (S,) int
+    state_rate: np.ndarray  # (S,) int into the table of laws
+    state_force: np.ndarray  # (S,) int into the table of laws
+    state_normal: np.ndarray  # (S,) int: 1 if pressed by the contact
+    state_linear: np.ndarray  # (S,) int: 1 if its laws are linear
+    state_first: np.ndarray  # (S,) int into the parameters
+    state_parameters: np.ndarray  # of all, one after the other
     constant: np.ndarray  # (n,) generalised force of the fields
     input_port: np.ndarray  # (U,) int
     input_gain: np.ndarray  # (U,)
@@ -46,14 +53,16 @@ class System(NamedTuple):
 
 # Where the packed integers keep counts, special indices, and offsets of the float and integer blocks. Two plain
 # arrays instead of twenty cut the cost of a compiled call to a quarter: Numba counts references per array.
-N, PORTS, FORCES, FRICTIONS, INPUTS, KICKS, PRESS, SLIDE, YAW, CONTACT_FORCE = range(10)
-MASS, ROWS, GEOMETRY, PARAMETER, FRICTION_PARAMETER, CONSTANT, GAIN, KICK_TIME, KICK = range(10, 19)
-LINEAR = 19
-PORT, SENSE, AUX, LAW, EDGE, SLOPE, FRICTION_PORT, FRICTION_LAW, FRICTION_NORMAL, FRICTION_STEADY = range(20, 30)
-FRICTION_MATE, INPUT_PORT, FORCE_ORDER, PORT_ORDER = range(30, 34)
-D, V, BIAS, W_ROWS, TAU, RAW, FORCE, FRICTION, HEADING, MATRIX, VECTOR, STUCK, WORK_SIZE = range(34, 47)
-LIVE_FORCES, LIVE_PORTS = 47, 48
-HEADER = 49
+N, PORTS, FORCES, FRICTIONS, STATES, INPUTS, KICKS, PRESS, SLIDE, YAW, CONTACT_FORCE = range(11)
+MASS, ROWS, GEOMETRY, PARAMETER, FRICTION_PARAMETER, STATE_PARAMETER, CONSTANT, GAIN, KICK_TIME, KICK = range(11, 21)
+LINEAR = 21
+PORT, SENSE, AUX, LAW, EDGE, SLOPE, FRICTION_PORT, FRICTION_LAW, FRICTION_NORMAL, FRICTION_STEADY = range(22, 32)
+FRICTION_MATE, STATE_PORT, STATE_RATE, STATE_FORCE, STATE_NORMAL, STATE_LINEAR, STATE_FIRST = range(32, 39)
+INPUT_PORT, FORCE_ORDER, PORT_ORDER = range(39, 42)
+D, V, BIAS, W_ROWS, TAU, RAW, FORCE, FRICTION, HEADING, MATRIX, VECTOR, STUCK = range(42, 54)
+Z, Z_RATE, REMEMBERED, REST, WORK_SIZE = range(54, 59)
+LIVE_FORCES, LIVE_PORTS = 59, 60
+HEADER = 61
 
 
 class Packed(NamedTuple):
@@ -63,7 +72,8 @@ class Packed(NamedTuple):
     ports of constant rows do to the generalised forces; the forces and ports beyond them are the live ones, first in
     FORCE_ORDER and PORT_ORDER. The work array holds what the last evaluation found: D and V displacements and rates
     of the ports, TAU generalised forces, RAW what the laws say, FORCE what acts; HEADING, which the caller keeps, the
-    direction in which each disc of friction slid at the start of the step.
+    direction in which each disc of friction slid at the start of the step; Z states, Z_RATE their rates, REMEMBERED
+    their forces; REST, which the caller sets, the speed below which a port is as good as at rest.
     """
 
     floats: np.ndarray
@@ -95,6 +105,7 @@ def packed_floats(s: System, linear: np.ndarray) -> np.ndarray:
             s.contact,
             s.parameters.ravel(),
             s.friction_parameters.ravel(),
+            s.state_parameters,
             s.constant,
             s.input_gain,
             s.impulse_time,
@@ -107,13 +118,14 @@ def packed_floats(s: System, linear: np.ndarray) -> np.ndarray:
 def packed_ints(s: System, order: Folding) -> np.ndarray:
     """Counts, indices and offsets in one array; `order` of `folding`."""
     ports, n = s.rows.shape
-    f, r, kicks = s.force_port.size, s.friction_port.size, s.impulse_time.size
+    f, r, z, kicks = s.force_port.size, s.friction_port.size, s.state_port.size, s.impulse_time.size
     header = np.zeros(HEADER, dtype=np.int64)
-    header[:PRESS] = n, ports, f, r, s.input_port.size, kicks
+    header[:PRESS] = n, ports, f, r, z, s.input_port.size, kicks
     header[PRESS:MASS] = s.special
-    blocks = (n, ports * n, 4, s.parameters.size, s.friction_parameters.size, n, s.input_gain.size, kicks, kicks * n)
+    laws = (s.parameters.size, s.friction_parameters.size, s.state_parameters.size)
+    blocks = (n, ports * n, 4, *laws, n, s.input_gain.size, kicks, kicks * n, 2 * n * n)
     offset = 0
-    for slot, size in zip(range(MASS, PORT), (*blocks, 2 * n * n), strict=True):
+    for slot, size in zip(range(MASS, PORT), blocks, strict=True):
         header[slot] = offset
         offset += size
     ints = [
@@ -128,6 +140,12 @@ def packed_ints(s: System, order: Folding) -> np.ndarray:
         s.friction_normal,
         s.friction_steady,
         s.friction_mate,
+        s.state_port,
+        s.state_rate,
+        s.state_force,
+        s.state_normal,
+        s.state_linear,
+        s.state_first,
         s.input_port,
         order.forces,
         order.ports,
@@ -137,9 +155,8 @@ def packed_ints(s: System, order: Folding) -> np.ndarray:
         header[slot] = offset
         offset += block.size
     offset = 0
-    for slot, size in zip(
-        range(D, WORK_SIZE), (ports, ports, ports, ports * n, n, f, f, r, r, r * r, r, r), strict=True
-    ):
+    work = (ports, ports, ports, ports * n, n, f, f, r, r, r * r, r, r, z, z, z, 1)
+    for slot, size in zip(range(D, WORK_SIZE), work, strict=True):
         header[slot] = offset
         offset += size
     header[WORK_SIZE] = offset
@@ -164,7 +181,7 @@ def folding(s: System) -> Folding:
     units: list[np.ndarray] = []
     live: list[int] = []
     folded: list[int] = []
-    needed = {*turning, *s.friction_port.tolist()} - {NONE}
+    needed = {*turning, *s.friction_port.tolist(), *s.state_port.tolist()} - {NONE}
     for j, (port, sensed, aux, law) in enumerate(
         zip(s.force_port.tolist(), s.force_sense.tolist(), s.force_aux.tolist(), s.force_law.tolist(), strict=True)
     ):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -12,6 +12,7 @@ import numpy as np
 from spacerobot.effects.kernel import PARAMETERS, Kernel
 from spacerobot.effects.laws import CONTACT, DAMPER, SPRING
 from spacerobot.effects.mechanism import Mechanism
+from spacerobot.effects.memory import Memory, at_rest
 from spacerobot.simulation.reduced.arrays import (
     NATIVE_CONTACT,
     NATIVE_DAMPER,
@@ -34,12 +35,13 @@ _NATIVE = {SPRING: NATIVE_SPRING, DAMPER: NATIVE_DAMPER, CONTACT: NATIVE_CONTACT
 
 @dataclass(frozen=True)
 class Layout:
-    """Names behind the arrays: what index a coordinate, port, force or friction has."""
+    """Names behind the arrays: what index a coordinate, port, force, friction or state has."""
 
     coordinates: tuple[str, ...]
     ports: tuple[str, ...]
     forces: tuple[str, ...]
     frictions: tuple[str, ...]
+    states: tuple[str, ...]
     inputs: tuple[str, ...]
 
     def port(self, name: str) -> int:
@@ -66,6 +68,7 @@ class Shape(NamedTuple):
     contact: tuple[str, Kernel] | None
     forces: tuple[tuple[str, str, str, str | None, Kernel], ...]  # name, port, sensed port, aux port, law
     frictions: tuple[tuple[str, str, Any, bool, bool], ...]  # name, port, law, pressed by the contact, steady
+    states: tuple[tuple[str, str, Memory, bool, int], ...]  # name, port, law, pressed, how many parameters
     inputs: tuple[tuple[str, str], ...]  # name, port
 
 
@@ -89,6 +92,7 @@ def shape(m: Mechanism) -> Shape:
         None if m.contact is None else (m.contact.name, m.contact.kernel),
         tuple((f.name, f.port, f.sense or f.port, f.aux, f.kernel) for f in m.forces),
         tuple((f.name, f.port, f.level, f.normal is not None, f.steady) for f in m.frictions),
+        tuple((s.name, s.port, s.law, s.normal is not None, len(s.p)) for s in m.states),
         tuple((i.name, i.port) for i in m.inputs),
     )
 
@@ -136,6 +140,13 @@ def template(of: Shape) -> Template:
         friction_steady=np.array([steady for *_, steady in of.frictions], dtype=np.int64),
         friction_mate=np.full(len(of.frictions), NONE, dtype=np.int64),
         friction_parameters=np.zeros((len(of.frictions), PARAMETERS)),
+        state_port=np.array([place[port] for _, port, *_ in of.states], dtype=np.int64),
+        state_rate=np.array([LAWS.index(law.rate, memory=True) for _, _, law, _, _ in of.states], dtype=np.int64),
+        state_force=np.array([LAWS.index(law.force, memory=True) for _, _, law, _, _ in of.states], dtype=np.int64),
+        state_normal=np.array([normal for *_, normal, _ in of.states], dtype=np.int64),
+        state_linear=np.array([law.linear for _, _, law, _, _ in of.states], dtype=np.int64),
+        state_first=np.cumsum([0, *(count for *_, count in of.states)][: len(of.states)], dtype=np.int64),
+        state_parameters=np.zeros(sum(count for *_, count in of.states)),
         constant=np.zeros(len(names)),
         input_port=np.array([place[port] for _, port in of.inputs], dtype=np.int64),
         input_gain=np.zeros(len(of.inputs)),
@@ -147,6 +158,7 @@ def template(of: Shape) -> Template:
         tuple(ports),
         tuple(name for name, *_ in laws),
         tuple(name for name, *_ in of.frictions),
+        tuple(name for name, *_ in of.states),
         tuple(name for name, _ in of.inputs),
     )
     return Template(layout, place, index, blank, folding(blank), {})
@@ -194,6 +206,8 @@ def _numbered(mechanism: Mechanism, made: Template) -> System:
         kicks = sorted(mechanism.impulses, key=lambda k: k.time)
         changed["impulse_time"] = np.array([k.time for k in kicks], dtype=float)
         changed["impulse"] = np.array([k.impulse * blank.rows[made.place[k.port]] for k in kicks])
+    if mechanism.states:
+        changed["state_parameters"] = np.array([value for s in mechanism.states for value in s.p], dtype=float)
     if mechanism.inputs:
         changed["input_gain"] = np.array([i.gain for i in mechanism.inputs], dtype=float)
     if contact is not None:
@@ -206,6 +220,11 @@ def _numbered(mechanism: Mechanism, made: Template) -> System:
         constant=constant,
         **changed,
     )
+
+
+def rested(mechanism: Mechanism, displacement: Callable[[str], float]) -> np.ndarray:
+    """The states of laws with a memory at the start, given the displacements of their ports then, shape (S,)."""
+    return np.array([at_rest(s.law, displacement(s.port), s.size, s.p) for s in mechanism.states])
 
 
 def recorded(mechanism: Mechanism, inputs: tuple[np.ndarray, Mapping[str, np.ndarray]] | None) -> np.ndarray:
@@ -230,14 +249,14 @@ def recorded(mechanism: Mechanism, inputs: tuple[np.ndarray, Mapping[str, np.nda
 
 
 def head_on(system: System, y0: np.ndarray) -> bool:
-    """Whether a target that could turn never will from this state, shape (2n,): it is hit in line with its centre.
+    """Whether a target that could turn never will from this state, shape (2n + S,): it is hit in line with its centre.
 
     Then the contact's row stays what it is, and everything may be straight.
     """
     _, slide, yaw, _ = system.special
-    if yaw == NONE or system.geometry[1] != 0.0 or y0[yaw] != 0.0 or y0[y0.size // 2 + yaw] != 0.0:
+    if yaw == NONE or system.geometry[1] != 0.0 or y0[yaw] != 0.0 or y0[system.inverse_mass.size + yaw] != 0.0:
         return False
-    acting = np.concatenate([system.force_port, system.friction_port, system.input_port])
+    acting = np.concatenate([system.force_port, system.friction_port, system.state_port, system.input_port])
     still = not system.rows[acting, yaw].any() and slide not in acting
     return bool(still and system.constant[yaw] == 0.0 and not system.impulse[:, yaw].any())
 

@@ -18,6 +18,10 @@ from spacerobot.simulation.reduced.arrays import (
     NATIVE_CONTACT,
     PARAMETER,
     PRESS,
+    REST,
+    STATE_LINEAR,
+    STATE_PORT,
+    STATES,
     W_ROWS,
     YAW,
     D,
@@ -35,7 +39,7 @@ ROUNDING = 1e-12
 
 @lean
 def linear_guards(x: Any, c: Any, laws: Any, modes: Any, w: Any, even: bool, held: Any, g: Any, owner: Any) -> int:
-    """Fills g, shape (., 2n + 1), with rows over (q, v, 1) that are positive while the modes hold; how many.
+    """Fills g, shape (., 2n + S + 1), with rows over (q, v, z, 1) that are positive while the modes hold; how many.
 
     Args:
         even: whether the modes are straight, see `affine.straight`.
@@ -46,7 +50,10 @@ def linear_guards(x: Any, c: Any, laws: Any, modes: Any, w: Any, even: bool, hel
         number of rows; -1 where a guard is not linear.
     """
     n, count = c[N], 0
-    last = 2 * n
+    last = 2 * n + c[STATES]
+    for k in range(g.shape[0]):
+        for i in range(2 * n, last):
+            g[k, i] = 0.0
     if c[YAW] >= 0:
         return -1
     for j in range(c[FORCES]):
@@ -96,6 +103,15 @@ def linear_guards(x: Any, c: Any, laws: Any, modes: Any, w: Any, even: bool, hel
             limit = level(x, c, laws, r, side * TINY, 0.0, w[c[D] + c[c[FRICTION_PORT] + r]])  # it is at rest
             g[count, last] += limit * (1.0 + 1e-12) + 1e-300
             owner[count] = base + r
+            count += 1
+    base += c[FRICTIONS]
+    for s in range(c[STATES]):
+        if c[c[STATE_LINEAR] + s] == 0:
+            row = c[W_ROWS] + c[c[STATE_PORT] + s] * n
+            for i in range(n):
+                g[count, i], g[count, n + i] = 0.0, modes[base + s] * w[row + i]
+            g[count, last] = w[c[REST]]
+            owner[count] = base + s
             count += 1
     return count
 

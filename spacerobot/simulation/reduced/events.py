@@ -23,6 +23,8 @@ from spacerobot.simulation.reduced.arrays import (
     PRESS,
     RAW,
     SENSE,
+    STATE_PORT,
+    STATES,
     W_ROWS,
     D,
     N,
@@ -237,6 +239,9 @@ def switch(x: Any, c: Any, laws: Any, i: int, t: float, y: Any, modes: Any, u: A
         modes[i] = -modes[i]
         return
     r = i - 1 - forces
+    if r >= c[FRICTIONS]:
+        modes[i] = -modes[i]
+        return
     p = c[c[FRICTION_PORT] + r]
     if modes[i] == STICK:
         modes[i] = -1 if w[c[FRICTION] + r] > 0.0 else 1
@@ -278,7 +283,7 @@ def settle(x: Any, c: Any, laws: Any, t: float, y: Any, modes: Any, u: Any, w: A
 def start_modes(x: Any, c: Any, laws: Any, t: float, y: Any, u: Any, w: Any, slope: Any) -> Any:
     """Modes that fit the state y."""
     forces = c[FORCES]
-    modes = np.zeros(1 + forces + c[FRICTIONS], dtype=np.int64)
+    modes = np.zeros(1 + forces + c[FRICTIONS] + c[STATES], dtype=np.int64)
     kinematics(x, c, y, w, c[LIVE_PORTS])
     if c[PRESS] >= 0:
         d, v = w[c[D] + c[PRESS]], w[c[V] + c[PRESS]]
@@ -287,6 +292,8 @@ def start_modes(x: Any, c: Any, laws: Any, t: float, y: Any, u: Any, w: Any, slo
     for r in range(c[FRICTIONS]):
         v = w[c[V] + c[c[FRICTION_PORT] + r]]
         modes[1 + forces + r] = STICK if abs(v) < 1e-15 else (1 if v > 0.0 else -1)
+    for s in range(c[STATES]):
+        modes[1 + forces + c[FRICTIONS] + s] = -1 if w[c[V] + c[c[STATE_PORT] + s]] < 0.0 else 1
     for j in range(forces):
         modes[1 + j] = 1
     settle(x, c, laws, t, y, modes, u, w, slope)

@@ -35,20 +35,31 @@ from spacerobot.simulation.reduced.arrays import (
     PARAMETER,
     PORT,
     RAW,
+    REMEMBERED,
     SENSE,
+    STATE_FIRST,
+    STATE_FORCE,
+    STATE_NORMAL,
+    STATE_PARAMETER,
+    STATE_PORT,
+    STATE_RATE,
+    STATES,
     STUCK,
     TAU,
     VECTOR,
     W_ROWS,
+    Z_RATE,
     D,
     N,
     V,
+    Z,
 )
 from spacerobot.simulation.reduced.ports import drive
 from spacerobot.support.jit import call_law as _call_law
+from spacerobot.support.jit import call_memory as _call_memory
 from spacerobot.support.jit import inlined, lean
 
-call_law = _call_law()
+call_law, call_memory = _call_law(), _call_memory()
 native_contact = lean(contact_force)
 
 APART, PRESSED, RELEASED = 0, 1, 2
@@ -113,12 +124,21 @@ def rub(x: Any, c: Any, laws: Any, w: Any, r: int, mate: int, normal: float) -> 
         w[c[TAU] + i] += f * (ahead * w[c[W_ROWS] + p * n + i] + aside * w[c[W_ROWS] + q * n + i])
 
 
+@lean
+def remember(x: Any, c: Any, laws: Any, s: int, z: float, d: float, v: float, way: float, normal: float) -> Any:
+    """Rate and force of state s at these values."""
+    first = c[STATE_PARAMETER] + c[c[STATE_FIRST] + s]
+    load = normal if c[c[STATE_NORMAL] + s] == 1 else 1.0
+    rate = call_memory(laws[c[c[STATE_RATE] + s]], (z, 0.0, d, v, way, load), x, first)
+    return rate, call_memory(laws[c[c[STATE_FORCE] + s]], (z, rate, d, v, way, load), x, first)
+
+
 @inlined
 def act(x: Any, c: Any, laws: Any, t: float, modes: Any, u: Any, w: Any, count: int) -> int:
     """Adds what the first `count` forces of FORCE_ORDER, drives and frictions do to TAU; returns how many stick.
 
     Reads displacements and rates of the ports; fills RAW, FORCE, FRICTION (of the sliding) and STUCK (which are
-    not). modes = (contact, edge signs (F), frictions (R)).
+    not), Z_RATE and REMEMBERED. modes = (contact, edge signs (F), frictions (R), ways of states (S)).
     """
     n = c[N]
     normal = 0.0
@@ -134,6 +154,12 @@ def act(x: Any, c: Any, laws: Any, t: float, modes: Any, u: Any, w: Any, count: 
     if c[INPUTS] > 0:
         drive(x, c, t, u, w)
     base = 1 + c[FORCES]
+    for s in range(c[STATES]):
+        p, way = c[c[STATE_PORT] + s], 1.0 * modes[base + c[FRICTIONS] + s]
+        rate, f = remember(x, c, laws, s, w[c[Z] + s], w[c[D] + p], w[c[V] + p], way, normal)
+        w[c[Z_RATE] + s], w[c[REMEMBERED] + s] = rate, f
+        for i in range(n):
+            w[c[TAU] + i] += w[c[W_ROWS] + p * n + i] * f
     stuck = 0
     for r in range(c[FRICTIONS]):
         m = modes[base + r]

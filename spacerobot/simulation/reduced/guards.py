@@ -24,7 +24,11 @@ from spacerobot.simulation.reduced.arrays import (
     PARAMETER,
     PRESS,
     RAW,
+    REST,
     SENSE,
+    STATE_LINEAR,
+    STATE_PORT,
+    STATES,
     D,
     V,
 )
@@ -45,7 +49,7 @@ def disc(x: Any, c: Any, laws: Any, w: Any, r: int, mate: int, m: int, normal: f
 
 @lean
 def guards(x: Any, c: Any, laws: Any, modes: Any, w: Any, out: Any) -> None:
-    """One value per mode, positive while the mode holds; call after `evaluate`. Shape (1 + F + R,)."""
+    """One value per mode, positive while the mode holds; call after `evaluate`. Shape (1 + F + R + S,)."""
     forces = c[FORCES]
     normal = 0.0
     if c[PRESS] >= 0:
@@ -83,3 +87,8 @@ def guards(x: Any, c: Any, laws: Any, modes: Any, w: Any, out: Any) -> None:
             out[base + r] = limit * (1.0 + 1e-12) + 1e-300 - abs(f)
         else:
             out[base + r] = m * w[c[V] + c[c[FRICTION_PORT] + r]]
+    base += c[FRICTIONS]
+    for s in range(c[STATES]):
+        out[base + s] = 1.0
+        if c[c[STATE_LINEAR] + s] == 0:
+            out[base + s] = modes[base + s] * w[c[V] + c[c[STATE_PORT] + s]] + w[c[REST]]

@@ -17,6 +17,7 @@ from spacerobot.simulation.reduced.arrays import (
     KICKS,
     MASS,
     PRESS,
+    STATES,
     N,
 )
 from spacerobot.simulation.reduced.crossings import first_fall, linear_guards
@@ -41,7 +42,7 @@ MAX_STEPS, MAX_EVENTS = 1_000_000, 100_000
 
 
 class Steps(NamedTuple):
-    """Every accepted step. m steps, N = 2n states, G modes."""
+    """Every accepted step. m steps, N = 2n + S states, G modes."""
 
     time: np.ndarray  # (m,)
     length: np.ndarray  # (m,)
@@ -99,9 +100,9 @@ def integrate(
     k = np.zeros((7, size))
     wide = DEGREE if c[INPUTS] == 0 else ORDER
     q = np.empty((size, wide))
-    a = np.empty((size // 2, size + 1))
+    a = np.empty((size - c[N], size + 1))
     held = np.empty((c[FRICTIONS], size + 1))
-    guarding = 2 + 2 * c[FRICTIONS]
+    guarding = 2 + 2 * c[FRICTIONS] + c[STATES]
     rows, owner, p = np.empty((guarding, size + 1)), np.empty(guarding, dtype=np.int64), np.empty(wide + 1)
     modes = start_modes(x, c, laws, t0, y, u, w, slope)
     count = modes.size
@@ -120,7 +121,7 @@ def integrate(
     edged = False
     for j in range(c[FORCES]):
         edged |= c[c[EDGE] + j] >= 0
-    watched = edged or c[PRESS] >= 0 or c[FRICTIONS] > 0
+    watched = edged or c[PRESS] >= 0 or c[FRICTIONS] > 0 or c[STATES] > 0
     while kick < c[KICKS] and x[c[KICK_TIME] + kick] < t0:
         kick += 1
     fresh, even, known = True, False, False  # modes just changed; straight; k[0] is dy/dt

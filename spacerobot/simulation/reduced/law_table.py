@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from spacerobot.effects.kernel import compiled
+from spacerobot.effects.memory import compiled as compiled_memory
 
 
 class LawTable:
@@ -19,14 +20,14 @@ class LawTable:
         self._addresses = np.zeros(1, dtype=np.int64)
         self._lock = threading.Lock()
 
-    def index(self, law: Any) -> int:
-        """The law's place in `laws`, compiling it on first use."""
+    def index(self, law: Any, *, memory: bool = False) -> int:
+        """The law's place in `laws`, compiling it on first use; `memory` of a law with one."""
         found = self._index.get(law)
         if found is None:
             with self._lock:  # fits run in threads, and the table must not grow twice for one law
                 found = self._index.get(law)
                 if found is None:
-                    self._kept.append(compiled(law))
+                    self._kept.append(compiled_memory(law) if memory else compiled(law))
                     self._addresses = np.array([k.address for k in self._kept], dtype=np.int64)
                     found = self._index[law] = len(self._kept) - 1
         return found

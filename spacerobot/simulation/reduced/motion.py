@@ -15,7 +15,9 @@ from spacerobot.simulation.reduced.arrays import (
     MASS,
     PORTS,
     PRESS,
+    STATES,
     TAU,
+    Z_RATE,
     N,
 )
 from spacerobot.simulation.reduced.forces import STICK, act, say, stick
@@ -36,6 +38,8 @@ def evaluate(x: Any, c: Any, laws: Any, t: float, y: Any, modes: Any, u: Any, w:
     for i in range(n):
         out[i] = y[n + i]
         out[n + i] = w[tau + i] * x[c[MASS] + i]
+    for s in range(c[STATES]):
+        out[2 * n + s] = w[c[Z_RATE] + s]
 
 
 @lean
@@ -55,6 +59,8 @@ def accelerate(x: Any, c: Any, laws: Any, t: float, y: Any, modes: Any, u: Any, 
     for i in range(n):
         out[i] = y[n + i]
         out[n + i] = w[tau + i] * x[c[MASS] + i]
+    for s in range(c[STATES]):
+        out[2 * n + s] = w[c[Z_RATE] + s]
 
 
 @lean

@@ -16,19 +16,21 @@ from spacerobot.simulation.reduced.arrays import (
     PRESS,
     ROWS,
     SLIDE,
+    STATES,
     TAU,
     W_ROWS,
     YAW,
     D,
     N,
     V,
+    Z,
 )
 from spacerobot.support.jit import lean
 
 
 @lean
 def kinematics(x: Any, c: Any, y: Any, w: Any, count: int) -> None:
-    """Displacements and rates of the first `count` ports of PORT_ORDER at state y = (q, v)."""
+    """Displacements and rates of the first `count` ports of PORT_ORDER at state y = (q, v, z)."""
     n, rows, at, rate, order = c[N], c[ROWS], c[D], c[V], c[PORT_ORDER]
     for k in range(count):
         p = c[order + k]
@@ -40,6 +42,8 @@ def kinematics(x: Any, c: Any, y: Any, w: Any, count: int) -> None:
             v += r * y[n + i]
         w[at + p] = d
         w[rate + p] = v
+    for s in range(c[STATES]):
+        w[c[Z] + s] = y[2 * n + s]
     yaw = c[YAW]
     if yaw >= 0 and c[PRESS] >= 0:
         a, b = x[c[GEOMETRY] + 0], x[c[GEOMETRY] + 1]

@@ -11,8 +11,8 @@ import numpy as np
 
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.simulation.events import Event
-from spacerobot.simulation.reduced.arrays import Packed, System
-from spacerobot.simulation.reduced.assemble import Layout, assemble_packed, head_on, recorded, unturning
+from spacerobot.simulation.reduced.arrays import REST, Packed, System
+from spacerobot.simulation.reduced.assemble import Layout, assemble_packed, head_on, recorded, rested, unturning
 from spacerobot.simulation.reduced.forces import APART, PRESSED, RELEASED, STICK
 from spacerobot.simulation.reduced.integrate import MAX_STEPS, NOT_FINITE, OK, TOO_MANY_EVENTS, Steps, integrate
 from spacerobot.simulation.reduced.law_table import LAWS
@@ -25,7 +25,7 @@ _CONTACT_NAMES = {APART: "apart", PRESSED: "touch", RELEASED: "release"}
 
 @dataclass(frozen=True)
 class Sample:
-    """States and forces at given times. T times, n coordinates."""
+    """States and forces at given times. T times, n coordinates, F forces, R frictions, S laws with a memory."""
 
     time: np.ndarray  # (T,) s
     position: np.ndarray  # (T, n) m or rad
@@ -33,6 +33,8 @@ class Sample:
     acceleration: np.ndarray  # (T, n)
     force: np.ndarray  # (T, F) along the ports
     friction: np.ndarray  # (T, R)
+    memory: np.ndarray  # (T, S) the numbers that laws with a memory keep
+    remembered: np.ndarray  # (T, S) their forces along the ports
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,8 +75,10 @@ class ReducedRun:
             np.ascontiguousarray(times, dtype=float),
             self.drives,
         )
-        n = len(self.layout.coordinates)
-        return Sample(times, y[:, :n], y[:, n:], rate[:, n:], force, friction)
+        n, r = len(self.layout.coordinates), len(self.layout.frictions)
+        moving = slice(n, 2 * n)
+        memory, remembered = y[:, 2 * n :], friction[:, r:]
+        return Sample(times, y[:, :n], y[:, moving], rate[:, moving], force, friction[:, :r], memory, remembered)
 
     def states(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Positions and velocities at `times`, shape (T,), ascending; shape (T, n) each."""
@@ -124,7 +128,7 @@ class ReducedRun:
         Of elements of one name (an effect that stands twice at its place) all together.
         """
         table = work_done(*self.packed, LAWS.laws, self.packed.work(), *self.steps, self.drives)
-        names = [*self.layout.forces, *self.layout.frictions]
+        names = [*self.layout.forces, *self.layout.frictions, *self.layout.states]
         out: dict[str, np.ndarray] = {}
         for i, name in enumerate(names):
             out[name] = out.get(name, 0.0) + table[:, i]
@@ -193,14 +197,18 @@ def simulate(
         raise InputError("tolerance out of range", given=tolerance, valid="1e-13 to 0.1")
     mechanism, system, layout, packed = of if isinstance(of, Prepared) else prepare(of)
     y0 = np.array([*mechanism.at_start(position or {}).values(), *mechanism.at_start(velocity or {}).values()])
-    n = y0.size // 2
+    n, work = y0.size // 2, packed.work()
+    atol = scale * np.concatenate([np.full(n, 1e-3 * tolerance), np.full(n, 1e-1 * tolerance)])
+    if mechanism.states:
+        y0 = np.append(y0, rested(mechanism, lambda port: float(system.rows[layout.port(port)] @ y0[:n])))
+        atol = np.append(atol, [tolerance * s.size for s in mechanism.states])
+        work[packed.ints[REST]] = atol[n]
     if head_on(system, y0):
         packed = unturning(packed)
     drives = recorded(mechanism, inputs)
-    atol = scale * np.concatenate([np.full(n, 1e-3 * tolerance), np.full(n, 1e-1 * tolerance)])
     first = min(1e-4, max_step, end - start)
     *taken, etime, eindex, emode, status = integrate(
-        *packed, LAWS.laws, packed.work(), y0, start, end, tolerance, atol, first, max_step, drives, step_limit
+        *packed, LAWS.laws, work, y0, start, end, tolerance, atol, first, max_step, drives, step_limit
     )
     steps = Steps.shaped(y0.size, *taken)
     if status != OK:
@@ -222,5 +230,7 @@ def _event(layout: Layout, time: float, index: int, mode: int) -> Event:
         return Event(time, "contact", _CONTACT_NAMES[mode])
     if index <= len(layout.forces):
         return Event(time, layout.forces[index - 1], "edge")
-    name = layout.frictions[index - 1 - len(layout.forces)]
-    return Event(time, name, "stick" if mode == STICK else "slip")
+    index -= 1 + len(layout.forces)
+    if index < len(layout.frictions):
+        return Event(time, layout.frictions[index], "stick" if mode == STICK else "slip")
+    return Event(time, layout.states[index - len(layout.frictions)], "turn")

@@ -21,6 +21,9 @@ from spacerobot.simulation.reduced.arrays import (
     PARAMETER,
     PORT,
     PRESS,
+    REMEMBERED,
+    STATE_PORT,
+    STATES,
     TAU,
     W_ROWS,
     N,
@@ -116,13 +119,13 @@ def sample(
     at: Any,
     u: Any,
 ) -> Any:
-    """States and forces at the times `at` (ascending), shapes (T, 2n), (T, 2n) derivative, (T, F), (T, R).
+    """States and forces at the times `at` (ascending): shapes (T, 2n + S), the same of derivatives, (T, F), (T, R + S).
 
     At an event's own time the side after it is shown. Outside the record the nearest end is held.
     """
     size = state.shape[1]
     out, rate = np.empty((at.size, size)), np.empty((at.size, size))
-    force, friction = np.empty((at.size, c[FORCES])), np.empty((at.size, c[FRICTIONS]))
+    force, friction = np.empty((at.size, c[FORCES])), np.empty((at.size, c[FRICTIONS] + c[STATES]))
     step = 0
     for i in range(at.size):
         step, theta = _step_at(time, length, step, at[i])
@@ -132,6 +135,8 @@ def sample(
             force[i, j] = w[c[FORCE] + j]
         for j in range(c[FRICTIONS]):
             friction[i, j] = w[c[FRICTION] + j]
+        for j in range(c[STATES]):
+            friction[i, c[FRICTIONS] + j] = w[c[REMEMBERED] + j]
     return out, rate, force, friction
 
 
@@ -139,14 +144,14 @@ def sample(
 def work_done(
     x: Any, c: Any, laws: Any, w: Any, time: Any, length: Any, state: Any, dense: Any, order: Any, modes: Any, u: Any
 ) -> Any:
-    """Work [J] that each force and friction did up to the end of every step, shape (m + 1, F + R + n + 1).
+    """Work [J] that each force, friction and law with a memory did up to every step's end, (m + 1, F + R + S + n + 1).
 
     The last n columns are the fields' work per coordinate, the very last that of the recorded drives.
     """
     size = state.shape[1]
-    n = size // 2
-    forces, frictions = c[FORCES], c[FRICTIONS]
-    total = np.zeros((time.size + 1, forces + frictions + n + 1))
+    n, forces, frictions = c[N], c[FORCES], c[FRICTIONS]
+    acting = forces + frictions + c[STATES]
+    total = np.zeros((time.size + 1, acting + n + 1))
     y, rate = np.empty(size), np.empty(size)
     for m in range(time.size):
         for column in range(total.shape[1]):
@@ -168,9 +173,13 @@ def work_done(
                 done = w[c[FRICTION] + r] * w[c[V] + c[c[FRICTION_PORT] + r]]
                 total[m + 1, forces + r] += done * dt
                 power -= done
+            for s in range(c[STATES]):
+                done = w[c[REMEMBERED] + s] * w[c[V] + c[c[STATE_PORT] + s]]
+                total[m + 1, forces + frictions + s] += done * dt
+                power -= done
             for i in range(n):
                 done = x[c[CONSTANT] + i] * y[n + i]
-                total[m + 1, forces + frictions + i] += done * dt
+                total[m + 1, acting + i] += done * dt
                 power -= done
-            total[m + 1, forces + frictions + n] += power * dt
+            total[m + 1, acting + n] += power * dt
     return total
