@@ -13,23 +13,27 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Final, Literal, TypeAlias, cast, get_args
+from typing import Any, Final, Literal, TypeAlias, cast
 
 import numpy as np
 
 from spacerobot.effects.effect import Effect, Parameter
 from spacerobot.effects.kernel import PARAMETERS, Kernel
 from spacerobot.effects.mechanism import Mechanism
-from spacerobot.effects.primitives import Force, Friction
+from spacerobot.effects.memory import Memory
+from spacerobot.effects.primitives import Force, Friction, State
 from spacerobot.support.errors import InputError
 
 PREFIX: Final = "learned_law["
 
-Kind: TypeAlias = Literal["force", "friction"]
-"""A force at the port, or dry friction of that level, with sticking."""
+Kind: TypeAlias = Literal["force", "friction", "memory"]
+"""A force at the port; dry friction of that level, with sticking; or a force that remembers: f = -z, z' = s(z sign v) v - b z."""
 
-Variable: TypeAlias = Literal["d", "v"]
-"""Displacement or rate of the port."""
+Variable: TypeAlias = Literal["d", "v", "z"]
+"""Displacement or rate of the port, or what is remembered."""
+
+OF: Final[Mapping[Kind, tuple[Variable, ...]]] = {"force": ("d", "v"), "friction": ("d", "v"), "memory": ("z",)}
+"""What each kind may depend on."""
 
 HEADER = 5
 MOST = PARAMETERS - HEADER
@@ -66,6 +70,30 @@ def curve(first: float, second: float, third: float, p: Any) -> float:
     return -value
 
 
+def remembered_rate(z: float, rate: float, d: float, v: float, way: float, normal: float, p: Any) -> float:
+    """z' = s(z sign v) v - b z; p = (low, width of a cell, cells, b, c_0 ... c_(cells + 2)), s as in `curve`."""
+    cells = int(p[2])
+    u = min(max((way * z - p[0]) / p[1], 0.0), float(cells))
+    k = min(int(u), cells - 1)
+    t = u - k
+    s = 1.0 - t
+    value = (
+        s * s * s * p[4 + k]
+        + (3.0 * t * t * t - 6.0 * t * t + 4.0) * p[5 + k]
+        + (3.0 * s * s * s - 6.0 * s * s + 4.0) * p[6 + k]
+        + t * t * t * p[7 + k]
+    ) / 6.0
+    return value * v - p[3] * z
+
+
+def remembered_force(z: float, rate: float, d: float, v: float, way: float, normal: float, p: Any) -> float:
+    """-z."""
+    return -z
+
+
+MEMORY = Memory(remembered_rate, remembered_force)
+
+
 @dataclass(frozen=True)
 class Shape:
     """All of a learned law that is not fitted.
@@ -76,7 +104,7 @@ class Shape:
         low, high: range that the curve covers, SI.
         cells: of equal width.
         roughness: standard deviation of a bend, in units of `size`.
-        size: typical force [N].
+        size: typical force [N]; of what remembers, typical stiffness [N/m].
     """
 
     kind: Kind
@@ -89,8 +117,8 @@ class Shape:
 
     def __post_init__(self) -> None:
         numbers = (self.low, self.high, self.roughness, self.size)
-        if self.kind not in get_args(Kind) or self.of not in get_args(Variable):
-            raise InputError("no such learned law", given=f"{self.kind} of {self.of}", valid="force, friction of d, v")
+        if self.of not in OF.get(self.kind, ()):
+            raise InputError("no such learned law", given=f"{self.kind} of {self.of}", valid=str(OF))
         if not (all(map(math.isfinite, numbers)) and self.low < self.high and self.roughness > 0.0 < self.size):
             raise InputError("a learned law has an impossible range, roughness or size", given=numbers)
         if not 2 <= self.cells <= MOST - 3:
@@ -115,7 +143,10 @@ class Shape:
     def precision(self) -> np.ndarray:
         """Of the coefficients in units of `size`, shape (cells + 3, cells + 3): bends, and a size that is not absurd."""
         bends = self.bends()
-        return np.asarray(bends.T @ bends / self.roughness**2 + np.eye(self.cells + 3) / ABSURD**2)
+        own = self.cells + 3
+        out = np.eye(own + (self.kind == "memory")) / ABSURD**2
+        out[:own, :own] += bends.T @ bends / self.roughness**2
+        return out
 
     def rows(self, x: np.ndarray) -> np.ndarray:
         """Of the curve at x, shape (T,): its value per coefficient, shape (T, cells + 3)."""
@@ -132,6 +163,13 @@ class Shape:
     def rougher(self, factor: float) -> Shape:
         """The same with bends that may be so many times as large."""
         return replace(self, roughness=self.roughness * factor)
+
+
+FORMULAS: Final[Mapping[Kind, str]] = {
+    "force": "f = -s({})",
+    "friction": r"|f| \le s({})",
+    "memory": r"f = -z, \quad \dot z = s(z \operatorname{{sign}} v)\, v - b z",
+}
 
 
 def parsed(name: str) -> Shape:
@@ -163,8 +201,8 @@ class LearnedLaw(Effect):
         self.shape = shape
         given = {
             "name": shape.name,
-            "formula": rf"f = -s({shape.of})" if shape.kind == "force" else rf"|f| \le s({shape.of})",
-            "parameters": tuple(_parameter(k, shape) for k in range(shape.cells + 3)),
+            "formula": FORMULAS[shape.kind].format(shape.of),
+            "parameters": (*(_parameter(k, shape) for k in range(shape.cells + 3)), *_forgetting(shape)),
         }
         for key, value in given.items():
             setattr(self, key, value)  # an instance is an effect of its own, as a class of the catalogue is
@@ -181,6 +219,8 @@ class LearnedLaw(Effect):
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
         """The curve at the port."""
         shape = self.shape
+        if shape.kind == "memory":
+            return self._with_memory(mechanism, where, values)
         friction = shape.kind == "friction"
         which = {"d": 2.0, "v": 0.0}[shape.of] if friction else {"d": 0.0, "v": 1.0}[shape.of]
         width = (shape.high - shape.low) / shape.cells
@@ -190,6 +230,17 @@ class LearnedLaw(Effect):
         if friction:
             return mechanism.with_friction(Friction(line, where, curve, p))
         return mechanism.with_force(Force(line, where, Kernel(curve), p))
+
+    def _with_memory(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
+        shape = self.shape
+        *inside, forgetting = (values[p.name] for p in self.parameters)
+        p = (shape.low, (shape.high - shape.low) / shape.cells, float(shape.cells), forgetting, *inside)
+        size = max(shape.high, 1e-6)
+        return mechanism.with_state(State(f"learned law at {where}", where, MEMORY, p, size))
+
+
+def _forgetting(shape: Shape) -> tuple[Parameter, ...]:
+    return (Parameter("rate_1_s", "1/s", 0.0, 5.0, 0.0, 1e4, (0.0,)),) if shape.kind == "memory" else ()
 
 
 def _parameter(number: int, shape: Shape) -> Parameter:

@@ -18,6 +18,9 @@ from spacerobot.support.errors import SimulationError
 CELLS = 29
 """Cells of a curve: 32 coefficients. With 12 the true law lies outside the band of its error for want of room."""
 
+SHARE = 0.03
+"""Of the spring's largest force, as which a further force is typical."""
+
 MARGIN = 0.05
 """Share of the recorded range that a curve reaches beyond it on either side: a better fit moves a little further."""
 
@@ -34,6 +37,13 @@ STEPS = 10
 
 SETTLED = 1.25
 """Factor by which the roughness may still change when it counts as found."""
+
+
+FORGETTING = (0.0, 10.0, 30.0)
+"""Rates [1/s] at which what is remembered fades, from which its fit begins: the best of them goes on."""
+
+STIFF = 0.1
+"""Share of the port's spring as which what remembers begins: a spring that fades, or does not."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,70 +63,103 @@ class Curve:
     evidence: float
 
     def coefficients(self) -> np.ndarray:
-        """Of the curve, shape (cells + 3,) [N]."""
+        """Of the curve, shape (cells + 3,), in the unit of its size."""
         values = self.fit.values()
-        return np.array([values[self.site.key(p.name)] for p in self.site.effect.parameters])
+        return np.array([values[self.site.key(p.name)] for p in self.site.effect.parameters])[: self.shape.cells + 3]
 
     def covariance(self) -> np.ndarray:
-        """Of the coefficients, shape (cells + 3, cells + 3) [N^2]."""
+        """Of the coefficients, shape (cells + 3, cells + 3)."""
         assert self.fit.covariance is not None  # fits of curves go on until it is known
         keys = self.fit.hypothesis.keys
-        own = [keys.index(self.site.key(p.name)) for p in self.site.effect.parameters]
+        own = [keys.index(self.site.key(p.name)) for p in self.site.effect.parameters][: self.shape.cells + 3]
         return np.asarray(self.shape.size**2 * self.fit.covariance[np.ix_(own, own)])
 
 
-def visited(workshop: Workshop, fit: Fit, port: str, of: Variable) -> tuple[float, float]:
-    """Range of a port's displacement or rate in the simulated trials, with a margin."""
-    low, high = np.inf, -np.inf
+def visited(workshop: Workshop, fit: Fit, port: str) -> dict[Variable, tuple[float, float]]:
+    """Ranges of a port's displacement and rate in the simulated trials, and of what it remembers."""
+    seen: dict[Variable, list[np.ndarray]] = {"d": [], "v": [], "z": []}
     for trial in workshop.trials:
         mechanism = workshop.model.trial_mechanism(fit.hypothesis, fit.z, trial)
         run = workshop.model.predict(mechanism, trial, fit.trials[trial.id].initial).run
         times = np.unique(np.concatenate([b.time for b in trial.blocks]))
-        position, rate = run.states(times)
-        seen = run.port(port, position if of == "d" else rate)
-        low, high = min(low, float(seen.min())), max(high, float(seen.max()))
-    margin = MARGIN * max(high - low, 1e-9)
-    return low - margin, high + margin
+        taken = run.sample(times)
+        seen["d"].append(run.port(port, taken.position))
+        seen["v"].append(run.port(port, taken.velocity))
+        seen["z"].append(taken.memory[:, -1:].ravel() if taken.memory.size else np.zeros(1))
+    return {of: (float(min(x.min() for x in all_)), float(max(x.max() for x in all_))) for of, all_ in seen.items()}
 
 
 def fit_curve(
-    workshop: Workshop, beside: Fit, port: str, kind: Kind, of: Variable, size: float, *, bar: float = np.inf
+    workshop: Workshop, beside: Fit, port: str, kind: Kind, of: Variable, *, bar: float = np.inf
 ) -> Curve | None:
     """Fit a curve of one kind at a port beside what a fit has found already; None where it cannot be simulated.
 
     Args:
         workshop: of the trials to fit.
-        beside: where it begins: the baseline, or effects that stay.
+        beside: whose effects stay: the baseline's, or named ones.
         port: where.
-        kind, of: force or friction, of displacement or rate.
-        size: typical force [N].
-        bar: cost above which, after the first round, it is given up.
+        kind, of: a force, friction or memory; of displacement, rate or what is remembered.
+        bar: cost above which it is given up once the noise is what it is.
     """
-    low, high = visited(workshop, beside, port, of)
-    shape = Shape(kind, of, low, high, CELLS, ROUGHNESS, size)
+    seen = visited(workshop, beside, port)
+    spring = workshop.model.base.get("wrist.stiffness", 1.0)
+    reach = max(abs(x) for x in seen["d"])
+    size = STIFF * spring if kind == "memory" else SHARE * spring * reach
+    low, high = (-STIFF * spring * reach, STIFF * spring * reach) if of == "z" else seen[of]
+    margin = MARGIN * max(high - low, 1e-9)
+    shape = Shape(kind, of, low - margin, high + margin, CELLS, ROUGHNESS, size)
     warm = {k: v for k, v in beside.values().items() if "@" in k}
     initials = None
     found: Curve | None = None
     for noise in ANNEALED:
         fitter = Fitter(workshop.model, [louder(t, noise) for t in workshop.trials])
         try:
-            now = _fitted(fitter, workshop, beside, shape, port, warm, initials)
+            if kind == "memory" and noise == ANNEALED[0]:
+                begun = [_begun(shape, port, rate) for rate in FORGETTING]
+                now = max(
+                    (_fitted(fitter, workshop, beside, shape, port, {**warm, **b}, None) for b in begun), key=_best
+                )
+            else:
+                now = _fitted(fitter, workshop, beside, shape, port, warm, initials)
         except SimulationError:
             return found
         factor = _rougher(now)
         if noise > 1.0:
             factor = max(factor, 1.0)  # what loud noise hides is not smooth
-        if noise == 1.0:
+        else:
             if found is None or now.evidence > found.evidence:
                 found = now
             if now.fit.cost > bar or max(factor, 1.0 / factor) < SETTLED:
                 break
-        shape = shape.rougher(factor)
-        site = Site(LearnedLaw(shape), port)
-        inside = zip(site.effect.parameters, now.coefficients().tolist(), strict=True)
-        warm = dict(now.fit.values()) | {site.key(p.name): x for p, x in inside}
-        initials = now.fit.initials()
+        new = shape.rougher(factor)
+        if of == "z":
+            far = (1.0 + 2.0 * MARGIN) * max(max(abs(x) for x in visited(workshop, now.fit, port)["z"]), 1e-6)
+            new = replace(new, low=-far, high=far)
+        site = Site(LearnedLaw(new), port)
+        inside = _carried(now, new)
+        warm = {
+            **now.fit.values(),
+            **{site.key(p.name): x for p, x in zip(site.effect.parameters, inside, strict=True)},
+        }
+        shape, initials = new, now.fit.initials()
     return found
+
+
+def _best(curve: Curve) -> float:
+    return -curve.fit.cost
+
+
+def _begun(shape: Shape, port: str, rate: float) -> dict[str, float]:
+    site = Site(LearnedLaw(shape), port)
+    return {site.key(p.name): rate if p.name == "rate_1_s" else shape.size for p in site.effect.parameters}
+
+
+def _carried(old: Curve, new: Shape) -> list[float]:
+    """Parameters of the same curve in another shape."""
+    values = old.fit.values()
+    others = [values[old.site.key(p.name)] for p in old.site.effect.parameters][old.shape.cells + 3 :]
+    inside = np.interp(new.places, old.shape.places, old.coefficients())
+    return [*inside.tolist(), *others]
 
 
 def _fitted(
@@ -161,4 +204,4 @@ def _rougher(curve: Curve) -> float:
 
 def kinds() -> Sequence[tuple[Kind, Variable]]:
     """What is tried at a port, the plainer first."""
-    return (("force", "v"), ("force", "d"), ("friction", "d"), ("friction", "v"))
+    return (("force", "v"), ("force", "d"), ("friction", "d"), ("friction", "v"), ("memory", "z"))
