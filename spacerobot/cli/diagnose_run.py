@@ -26,6 +26,7 @@ from spacerobot.support.runs import RunFolder, combined_hash
 
 _WORDS = {
     "named": "The missing physics is named.",
+    "learned": "The missing physics has no name in the catalogue; its law was learned.",
     "ambiguous": "Something is missing, and these data cannot tell its candidates apart.",
     "unknown": "Something is missing that the catalogue has no name for.",
     "nothing_missing": "Nothing is missing that these data could show.",

@@ -18,6 +18,7 @@ from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.mended_scene import scene_of
 from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.workshop import Workshop
+from spacerobot.diagnosis.learning.learn import as_learned, learn
 from spacerobot.diagnosis.locate.located import Located
 from spacerobot.diagnosis.selection.admission import admit, has_wrist
 from spacerobot.diagnosis.selection.check import why_not
@@ -31,7 +32,7 @@ from spacerobot.diagnosis.selection.precompile import help_compiling
 from spacerobot.diagnosis.selection.search_state import Report
 from spacerobot.diagnosis.terms.candidates import candidate_sites
 from spacerobot.diagnosis.terms.hypothesis import Label, Site
-from spacerobot.diagnosis.terms.kinds import AMBIGUOUS, NAMED
+from spacerobot.diagnosis.terms.kinds import AMBIGUOUS, NAMED, UNKNOWN
 from spacerobot.recordings.lacking import refuse_draft
 from spacerobot.recordings.study import Study
 from spacerobot.support.executors.base import Executor
@@ -93,13 +94,19 @@ def diagnose(
         decided, profiled = with_intervals(pool, decided)
         found, left_of, inflation, first = decided.found, decided.left_of, decided.inflation, decided.judgement
         chosen = first.chosen
-        checks = [nested(found, chosen)]
+        learnt = learn(pool, found.baseline, report) if first.verdict == UNKNOWN else None
+        if learnt is not None and learnt.trusted:
+            first = as_learned(first, learnt)
+            chosen, profiled = first.chosen, {}
+        else:
+            learnt = None
+        checks = [] if learnt else [nested(found, chosen)]
         # begun together, asked for below
         copied = pool.aside(synthetic, chosen, first.lead) if first.verdict == NAMED else None
         whole = pool.aside(confirm, chosen) if first.verdict == NAMED else None
-        unseen = hold_out(pool, first)
+        unseen = hold_out(pool, first) if learnt is None else None
         report("predicting held-out conditions", 0, 1)
-        held = unseen()
+        held = learnt.held if unseen is None and learnt is not None else unseen() if unseen else None
         if held is not None and first.verdict == NAMED:
             checks.append(held.check())
         if copied is not None and whole is not None:
@@ -110,8 +117,9 @@ def diagnose(
                     profiled[key] = widened(chosen, key, profiled[key], missed)
             report("simulating with the whole robot", 0, 1)
             checks.append(whole())
-        judgement = decided.but_for([c.name for c in checks if not c.passed])
-        sizes = pool.aside(_limits, judgement.chosen, found.singles, inflation)
+        judgement = first if learnt else decided.but_for([c.name for c in checks if not c.passed])
+        looked_for = () if learnt else found.singles  # what hides beside a law without a name has no limit
+        sizes = pool.aside(_limits, judgement.chosen, looked_for, inflation)
         report("locating", 0, 1)
         located = locating()
         smallest = sizes()
@@ -135,6 +143,7 @@ def diagnose(
         next_experiment=further,
         profiled=profiled,
         why=[*why_not(checks), *_not_shown(decided.withdrawn)],
+        learnt=learnt,
     )
     shown_before = held.before.residuals if held else {k: t.residual for k, t in base.trials.items()}
     shown_after = held.after.residuals if held else {k: t.residual for k, t in judgement.chosen.trials.items()}

@@ -213,6 +213,41 @@ class Part(Record, frozen=True, kw_only=True):
     ) = UNSET
 
 
+class Table(Record, frozen=True, kw_only=True):
+    """A learned curve over the range that the recordings visited; beyond it nothing is known."""
+
+    variable: Literal["d", "v", "z"]
+    unit: str
+    value_unit: str
+    x: list[float]
+    law: list[float]
+    total: Annotated[list[float], Meta(description="with the believed values that it can be traded for")]
+    low: Annotated[list[float], Meta(description="of the total; low and high hold it everywhere at once, 95 %")]
+    high: list[float]
+    total_with: list[str]
+
+
+class Like(Record, frozen=True, kw_only=True):
+    """What a learned law is a relative of; the effect is empty where it is none of the catalogue."""
+
+    effect: str
+    words: str
+
+
+class Learned(Record, frozen=True, kw_only=True):
+    """A law that no catalogue holds, as it was learned inside the simulation."""
+
+    where: str
+    kind: Literal["force", "friction", "memory"]
+    depends_on: list[str]
+    formula: Annotated[str | None, Meta(description="LaTeX; null where no short formula says as much as the table")]
+    law: Annotated[str, Meta(description="how the curve acts, LaTeX")]
+    parameters: dict[str, Value]
+    table: Table
+    like: Like | None
+    lead: Annotated[Measure, Meta(description="log of its odds over the next other kind of law or place [1]")]
+
+
 class Verdict(Record, frozen=True, kw_only=True):
     """Numbers are SI unless a unit says otherwise; infinity is "inf" or "-inf"; what could not be computed is null."""
 
@@ -224,7 +259,7 @@ class Verdict(Record, frozen=True, kw_only=True):
     seconds: Annotated[float, Meta(ge=0.0, description="that it took [s]")]
     verdict: Kind
     confidence: Annotated[Share, Meta(description="a probability [1]")]
-    effects: Annotated[list[Effect], Meta(description="empty unless named")]
+    effects: Annotated[list[Effect], Meta(description="empty unless named or learned")]
     alternatives: Annotated[
         list[Alternative], Meta(description="best first; the first is the favourite when ambiguous")
     ]
@@ -281,12 +316,18 @@ class Verdict(Record, frozen=True, kw_only=True):
     events: list[Event] | UnsetType = UNSET
     clocks: list[ClockOffset] | UnsetType = UNSET
     model: FoundModel | UnsetType = UNSET
+    learned: list[Learned] | UnsetType = UNSET
     parts: list[Part] | UnsetType = UNSET
 
 
 def placed(label: Label) -> list[Placed]:
     """A set of effects, each at its place."""
-    return [Placed(effect=e, where=w) for e, w in label]
+    return [Placed(effect=said_name(e), where=w) for e, w in label]
+
+
+def said_name(effect: str) -> str:
+    """The name that a verdict gives an effect: a learned law's shape is not a part of it."""
+    return effect.split("[")[0]
 
 
 def read(found: Mapping[str, Any]) -> Verdict:

@@ -10,7 +10,7 @@ from typing import Any, get_args
 import msgspec
 
 from spacerobot.diagnosis.answer.record import FORMAT, Verdict
-from spacerobot.diagnosis.terms.kinds import AMBIGUOUS, NAMED, WRONG_PARAMETER, Kind
+from spacerobot.diagnosis.terms.kinds import LEARNED, AMBIGUOUS, NAMED, WRONG_PARAMETER, Kind
 from spacerobot.support.errors import InputError
 from spacerobot.support.jsonio import plain
 
@@ -33,7 +33,7 @@ _SLOW = "rfc3987_syntax"
 
 _RULES: tuple[dict[str, Any], ...] = (
     {
-        "if": {"properties": {"verdict": {"const": NAMED}}},
+        "if": {"properties": {"verdict": {"enum": [NAMED, LEARNED]}}},
         "then": {"properties": {"effects": {"minItems": 1}}},
         "else": {"properties": {"effects": {"maxItems": 0}}},
     },

@@ -8,6 +8,7 @@ from msgspec import UNSET, UnsetType
 
 from spacerobot import __version__
 from spacerobot.diagnosis.answer.held_out import of_rig
+from spacerobot.diagnosis.answer.learned import learned_law
 from spacerobot.diagnosis.answer.not_predicted import not_predicted
 from spacerobot.diagnosis.answer.record import (
     FORMAT,
@@ -22,9 +23,11 @@ from spacerobot.diagnosis.answer.record import (
     Value,
     Verdict,
     placed,
+    said_name,
 )
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.interval import Intervals, interval
+from spacerobot.diagnosis.learning.learn import Learnt
 from spacerobot.diagnosis.locate.located import LEVEL, Located, Row
 from spacerobot.diagnosis.machines.wrist_rig import ABSORBING, RigModel
 from spacerobot.diagnosis.selection.held_out import HeldOut
@@ -32,7 +35,7 @@ from spacerobot.diagnosis.selection.judge import MOVED, Judgement
 from spacerobot.diagnosis.selection.limits import Limit
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Label
-from spacerobot.diagnosis.terms.kinds import AMBIGUOUS, NAMED, SETTLED
+from spacerobot.diagnosis.terms.kinds import AMBIGUOUS, LEARNED, NAMED, SETTLED
 from spacerobot.diagnosis.terms.parameters import TIMES_STATED, Free
 from spacerobot.recordings.study import Study
 
@@ -44,10 +47,12 @@ def fitted_effects(fit: Fit, inflation: float, profiled: Intervals | None = None
     """The fit's effects with their values, intervals and units."""
     return [
         Effect(
-            effect=site.effect.name,
+            effect=said_name(site.effect.name),
             where=site.where,
             parameters={
-                p.name: _value(fit, site.key(p.name), p.unit, inflation, profiled) for p in site.effect.parameters
+                p.name: _value(fit, site.key(p.name), p.unit, inflation, profiled)
+                for p in site.effect.parameters
+                if not site.effect.learned  # its numbers stand in a table of their own
             },
             trials=list(site.trials) if site.trials else UNSET,
         )
@@ -180,6 +185,7 @@ def verdict_of_rig(
     next_experiment: NextExperiment | None,
     profiled: Intervals,
     why: Sequence[str],
+    learnt: Learnt | None = None,
 ) -> Verdict:
     """The whole answer of a wrist rig's study."""
     chosen, sigma = judgement.chosen, model.believed.sigma
@@ -197,7 +203,7 @@ def verdict_of_rig(
         seconds=round(seconds, 3),
         verdict=judgement.verdict,
         confidence=round(judgement.confidence, 4),
-        effects=fitted_effects(chosen, inflation, profiled) if judgement.verdict == NAMED else [],
+        effects=fitted_effects(chosen, inflation, profiled) if judgement.verdict in (NAMED, LEARNED) else [],
         alternatives=others,
         parameters=moved_values(
             chosen,
@@ -215,6 +221,7 @@ def verdict_of_rig(
         moved=all_moved(chosen, ABSORBING),
         not_predicted=not_predicted(study, {c for t in trials for c in t.channels}),
         why=list(why),
+        learned=UNSET if learnt is None else [learned_law(learnt)],
     )
 
 

@@ -42,8 +42,8 @@ class Influence:
     def of(cls, fitter: Fitter, fit: Fit) -> Influence:
         """At a finished fit."""
         rows, count = fitter.rows_at(fit), len(fit.hypothesis.free)
-        prior = np.array([f.prior for f in fit.hypothesis.free], dtype=float)
-        information, shared, own = np.diag(prior), {}, {}
+        prior = fit.hypothesis.precision
+        information, shared, own = prior.copy(), {}, {}
         for trial in fitter.trials:
             counts = fit.trials[trial.id].residual != 0.0
             j = rows[trial.id] * counts[:, None]
@@ -56,7 +56,7 @@ class Influence:
         return cls(
             {k: covariance @ j.T for k, j in shared.items()},
             {k: np.hstack([own[k], j @ root]) for k, j in shared.items()},
-            np.einsum("ij,j,ij->i", covariance, prior, covariance),
+            np.einsum("ij,jk,ki->i", covariance, prior, covariance),
             np.diag(covariance),
         )
 

@@ -123,8 +123,8 @@ def hold_out(pool: Pool, judgement: Judgement) -> Callable[[], HeldOut | None]:
     def result() -> HeldOut:
         done = tuple(Fold.from_json(one()) for one in begun)
         trials, model = pool.workshop.trials, pool.workshop.model
-        before, after, selected = (_errors(model, trials, done, attrgetter(name)) for name in TOLD)
-        others = {label_of(sites): _errors(model, trials, done, _rival(k)) for k, sites in enumerate(rivals)}
+        before, after, selected = (errors_of(model, trials, done, attrgetter(name)) for name in TOLD)
+        others = {label_of(sites): errors_of(model, trials, done, _rival(k)) for k, sites in enumerate(rivals)}
         return HeldOut(scheme, done, before, after, selected, any(not s.trials for s in chosen.sites), others)
 
     return result
@@ -147,9 +147,10 @@ def _in_play(judgement: Judgement) -> list[Fit]:
     return [*(f for f in judgement.alternatives if f.hypothesis.sites and f not in near), *near]
 
 
-def _errors(
+def errors_of(
     model: RigModel, trials: Sequence[TrialData], done: Sequence[Fold], of: Callable[[Fold], Foretold]
 ) -> Errors:
+    """Errors of one model of every fold, over the trials that each has left out."""
     residuals: dict[str, np.ndarray] = {}
     chi2: dict[str, float] = {}
     failed: dict[str, str] = {}

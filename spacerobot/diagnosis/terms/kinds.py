@@ -4,16 +4,19 @@ from __future__ import annotations
 
 from typing import Final, Literal, TypeAlias
 
-Kind: TypeAlias = Literal["named", "ambiguous", "unknown", "nothing_missing", "wrong_parameter", "not_trusted"]
+Kind: TypeAlias = Literal[
+    "named", "learned", "ambiguous", "unknown", "nothing_missing", "wrong_parameter", "not_trusted"
+]
 
 NAMED: Final = "named"
+LEARNED: Final = "learned"
 AMBIGUOUS: Final = "ambiguous"
 UNKNOWN: Final = "unknown"
 NOTHING_MISSING: Final = "nothing_missing"
 WRONG_PARAMETER: Final = "wrong_parameter"
 NOT_TRUSTED: Final = "not_trusted"
 
-SETTLED: Final = (NAMED, WRONG_PARAMETER, NOTHING_MISSING)
+SETTLED: Final = (NAMED, LEARNED, WRONG_PARAMETER, NOTHING_MISSING)
 """Verdicts that settle the physics. A value fitted in any other model is no measurement and states no interval."""
 
 LeadsTo: TypeAlias = Literal["the same set", "not told apart from it", "a part of it", "another set"]
