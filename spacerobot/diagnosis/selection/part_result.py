@@ -118,7 +118,7 @@ class Part:
     def loudness(self) -> dict[str, float]:
         """By channel, rms of what the chosen model leaves over the noise that is stated; empty where none is."""
         expected = self.model.expected(self.fit.values())
-        sums = squares_of({k: f.residual for k, f in self.fit.trials.items()}, self.trials)
+        sums = squares_of(self.fit.residuals(), self.trials)
         return {c: float(np.sqrt(sums[c][0] / max(sums[c][1], 1))) / noise for c, noise in expected.items()}
 
     @property
