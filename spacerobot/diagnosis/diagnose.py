@@ -22,10 +22,10 @@ from spacerobot.diagnosis.selection.check import why_not
 from spacerobot.diagnosis.selection.checks import nested, synthetic, widened
 from spacerobot.diagnosis.selection.confirm import confirm
 from spacerobot.diagnosis.selection.decide import decide
-from spacerobot.diagnosis.selection.held_out import hold_out
 from spacerobot.diagnosis.selection.intervals import with_intervals
 from spacerobot.diagnosis.selection.limits import Limit, Limits
 from spacerobot.diagnosis.selection.precompile import help_compiling
+from spacerobot.diagnosis.selection.rig_fold import hold_out
 from spacerobot.diagnosis.selection.search_state import Report
 from spacerobot.diagnosis.terms.candidates import candidate_sites
 from spacerobot.diagnosis.terms.hypothesis import Label, Site
@@ -138,8 +138,8 @@ def diagnose(
         found,
         judgement,
         verdict,
-        before=held.before.residuals if held else base.residuals(),
-        after=held.after.residuals if held else judgement.chosen.residuals(),
+        before=held.before.residual if held else base.residuals(),
+        after=held.after.residual if held else judgement.chosen.residuals(),
         held_out=held is not None,
         unseen=of_rivals(workshop.trials, held),
         left=(left_of[id(base)], left_of.get(id(judgement.chosen), left_of[id(base)])),

@@ -63,7 +63,7 @@ def diagnose_parts(
         unseen = keep_aside(part.growth)
         checks = checks_of(part)
         if part.fit.hypothesis.sites:
-            checks = (*checks, unseen.check(part.name))
+            checks = (*checks, unseen.check(f"held out, {part.name}", whole=False))
         done.append(replace(part, located=located, checks=checks, unseen=unseen))
     report("judging", 0, 1)
     verdict = verdict_of(study, done, seed=seed, seconds=time.perf_counter() - began)

@@ -13,9 +13,9 @@ from spacerobot import __version__
 from spacerobot.diagnosis.answer import record
 from spacerobot.diagnosis.answer.alternatives import alternatives
 from spacerobot.diagnosis.answer.events import clocks, touches
+from spacerobot.diagnosis.answer.held_out import of_parts
 from spacerobot.diagnosis.answer.mended_model import FILE, RUNS
 from spacerobot.diagnosis.answer.not_predicted import not_predicted
-from spacerobot.diagnosis.answer.part_held_out import of_parts
 from spacerobot.diagnosis.answer.part_next_trial import next_trial
 from spacerobot.diagnosis.answer.record import FORMAT, Believed, Detectable, Effect, FoundModel, Moved, Number, Verdict
 from spacerobot.diagnosis.answer.verdict import all_moved, detectable, fitted_effects, moved_values, pattern

@@ -13,7 +13,7 @@ from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.forward.base import ChannelOverlay, ForwardModel, TrialOverlay, Value
 from spacerobot.diagnosis.machines.choose import models_for
 from spacerobot.diagnosis.machines.machine import Model
-from spacerobot.diagnosis.selection.part_held_out import start_of
+from spacerobot.diagnosis.selection.held_out import start_of
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Hypothesis
 from spacerobot.recordings.study import Study

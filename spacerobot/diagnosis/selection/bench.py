@@ -15,7 +15,7 @@ from spacerobot.diagnosis.fitting.noise import floor_of, reweighted, rms_of
 from spacerobot.diagnosis.fitting.screen import FAINT, Screener, faint
 from spacerobot.diagnosis.fitting.starts import fit_near
 from spacerobot.diagnosis.machines.machine import Model
-from spacerobot.diagnosis.selection.part_held_out import MOST, HeldOut, folds, predict_held_out
+from spacerobot.diagnosis.selection.held_out import MOST, HeldOut, folds, predict_held_out
 from spacerobot.diagnosis.selection.plausible import plausible
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Site, hypothesis

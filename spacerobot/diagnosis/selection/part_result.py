@@ -13,10 +13,10 @@ from spacerobot.diagnosis.machines.machine import Model
 from spacerobot.diagnosis.selection.candidate import Candidate, tried
 from spacerobot.diagnosis.selection.check import Check
 from spacerobot.diagnosis.selection.growth import Growth
+from spacerobot.diagnosis.selection.held_out import HeldOut
 from spacerobot.diagnosis.selection.judge import moved
+from spacerobot.diagnosis.selection.kept_aside import Unseen
 from spacerobot.diagnosis.selection.model_choice import TIE, agreeing, ratio
-from spacerobot.diagnosis.selection.part_fold import Unseen
-from spacerobot.diagnosis.selection.part_held_out import HeldOut
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.kinds import (
     AMBIGUOUS,
