@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from spacerobot.diagnosis.answer.part_verdict import balance
 from spacerobot.diagnosis.answer.record import Verdict, written
 from spacerobot.diagnosis.answer.verdict import labels_of, pattern
 from spacerobot.diagnosis.fitting.adequacy import Left
@@ -18,7 +17,7 @@ from spacerobot.diagnosis.locate.located import Located, Row, Surface
 from spacerobot.diagnosis.selection.candidate import Candidate
 from spacerobot.diagnosis.selection.check import Check
 from spacerobot.diagnosis.selection.judge import Judgement
-from spacerobot.diagnosis.selection.part_result import Part
+from spacerobot.diagnosis.selection.part_result import Part, balance
 from spacerobot.diagnosis.selection.search_state import Found
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Label

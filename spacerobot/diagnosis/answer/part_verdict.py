@@ -22,7 +22,7 @@ from spacerobot.diagnosis.answer.verdict import all_moved, detectable, fitted_ef
 from spacerobot.diagnosis.locate.located import LEVEL
 from spacerobot.diagnosis.selection.check import why_not
 from spacerobot.diagnosis.selection.part_limits import PartLimits
-from spacerobot.diagnosis.selection.part_result import Part
+from spacerobot.diagnosis.selection.part_result import Part, balance
 from spacerobot.diagnosis.terms.kinds import (
     AMBIGUOUS,
     NAMED,
@@ -145,12 +145,6 @@ def turning_unit(unit: str) -> str:
     above, _, below = unit.partition("/")
     above = {"N": "N m", "kg": "kg m^2", "m": "rad"}.get(above, above.replace("N s", "N m s"))
     return f"{above}/{below.replace('m', 'rad')}" if below else above
-
-
-def balance(part: Part, name: str, parts: Sequence[Part]) -> str:
-    """Name of a balance; where another part calls one of its own alike, with the part's name."""
-    others = [r.balance for p in parts if p is not part and p.located is not None for r in p.located.rows]
-    return f"{part.name}: {name}" if name in others else name
 
 
 def _moved(part: Part) -> dict[str, Believed]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -160,3 +161,9 @@ class Part:
         both = [t for t in self.trials if t.id in self.before.residual and t.id in self.after.residual]
         told = [squares_of(h.residual, both, self.after.counted) for h in (self.before, self.after, self.selected)]
         return {c: (told[0][c][0], told[1][c][0], *told[2][c]) for c in told[0]}
+
+
+def balance(part: Part, name: str, parts: Sequence[Part]) -> str:
+    """Name of a balance; where another part calls one of its own alike, with the part's name."""
+    others = [r.balance for p in parts if p is not part and p.located is not None for r in p.located.rows]
+    return f"{part.name}: {name}" if name in others else name
