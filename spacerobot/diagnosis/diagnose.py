@@ -5,14 +5,12 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
 
-from spacerobot.diagnosis.answer import evidence as ev
+from spacerobot.diagnosis.answer.evidence import evidence_of_rig
 from spacerobot.diagnosis.answer.held_out import of_rivals
 from spacerobot.diagnosis.answer.next_trial import next_trial_of_rig
-from spacerobot.diagnosis.answer.record import written
 from spacerobot.diagnosis.answer.result import Diagnosis
-from spacerobot.diagnosis.answer.verdict import labels_of, pattern, verdict_of_rig
+from spacerobot.diagnosis.answer.verdict import verdict_of_rig
 from spacerobot.diagnosis.fitting.fit_store import Store
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.mended_scene import scene_of
@@ -25,10 +23,10 @@ from spacerobot.diagnosis.selection.check import why_not
 from spacerobot.diagnosis.selection.checks import nested, synthetic, widened
 from spacerobot.diagnosis.selection.confirm import confirm
 from spacerobot.diagnosis.selection.decide import decide
-from spacerobot.diagnosis.selection.held_out import hold_out
 from spacerobot.diagnosis.selection.intervals import with_intervals
 from spacerobot.diagnosis.selection.limits import Limit, Limits
 from spacerobot.diagnosis.selection.precompile import help_compiling
+from spacerobot.diagnosis.selection.rig_fold import hold_out
 from spacerobot.diagnosis.selection.search_state import Report
 from spacerobot.diagnosis.terms.candidates import candidate_sites
 from spacerobot.diagnosis.terms.hypothesis import Label, Site
@@ -36,9 +34,6 @@ from spacerobot.diagnosis.terms.kinds import AMBIGUOUS, NAMED, UNKNOWN
 from spacerobot.recordings.lacking import refuse_draft
 from spacerobot.recordings.study import Study
 from spacerobot.support.executors.base import Executor
-
-SHOWN = 40
-"""Located patterns that a report lists."""
 
 
 def _silent(what: str, done: int, total: int) -> None:
@@ -145,20 +140,21 @@ def diagnose(
         why=[*why_not(checks), *_not_shown(decided.withdrawn)],
         learnt=learnt,
     )
-    shown_before = held.before.residuals if held else {k: t.residual for k, t in base.trials.items()}
-    shown_after = held.after.residuals if held else {k: t.residual for k, t in judgement.chosen.trials.items()}
     left = {f.hypothesis.label: left_of[id(f)] for f in [base, judgement.chosen] if id(f) in left_of}
-    evidence = {
-        "study": ev.study_evidence(study, workshop.trials),
-        "traces": ev.traces(workshop.trials, shown_before, shown_after, held is not None),
-        "hypotheses": ev.hypotheses(found, judgement, of_rivals(workshop.trials, held)),
-        "located": [{**written(pattern(r)), "significance": r.score} for r in located.rows[:SHOWN]],
-        "surfaces": [asdict(s) for s in located.surfaces],
-        "whiteness": ev.whiteness(left_of[id(base)], left_of.get(id(judgement.chosen), left_of[id(base)])),
-        "formulas": ev.formulas(labels_of(judgement)),
-        "checks": [asdict(c) for c in checks],
-        "timing": {"seconds": verdict.seconds},
-    }
+    evidence = evidence_of_rig(
+        study,
+        workshop.trials,
+        found,
+        judgement,
+        verdict,
+        before=held.before.residual if held else base.residuals(),
+        after=held.after.residual if held else judgement.chosen.residuals(),
+        held_out=held is not None,
+        unseen=of_rivals(workshop.trials, held),
+        left=(left_of[id(base)], left_of.get(id(judgement.chosen), left_of[id(base)])),
+        located=located,
+        checks=checks,
+    )
     scene = scene_of(study, workshop.model, judgement.chosen)
     return Diagnosis(verdict, evidence, found, judgement, left, scene=scene)
 

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 
+from spacerobot.diagnosis.answer.evidence import evidence_of_parts
 from spacerobot.diagnosis.answer.mended_model import model_text
-from spacerobot.diagnosis.answer.part_evidence import evidence_of
 from spacerobot.diagnosis.answer.part_verdict import verdict_of
 from spacerobot.diagnosis.answer.result import Diagnosis
 from spacerobot.diagnosis.fitting.fit_store import Kept, Store
@@ -63,11 +63,11 @@ def diagnose_parts(
         unseen = keep_aside(part.growth)
         checks = checks_of(part)
         if part.fit.hypothesis.sites:
-            checks = (*checks, unseen.check(part.name))
+            checks = (*checks, unseen.check(f"held out, {part.name}", whole=False))
         done.append(replace(part, located=located, checks=checks, unseen=unseen))
     report("judging", 0, 1)
     verdict = verdict_of(study, done, seed=seed, seconds=time.perf_counter() - began)
-    evidence = evidence_of(study, done, verdict)
+    evidence = evidence_of_parts(study, done, verdict)
     return Diagnosis(verdict, evidence, parts=tuple(done), model=model_text(study, done))
 
 

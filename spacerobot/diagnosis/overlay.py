@@ -63,10 +63,12 @@ class Overlay(Brief, Mapping[str, TrialOverlay]):
 
     @property
     def not_predicted(self) -> list[str]:
-        """Recorded channels that no simulation shows; drives and notes are not counted."""
+        """Recorded channels that no simulation shows or takes as given; drives and notes are not counted."""
         shown = {c.channel for t in self.trials for c in t.channels}
         recorded = {s.name for t in self.study.trials for s in self.study.recording(t).outputs()}
-        return sorted(n for n in recorded - shown if not n.startswith("aux.") and not n.endswith(".reference"))
+        return sorted(
+            n for n in recorded - shown - self.model.given if not n.startswith("aux.") and not n.endswith(".reference")
+        )
 
     def as_json(self) -> dict[str, Any]:
         """As in overlay.json; SI."""

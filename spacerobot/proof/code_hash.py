@@ -15,12 +15,11 @@ AFTERWARDS = ("batch.py", "code_hash.py", "proved.py", "published.py", "rates.py
 
 _OTHERS = {
     "diagnosis": "forward diagnose_parts overlay study_check",
-    "diagnosis/machines": "axis body choose grid impacts joint_torques links machine measured platform prescribed "
-    "simulated sizes stated_noise test_functions tossed touch windows",
+    "diagnosis/machines": "axis body choose grid impacts joint_torques links platform prescribed simulated "
+    "stated_noise test_functions tossed touch",
     "diagnosis/locate": "of_model series velocity_jump",
-    "diagnosis/selection": "bench candidate forward_selection growth likelihood_ratio model_choice nested_laws "
-    "part_checks part_fold part_held_out part_limits part_result plausible",
-    "diagnosis/answer": "alternatives events mended_model part_evidence part_held_out part_next_trial part_verdict",
+    "diagnosis/selection": "forward_selection likelihood_ratio nested_laws part_checks part_fold part_limits",
+    "diagnosis/answer": "alternatives events mended_model part_next_trial part_verdict",
 }
 ELSEWHERE = tuple(
     f"{k}/{n}" if (ROOT / k / n).is_dir() else f"{k}/{n}.py" for k, v in _OTHERS.items() for n in v.split()

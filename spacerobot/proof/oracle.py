@@ -12,7 +12,7 @@ from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.fitting.starts import fit_from
 from spacerobot.diagnosis.machines.wrist_rig import RigModel
-from spacerobot.diagnosis.selection.held_out import folds
+from spacerobot.diagnosis.selection.held_out import MOST_FOLDS, folds
 from spacerobot.diagnosis.selection.unseen import foretell, nothing_foretold
 from spacerobot.diagnosis.terms.data import TrialData, trial_data
 from spacerobot.diagnosis.terms.hypothesis import Site
@@ -94,7 +94,7 @@ class Bench:
         """Leave one condition out in turn: fit the others from here, predict what was left out, in both ways."""
         total, samples = 0.0, 0
         errors: dict[str, list[np.ndarray]] = {}
-        for unseen in folds(self.trials)[1]:
+        for _, unseen in folds(self.trials, MOST_FOLDS):
             seen = [t for t in self.trials if t.id not in unseen]
             own = {t.id: fit.initials()[t.id] for t in seen}
             part = Fitter(self.model, seen).fit(

@@ -13,8 +13,8 @@ import pytest
 from spacerobot.diagnosis.fitting.adequacy import COLOUR_LIMIT, GROUP_LIMIT, ChannelLeft
 from spacerobot.diagnosis.fitting.approach import LEVEL_LIMIT
 from spacerobot.diagnosis.selection.candidate import Candidate
+from spacerobot.diagnosis.selection.held_out import HeldOut
 from spacerobot.diagnosis.selection.model_choice import WORTH_OF_REST, pays, ratio
-from spacerobot.diagnosis.selection.part_held_out import HeldOut
 from spacerobot.support.runs import combined_hash
 
 EPS = 1e-6

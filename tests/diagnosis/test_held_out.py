@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -14,16 +14,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from spacerobot.diagnosis.answer.held_out import of_rig, of_rivals, taken
+from spacerobot.diagnosis.answer.held_out import of_rig, of_rivals
 from spacerobot.diagnosis.answer.record import written
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
 from spacerobot.diagnosis.selection import intervals, unseen
-from spacerobot.diagnosis.selection.fold import Fold, folded
-from spacerobot.diagnosis.selection.held_out import MOST_FOLDS, Errors, HeldOut, folds, hold_out
+from spacerobot.diagnosis.selection.held_out import MOST_FOLDS, HeldOut, folds, scheme_of
 from spacerobot.diagnosis.selection.judge import Judgement, Rival
-from spacerobot.diagnosis.selection.unseen import Foretold, foretell, nothing_foretold, seen_sites
+from spacerobot.diagnosis.selection.kept_aside import Fold, Unseen
+from spacerobot.diagnosis.selection.rig_fold import Predictions, folded, hold_out
+from spacerobot.diagnosis.selection.unseen import foretell, nothing_foretold, seen_sites
 from spacerobot.diagnosis.terms.data import Block, TrialData
 from spacerobot.diagnosis.terms.hypothesis import Site
 from spacerobot.diagnosis.terms.kinds import NAMED, OPEN, OTHER, PART, SAME
@@ -76,7 +77,7 @@ def known_before(fold: dict[str, Any]) -> dict[str, Any]:
 
 def test_a_fold_takes_back_what_it_does_not_show(workshop: Workshop, monkeypatch: pytest.MonkeyPatch) -> None:
     """As all trials do: an effect whose interval there holds nothing is not what the fold leads to."""
-    _, (out, _) = folds(workshop.trials)
+    (_, out), _ = folds(workshop.trials)
 
     def holds_nothing(fit: Fit, key: str, inflation: float) -> tuple[float, tuple[float, float]]:
         return 0.0, (-1.0, 1.0)
@@ -90,7 +91,7 @@ def test_a_fold_takes_back_what_it_does_not_show(workshop: Workshop, monkeypatch
 
 def test_readings_that_are_kept_aside_change_nothing_that_is_fitted_or_chosen(workshop: Workshop) -> None:
     """To the last bit."""
-    _, (out, _) = folds(workshop.trials)
+    (_, out), _ = folds(workshop.trials)
     true = folded(workshop, out, [RUB], RIVALS, True)
     false = folded(corrupted(workshop, out), out, [RUB], RIVALS, True)
     assert known_before(true) == known_before(false)
@@ -100,7 +101,7 @@ def test_readings_that_are_kept_aside_change_nothing_that_is_fitted_or_chosen(wo
 
 @pytest.mark.parametrize("leak", ["their readings are fitted", "the start is the optimum of all"])
 def test_a_leak_of_them_does(workshop: Workshop, leak: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    _, (out, _) = folds(workshop.trials)
+    (_, out), _ = folds(workshop.trials)
     if leak == "their readings are fitted":
         monkeypatch.setattr(Workshop, "but_for", lambda self, out: self)
         said = [folded(w, out, [RUB], [], False) for w in (workshop, corrupted(workshop, out))]
@@ -116,7 +117,7 @@ def test_a_leak_of_them_does(workshop: Workshop, leak: str, monkeypatch: pytest.
 
 def test_a_conditions_own_is_found_from_its_other_trials(workshop: Workshop) -> None:
     """What is judged tells nothing of itself but how it starts."""
-    _, (out, _) = folds(workshop.trials)
+    (_, out), _ = folds(workshop.trials)
     fit = workshop.but_for(out).run(Task((RUB.label,), {RUB.key("force_N"): 0.3}, max_iterations=8))
     assert fit is not None
     one, other = out
@@ -178,7 +179,7 @@ def test_a_trial_that_cannot_be_simulated_is_said_and_counts(
     assert whole.check().passed
 
 
-def predicted(workshop: Workshop) -> HeldOut:
+def predicted(workshop: Workshop) -> Unseen:
     """Friction as the chosen set of all trials."""
     fit = workshop.run(Task((RUB.label,), {RUB.key("force_N"): 0.3}, max_iterations=2))
     assert fit is not None
@@ -197,17 +198,17 @@ def test_what_was_done_is_said(workshop: Workshop) -> None:
     assert entry["folds"][0]["selected"] == [{"effect": "coulomb_friction", "where": "wrist"}]
     assert entry["overall"]["rms_after"] == pytest.approx(entry["overall"]["rms_selected"])
     assert entry["overall"]["rms_after"] < 1.05 < entry["overall"]["rms_before"]
-    assert entry["taken_from_unseen"] == taken(held)
-    assert "wrist.stiffness, from its other trials" in taken(held)[1]
+    assert entry["taken_from_unseen"] == list(held.taken)
+    assert "wrist.stiffness, from its other trials" in held.taken[1]
     samples = {t.id: t.samples for t in workshop.trials}
     total = sum(f["rms_after"] ** 2 * sum(samples[t] for t in f["left_out"]) for f in entry["folds"])
     assert total == pytest.approx(entry["overall"]["chi2_after"])
 
 
 def test_a_store_gives_back_the_same_to_the_last_bit(workshop: Workshop) -> None:
-    _, (out, _) = folds(workshop.trials)
+    (_, out), _ = folds(workshop.trials)
     said = folded(workshop, out, [RUB], [], False)
-    there, back = Fold.from_json(said), Fold.from_json(json.loads(json.dumps(plain(said))))
+    there, back = Predictions.from_json(said), Predictions.from_json(json.loads(json.dumps(plain(said))))
     for trial in workshop.trials[:2]:
         for name in TOLD:
             rows = [getattr(f, name).residual(workshop.model, trial) for f in (there, back)]
@@ -239,7 +240,7 @@ def test_a_knock_in_a_trial_kept_aside_is_foretold_by_nobody() -> None:
 @given(st.lists(st.integers(0, 9), min_size=2, max_size=30))
 def test_every_trial_is_left_out_once_and_no_condition_is_torn(conditions: list[int]) -> None:
     trials = [TrialData(str(k), str(c), {}, (), 0.0, 1.0) for k, c in enumerate(conditions)]
-    scheme, sets = folds(trials)
+    scheme, sets = scheme_of(trials, MOST_FOLDS), [out for _, out in folds(trials, MOST_FOLDS)]
     assert sorted(id for s in sets for id in s) == sorted(t.id for t in trials)
     assert 2 <= len(sets) <= MOST_FOLDS
     if len(set(conditions)) > 1:
@@ -249,16 +250,16 @@ def test_every_trial_is_left_out_once_and_no_condition_is_torn(conditions: list[
     assert ("every" in scheme) == (len({t.condition for t in trials if "condition" in scheme} or trials) > MOST_FOLDS)
 
 
-def outcome(leads_to: Sequence[str], before: float, after: float, everywhere: bool = True) -> HeldOut:
+def outcome(leads_to: Sequence[str], before: float, after: float, everywhere: bool = True) -> Unseen:
     """Folds of one trial each, with these errors in the first one and worse than before in those that tell nothing."""
-    told = Foretold(())
-    parts = tuple(Fold((str(k),), told, told, told, what) for k, what in enumerate(leads_to))
+    parts = tuple(Fold((str(k),), (), what) for k, what in enumerate(leads_to))
     silent = {str(k): 5.0 for k, what in enumerate(leads_to) if k and what not in (SAME, OPEN)}
     rest = {str(k): 0.0 for k in range(1, len(parts))}
-    errors = [
-        Errors({}, {**rest, "0": chi2, **by}, {}) for chi2, by in ((before, {}), (after, silent), (after, silent))
-    ]
-    return HeldOut("leave one condition out", parts, errors[0], errors[1], errors[2], everywhere)
+
+    def errors(chi2: float, by: Mapping[str, float]) -> HeldOut:
+        return HeldOut({k: np.zeros(1) for k in [*rest, "0"]}, {}, {**rest, "0": chi2, **by})
+
+    return Unseen("", parts, errors(before, {}), errors(after, silent), errors(after, silent), everywhere)
 
 
 @pytest.mark.parametrize(
@@ -276,7 +277,7 @@ def outcome(leads_to: Sequence[str], before: float, after: float, everywhere: bo
         (outcome([SAME] * 4, 1.0, 1.0, everywhere=False), True),  # a knock in one trial foretells no other
     ],
 )
-def test_nothing_is_named_that_most_folds_contradict_or_that_predicts_no_better(held: HeldOut, passed: bool) -> None:
+def test_nothing_is_named_that_most_folds_contradict_or_that_predicts_no_better(held: Unseen, passed: bool) -> None:
     check = held.check()
     assert check.passed is passed
     assert check.detail

@@ -13,16 +13,16 @@ from spacerobot import __version__
 from spacerobot.diagnosis.answer import record
 from spacerobot.diagnosis.answer.alternatives import alternatives
 from spacerobot.diagnosis.answer.events import clocks, touches
+from spacerobot.diagnosis.answer.held_out import of_parts
 from spacerobot.diagnosis.answer.mended_model import FILE, RUNS
 from spacerobot.diagnosis.answer.not_predicted import not_predicted
-from spacerobot.diagnosis.answer.part_held_out import of_parts
 from spacerobot.diagnosis.answer.part_next_trial import next_trial
 from spacerobot.diagnosis.answer.record import FORMAT, Believed, Detectable, Effect, FoundModel, Moved, Number, Verdict
 from spacerobot.diagnosis.answer.verdict import all_moved, detectable, fitted_effects, moved_values, pattern
 from spacerobot.diagnosis.locate.located import LEVEL
 from spacerobot.diagnosis.selection.check import why_not
 from spacerobot.diagnosis.selection.part_limits import PartLimits
-from spacerobot.diagnosis.selection.part_result import Part
+from spacerobot.diagnosis.selection.part_result import Part, balance
 from spacerobot.diagnosis.terms.kinds import (
     AMBIGUOUS,
     NAMED,
@@ -145,12 +145,6 @@ def turning_unit(unit: str) -> str:
     above, _, below = unit.partition("/")
     above = {"N": "N m", "kg": "kg m^2", "m": "rad"}.get(above, above.replace("N s", "N m s"))
     return f"{above}/{below.replace('m', 'rad')}" if below else above
-
-
-def balance(part: Part, name: str, parts: Sequence[Part]) -> str:
-    """Name of a balance; where another part calls one of its own alike, with the part's name."""
-    others = [r.balance for p in parts if p is not part and p.located is not None for r in p.located.rows]
-    return f"{part.name}: {name}" if name in others else name
 
 
 def _moved(part: Part) -> dict[str, Believed]:

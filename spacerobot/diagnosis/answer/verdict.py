@@ -30,8 +30,8 @@ from spacerobot.diagnosis.fitting.interval import Intervals, interval
 from spacerobot.diagnosis.learning.learn import Learnt
 from spacerobot.diagnosis.locate.located import LEVEL, Located, Row
 from spacerobot.diagnosis.machines.wrist_rig import ABSORBING, RigModel
-from spacerobot.diagnosis.selection.held_out import HeldOut
 from spacerobot.diagnosis.selection.judge import MOVED, Judgement
+from spacerobot.diagnosis.selection.kept_aside import Unseen
 from spacerobot.diagnosis.selection.limits import Limit
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Label
@@ -180,7 +180,7 @@ def verdict_of_rig(
     seconds: float,
     inflation: float,
     located: Located,
-    held: HeldOut | None,
+    held: Unseen | None,
     limits: Sequence[Limit],
     next_experiment: NextExperiment | None,
     profiled: Intervals,

@@ -68,6 +68,10 @@ class Fit:
         """Initial values by trial, for a warm start."""
         return {name: t.initial for name, t in self.trials.items()}
 
+    def residuals(self) -> dict[str, np.ndarray]:
+        """Weighted residuals by trial, shape (S,) each."""
+        return {name: t.residual for name, t in self.trials.items()}
+
 
 @dataclass(frozen=True, eq=False)
 class State:

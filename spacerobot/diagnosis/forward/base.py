@@ -140,6 +140,11 @@ class ForwardModel(ABC):
     def assumptions(self) -> tuple[str, ...]:
         """What else was taken for granted, a sentence each; a trial's start among it."""
 
+    @property
+    def given(self) -> frozenset[str]:
+        """Channels that it takes as they were recorded, beside the inputs."""
+        return frozenset()
+
     @abstractmethod
     def simulate(self, trial: Trial) -> TrialOverlay:
         """One trial from its own initial state.

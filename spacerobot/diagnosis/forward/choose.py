@@ -6,11 +6,12 @@ from spacerobot.diagnosis.forward.base import ForwardModel
 from spacerobot.diagnosis.forward.driven_axis import DrivenAxis
 from spacerobot.diagnosis.forward.floating_platform import FloatingPlatform
 from spacerobot.diagnosis.forward.free_body import FreeBody
+from spacerobot.diagnosis.forward.parts import Parts
 from spacerobot.diagnosis.forward.wrist_rig import WristRig
 from spacerobot.recordings.study import Study
 from spacerobot.support.errors import InputError
 
-MODELS: tuple[type[ForwardModel], ...] = (WristRig, DrivenAxis, FloatingPlatform, FreeBody)
+MODELS: tuple[type[ForwardModel], ...] = (WristRig, DrivenAxis, FloatingPlatform, FreeBody, Parts)
 """In the order in which they are asked."""
 
 

@@ -19,9 +19,9 @@ from spacerobot.diagnosis.forward.base import (
 )
 from spacerobot.diagnosis.forward.momentum_balance import balance
 from spacerobot.diagnosis.machines import torque_log
-from spacerobot.effects.laws import DAMPER, SPRING
+from spacerobot.diagnosis.machines.axis import axis
+from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.effects.mechanism import Mechanism
-from spacerobot.effects.primitives import Coordinate, Force, Input, Readout
 from spacerobot.recordings.rig_robot import study_robot
 from spacerobot.recordings.study import Study
 from spacerobot.recordings.trial import Trial
@@ -154,17 +154,8 @@ class DrivenAxis(ForwardModel):
 
     def mechanism(self, values: Mapping[str, float]) -> Mechanism:
         """The axis with these values of mass, damping and stiffness."""
-        port = self._port
-        return Mechanism(
-            coordinates={port: Coordinate(port, values["mass"], angular=self.angular)},
-            ports={port: {port: 1.0}},
-            forces=(
-                Force("spring", port, SPRING, (values.get("stiffness", 0.0),), role="spring"),
-                Force("damper", port, DAMPER, (values.get("damping", 0.0),), role="damper"),
-            ),
-            inputs=(Input("drive", port, self._channel("torque")),),
-            readouts={f"{port}.{kind}": Readout(f"{port}.{kind}", kind, port) for kind in ("position", "velocity")},
-        )
+        named = {f"{self._port}.{law}": value for law, value in values.items()}
+        return axis(self.joint, "", self.angular)(named, TrialData("", "", {}, (), 0.0, 0.0))
 
     @property
     def _springy(self) -> bool:

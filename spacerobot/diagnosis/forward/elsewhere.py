@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from spacerobot.diagnosis.forward.as_diagnosed import AsDiagnosed
 from spacerobot.diagnosis.forward.base import ForwardModel, TrialOverlay
 from spacerobot.diagnosis.forward.choose import forward_model
+from spacerobot.diagnosis.forward.parts import AsDiagnosed
 from spacerobot.recordings.study import Study
 from spacerobot.support.executors.base import Executor
 from spacerobot.support.runs import combined_hash

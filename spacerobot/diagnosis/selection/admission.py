@@ -99,7 +99,7 @@ def moving(study: Study) -> None:
 
 def of_model(study: Study, model: Model) -> Iterator[InputError]:
     """Why a machine's model cannot be fitted and tried: but one piece of data, a channel that has no weight."""
-    from spacerobot.diagnosis.selection.part_held_out import folds
+    from spacerobot.diagnosis.selection.held_out import folds
 
     for piece in model.trials:
         for block in piece.blocks:

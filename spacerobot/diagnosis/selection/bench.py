@@ -15,7 +15,7 @@ from spacerobot.diagnosis.fitting.noise import floor_of, reweighted, rms_of
 from spacerobot.diagnosis.fitting.screen import FAINT, Screener, faint
 from spacerobot.diagnosis.fitting.starts import fit_near
 from spacerobot.diagnosis.machines.machine import Model
-from spacerobot.diagnosis.selection.part_held_out import MOST, HeldOut, folds, predict_held_out
+from spacerobot.diagnosis.selection.held_out import MOST, HeldOut, folds, predict_held_out
 from spacerobot.diagnosis.selection.plausible import plausible
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Site, hypothesis
@@ -61,11 +61,11 @@ class Bench:
 
     def sharpen(self, fit: Fit) -> None:
         """Weights that a fit's own rms would satisfy at a small part of it, so that descents end where they should."""
-        self._set({c: FINE * f for c, f in rms_of(_residuals(fit), self.trials).items()})
+        self._set({c: FINE * f for c, f in rms_of(fit.residuals(), self.trials).items()})
 
     def weigh(self, fit: Fit) -> None:
         """Weights from what a fit leaves over, so that chi-squared counts independent samples."""
-        self._set(floor_of(_residuals(fit), self.trials))
+        self._set(floor_of(fit.residuals(), self.trials))
 
     def _set(self, ratios: Mapping[str, float]) -> None:
         """A sensor whose noise is stated is never believed more than that."""
@@ -162,7 +162,3 @@ class Bench:
 
 def _as_row(promise: Promise) -> list[Any]:
     return [list(promise.site.label), dict(promise.start), promise.cost]
-
-
-def _residuals(fit: Fit) -> dict[str, np.ndarray]:
-    return {k: t.residual for k, t in fit.trials.items()}

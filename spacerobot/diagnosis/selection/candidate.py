@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from spacerobot.diagnosis.fitting.fitted import Fit
-from spacerobot.diagnosis.selection.part_held_out import HeldOut
+from spacerobot.diagnosis.selection.held_out import HeldOut
 from spacerobot.diagnosis.terms.hypothesis import Label, Site
 from spacerobot.support.errors import SimulationError
 

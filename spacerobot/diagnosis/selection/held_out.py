@@ -1,166 +1,195 @@
-"""Held-out conditions: everything decided without them, what was decided predicts them; before against after."""
+"""Prediction of what a fit has not seen: folds by condition, and a held-out trial's own start."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from operator import attrgetter
 
 import numpy as np
 
-from spacerobot.diagnosis.fitting.fitted import Fit
-from spacerobot.diagnosis.fitting.pool import Pool
-from spacerobot.diagnosis.machines.wrist_rig import RigModel
-from spacerobot.diagnosis.selection.check import Check
-from spacerobot.diagnosis.selection.fold import Fold, folded
-from spacerobot.diagnosis.selection.judge import Judgement
-from spacerobot.diagnosis.selection.unseen import Foretold, nothing_foretold
-from spacerobot.diagnosis.terms.candidates import contains
-from spacerobot.diagnosis.terms.data import TrialData
-from spacerobot.diagnosis.terms.hypothesis import Label, label_of
-from spacerobot.diagnosis.terms.kinds import AMBIGUOUS, NAMED, OPEN, OTHER, SAME, TOLD
+from spacerobot.diagnosis.fitting.gauss_newton import Fitter
+from spacerobot.diagnosis.fitting.noise import squares_of
+from spacerobot.diagnosis.machines.machine import Model
+from spacerobot.diagnosis.machines.windows import FOLDS
+from spacerobot.diagnosis.terms.data import TrialData, recorded_id
+from spacerobot.diagnosis.terms.hypothesis import Hypothesis
+from spacerobot.support.errors import SimulationError
+
+MOST = 12
+"""Conditions, or trials, that are left out one by one to try a candidate; of more, so many groups are in turn."""
 
 MOST_FOLDS = 6
-"""Conditions, or trials, that are left out one by one; of more, so many groups are left out in turn."""
+"""The same where everything is decided again without them."""
 
-RIVALS = 3
-"""Sets nearest to the chosen one that each fold chooses among, beside those that are not told apart."""
+HEAD = 1.0
+"""Share of a held-out trial that tells how it starts; how it starts is not what is tested."""
+
+STEPS = 2
+"""Gauss-Newton steps to a held-out trial's start; a start moves the track nearly in proportion."""
 
 
-@dataclass(frozen=True, eq=False)
-class Errors:
-    """Prediction errors of one model of every fold.
+def folds(trials: Sequence[TrialData], most: int = MOST) -> list[tuple[str, tuple[str, ...]]]:
+    """What is left out in turn: conditions; where there is but one, its trials; where there is but one, parts of it.
 
-    Attributes:
-        residuals: weighted residual by trial, shape (S,).
-        chi2: by trial, sum of their squares and what its condition's own values cost.
-        failed: trial -> why it could not be predicted; its residual is then that of predicting each channel's mean.
+    Of more than `most` of them, so many groups.
+
+    Returns:
+        (label, trial ids) each; at least two, unless there is but one trial in one piece.
     """
+    for label in (lambda t: t.condition, lambda t: t.recorded):
+        names = list(dict.fromkeys(label(t) for t in trials))
+        if len(names) > most:
+            groups = [set(names[k::most]) for k in range(most)]
+            return [(f"every {most}th", tuple(t.id for t in trials if label(t) in g)) for g in groups]
+        if len(names) > 1:
+            return [(n, tuple(t.id for t in trials if label(t) == n)) for n in names]
+    parts = np.array_split(np.array([t.id for t in trials]), min(FOLDS, len(trials)))
+    return [(f"part {i + 1}", tuple(str(x) for x in p)) for i, p in enumerate(parts)]
 
-    residuals: Mapping[str, np.ndarray]
-    chi2: Mapping[str, float]
-    failed: Mapping[str, str]
 
-    @property
-    def total(self) -> float:
-        """chi-squared over all held-out trials."""
-        return float(sum(self.chi2.values()))
+def scheme_of(trials: Sequence[TrialData], most: int = MOST) -> str:
+    """What `folds` leaves out in turn, in words."""
+    for what, of in (("condition", lambda t: t.condition), ("trial", lambda t: t.recorded)):
+        count = len({of(t) for t in trials})
+        if count > most:
+            return f"leave every {most}th {what} out"
+        if count > 1:
+            return f"leave one {what} out"
+    return f"leave one part of {FOLDS} out"
 
 
 @dataclass(frozen=True, eq=False)
 class HeldOut:
-    """How well trials are predicted by what was decided and fitted without them.
+    """Prediction errors of trials that a fit had not seen.
 
     Attributes:
-        scheme: what is left out in turn, in words.
-        folds: what was decided and said in each.
-        before: errors of the baseline.
-        after: of the set chosen on all trials.
-        selected: of the set that each fold has chosen by itself.
-        everywhere: whether any of the chosen set's effects acts in more than some trials.
-        rivals: errors of the further sets that the folds chose among.
+        residual: trial -> weighted residual, shape (S,), predicted minus measured, zero where not counted.
+        counted: trial -> which samples count, shape (S,).
+        paid: by trial, what its condition's own values cost under their prior where they were found from it.
+        failed: trial -> why it could not be predicted; its residual is then that of predicting each channel's mean.
     """
 
-    scheme: str
-    folds: tuple[Fold, ...]
-    before: Errors
-    after: Errors
-    selected: Errors
-    everywhere: bool = True
-    rivals: Mapping[Label, Errors] = field(default_factory=dict)
+    residual: Mapping[str, np.ndarray]
+    counted: Mapping[str, np.ndarray]
+    paid: Mapping[str, float] = field(default_factory=dict)
+    failed: Mapping[str, str] = field(default_factory=dict)
 
-    def leading_to(self, *what: str) -> list[Fold]:
-        """Folds that lead to such a set by themselves."""
-        return [f for f in self.folds if f.leads_to in what]
+    @property
+    def chi2(self) -> dict[str, float]:
+        """By trial, the sum of squares and what its condition's own values cost."""
+        return {k: float(r @ r) + self.paid.get(k, 0.0) for k, r in self.residual.items()}
 
-    def check(self) -> Check:
-        """Whether a set may be named, as far as unseen trials tell.
+    @property
+    def total(self) -> float:
+        """chi-squared over all trials."""
+        return float(sum(self.chi2.values()))
 
-        Not where most folds lead to something else; nor where those that lead to it (all, where none does) predict
-        their trials no better with it. What acts in one trial alone, no other trial can foretell.
-        """
-        same, count = len(self.leading_to(SAME)), len(self.folds)
-        said = f"without a part of the trials {same} of {count} times the same set is chosen"
-        if 2 * len(self.leading_to(OTHER)) > count:
-            others = f"{len(self.leading_to(OTHER))} of {count} times another set is chosen"
-            return Check("held out", False, f"without a part of the trials {others}")
-        telling = [t for f in self.leading_to(SAME, OPEN) or self.folds for t in f.out]
-        before, after = (sum(e.chi2[t] for t in telling) for e in (self.before, self.after))
-        if self.everywhere and not after < before:
-            worse = "it predicts trials that were kept aside no better than the baseline"
-            return Check("held out", False, f"{said}, and {worse}")
-        return Check("held out", True, said)
+    @property
+    def mean_square(self) -> float:
+        """Over all samples."""
+        return self.total / max(sum(int(c.sum()) for c in self.counted.values()), 1)
 
+    def of(self, trials: Sequence[str]) -> HeldOut:
+        """Of some of the trials alone."""
+        return HeldOut(*({t: told[t] for t in trials if t in told} for told in vars(self).values()))
 
-def folds(trials: Sequence[TrialData]) -> tuple[str, list[tuple[str, ...]]]:
-    """Sets of trials to leave out in turn: conditions, or trials where there is one condition only."""
-    groups: dict[str, list[str]] = {}
-    for trial in trials:
-        groups.setdefault(trial.condition, []).append(trial.id)
-    what = "condition" if len(groups) > 1 else "trial"
-    sets = [*groups.values()] if len(groups) > 1 else [[t.id] for t in trials]
-    scheme = f"leave one {what} out" if len(sets) <= MOST_FOLDS else f"leave every {MOST_FOLDS}th {what} out"
-    parts = [[id for ids in sets[k::MOST_FOLDS] for id in ids] for k in range(min(MOST_FOLDS, len(sets)))]
-    return scheme, [tuple(part) for part in parts]
+    def rms(self, trials: Sequence[TrialData]) -> dict[str, float]:
+        """By channel, in the channel's unit."""
+        sums = squares_of(self.residual, trials, self.counted)
+        return {c: float(np.sqrt(s / max(n, 1))) for c, (s, n) in sums.items()}
+
+    def written(self) -> dict[str, dict[str, list[float]]]:
+        """As JSON holds it: of a candidate that predicts every trial."""
+        both = {"residual": self.residual, "counted": self.counted}
+        return {name: {k: a.tolist() for k, a in arrays.items()} for name, arrays in both.items()}
+
+    @classmethod
+    def read(cls, kept: Mapping[str, Mapping[str, Sequence[float]]]) -> HeldOut:
+        """What was `written`."""
+        residual = {k: np.array(v, dtype=float) for k, v in kept["residual"].items()}
+        return cls(residual, {k: np.array(v, dtype=bool) for k, v in kept["counted"].items()})
 
 
-def hold_out(pool: Pool, judgement: Judgement) -> Callable[[], HeldOut | None]:
-    """Begin to decide again without each fold, and to predict it; asked for, the result. None where nothing is left.
+def start_of(
+    fitter: Fitter,
+    model: Model,
+    hypothesis: Hypothesis,
+    z: np.ndarray,
+    trial: TrialData,
+    head: float = HEAD,
+    trust: float = 1.0,
+) -> np.ndarray:
+    """How an unseen trial starts, shape (N,), given everything else: found from the trial itself.
+
+    Gauss-Newton steps of the head's residual, with the reading at its start as a prior of its own standard deviation,
+    which counts `trust` times.
+    """
+    nuisances = model.nuisances(trial)
+    guess = np.array([n.guess for n in nuisances])
+    if not nuisances or head <= 0.0:
+        return guess
+    early = np.concatenate(
+        [np.tile(b.time <= trial.start + head * (trial.end - trial.start), len(b.channels)) for b in trial.blocks]
+    )
+    scales = np.array([n.scale for n in nuisances])
+    start = guess
+    for _ in range(STEPS):
+        base, keep = fitter.residual(hypothesis, z, trial, start)
+        columns = np.empty((base.size, scales.size))
+        for n, scale in enumerate(scales):
+            moved = start.copy()
+            moved[n] += scale
+            columns[:, n] = fitter.residual(hypothesis, z, trial, moved)[0] - base
+        j, r = columns[early & keep], base[early & keep]
+        prior = (start - guess) / scales
+        start = start - scales * np.linalg.solve(j.T @ j + trust * np.eye(scales.size), j.T @ r + trust * prior)
+    return start
+
+
+def predict_held_out(
+    model: Model,
+    trials: Sequence[TrialData],
+    made: Hypothesis,
+    warm: Mapping[str, float],
+    left_out: Sequence[tuple[str, tuple[str, ...]]],
+    initials: Mapping[str, np.ndarray] | None = None,
+    max_iterations: int = 12,
+    *,
+    shown: Model | None = None,
+    head: float = HEAD,
+    trust: float = 1.0,
+) -> HeldOut:
+    """Every trial predicted by a fit that has not seen its fold.
 
     Args:
-        pool: runs the folds, side by side.
-        judgement: what was decided on all trials.
+        model: that is fitted.
+        trials: its trials.
+        made: which effects.
+        warm, initials: where each fit begins.
+        left_out: folds, each a name and ids of trials.
+        max_iterations: of each fit.
+        shown: the same model cut into other pieces, which are predicted instead of the fold's own trials.
+        head, trust: how an unseen trial's start is found, see `start_of`.
+
+    Raises:
+        SimulationError: a fold cannot be fitted, or a trial not be predicted.
     """
-    scheme, sets = folds(pool.workshop.trials)
-    if len(sets) < 2:
-        return lambda: None
-    chosen = judgement.chosen.hypothesis
-    rivals = [fit.hypothesis.sites for fit in _in_play(judgement) if fit.hypothesis.label != chosen.label]
-    thorough = judgement.verdict in (NAMED, AMBIGUOUS)
-    about = [chosen.label, chosen.only, [[s.label for s in r] for r in rivals], thorough]
-    begun = [pool.kept_aside(["fold", out, *about], folded, out, chosen.sites, rivals, thorough) for out in sets]
-
-    def result() -> HeldOut:
-        done = tuple(Fold.from_json(one()) for one in begun)
-        trials, model = pool.workshop.trials, pool.workshop.model
-        before, after, selected = (errors_of(model, trials, done, attrgetter(name)) for name in TOLD)
-        others = {label_of(sites): errors_of(model, trials, done, _rival(k)) for k, sites in enumerate(rivals)}
-        return HeldOut(scheme, done, before, after, selected, any(not s.trials for s in chosen.sites), others)
-
-    return result
-
-
-def _rival(number: int) -> Callable[[Fold], Foretold]:
-    return lambda fold: fold.rivals[number]
-
-
-def _in_play(judgement: Judgement) -> list[Fit]:
-    """What was not told apart from the chosen set, and what comes nearest to it; those with an effect.
-
-    One that holds another of these as a special case tells nothing more.
-    """
-    near: list[Fit] = []
-    for rival in sorted(judgement.rivals, key=lambda r: r.score):
-        label = rival.fit.hypothesis.label
-        if label and len(near) < RIVALS and not any(contains(label, n.hypothesis.label) for n in near):
-            near.append(rival.fit)
-    return [*(f for f in judgement.alternatives if f.hypothesis.sites and f not in near), *near]
-
-
-def errors_of(
-    model: RigModel, trials: Sequence[TrialData], done: Sequence[Fold], of: Callable[[Fold], Foretold]
-) -> Errors:
-    """Errors of one model of every fold, over the trials that each has left out."""
-    residuals: dict[str, np.ndarray] = {}
-    chi2: dict[str, float] = {}
-    failed: dict[str, str] = {}
-    told = {trial: of(fold) for fold in done for trial in fold.out}
-    for trial in trials:
-        said = told[trial.id]
-        row = said.residual(model, trial)
-        if row is None:
-            failed[trial.id] = said.failed[trial.id]
-            row = nothing_foretold(trial)
-        residuals[trial.id] = row
-        chi2[trial.id] = float(row @ row) + said.paid.get(trial.id, 0.0)
-    return Errors(residuals, chi2, failed)
+    residual: dict[str, np.ndarray] = {}
+    counted: dict[str, np.ndarray] = {}
+    for _, ids in left_out:
+        seen = [t for t in trials if t.id not in ids]
+        if not seen:
+            raise SimulationError("nothing is left to fit when a fold is left out")
+        own = None if initials is None else {t.id: initials[t.id] for t in seen}
+        fit = Fitter(model, seen).fit(made, warm=warm, initials=own, max_iterations=max_iterations, robust=False)
+        if shown is None or shown is model:  # the pieces as they will be compared, with their own weights
+            teller, unseen = model, [t for t in (trials if shown is None else shown.trials) if t.id in ids]
+        else:
+            whole = {recorded_id(i) for i in ids}
+            teller, unseen = shown, [t for t in shown.trials if t.recorded in whole]
+        fitter = Fitter(teller, unseen)
+        for trial in unseen:
+            start = start_of(fitter, teller, made, fit.z, trial, head, trust)
+            r, keep = fitter.residual(made, fit.z, trial, start)
+            residual[trial.id], counted[trial.id] = np.where(keep, r, 0.0), keep
+    return HeldOut(residual, counted)

@@ -23,20 +23,17 @@ from spacerobot.diagnosis.machines.machine import Model
 from spacerobot.diagnosis.machines.simulated import Simulated
 from spacerobot.diagnosis.machines.windows import FOLDS
 from spacerobot.diagnosis.selection.bench import STEPS, Bench
-from spacerobot.diagnosis.selection.check import Check
 from spacerobot.diagnosis.selection.forward_selection import among
 from spacerobot.diagnosis.selection.growth import Growth
+from spacerobot.diagnosis.selection.held_out import MOST_FOLDS, HeldOut, folds, scheme_of, start_of
+from spacerobot.diagnosis.selection.kept_aside import Fold, Unseen
 from spacerobot.diagnosis.selection.model_choice import TIE, ratio
-from spacerobot.diagnosis.selection.part_held_out import HeldOut, folds, start_of
 from spacerobot.diagnosis.selection.unseen import NOT_FITTED, nothing_foretold
 from spacerobot.diagnosis.terms.candidates import contains
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Label, Site
 from spacerobot.diagnosis.terms.kinds import OPEN, OTHER, PART, SAME, TOLD, LeadsTo, Told
 from spacerobot.support.errors import SimulationError
-
-MOST_FOLDS = 6
-"""Conditions, or trials, that are kept aside one by one; of more, so many groups are in turn."""
 
 INNER = 4
 """Into how many groups the others are divided at most, for what they choose."""
@@ -45,81 +42,20 @@ RIVALS = 2
 """Sets nearest to the chosen one that each fold chooses among, beside those that are not told apart."""
 
 
-@dataclass(frozen=True)
-class PartFold:
-    """What was kept aside, and what the other trials say.
-
-    Attributes:
-        out: ids of the trials kept aside.
-        selected: the set that the others lead to.
-        leads_to: what that is to the set chosen on all trials.
-        failed: (trial, model, why) of what could not be predicted.
-    """
-
-    out: tuple[str, ...]
-    selected: Label
-    leads_to: LeadsTo
-    failed: tuple[tuple[str, Told, str], ...] = ()
-
-
-@dataclass(frozen=True, eq=False)
-class Unseen:
-    """How well trials are predicted by what was decided without them.
-
-    Attributes:
-        folds: what each led to.
-        before, after, selected: prediction errors, of the baseline, of the set chosen on all trials and of each fold's.
-    """
-
-    folds: tuple[PartFold, ...]
-    before: HeldOut
-    after: HeldOut
-    selected: HeldOut
-
-    def count(self, *what: str) -> int:
-        """Folds that lead to such a set."""
-        return sum(f.leads_to in what for f in self.folds)
-
-    def check(self, name: str) -> Check:
-        """Whether effects may be named, as far as unseen trials tell; see `held_out.HeldOut.check` of the wrist rig."""
-        count, other = len(self.folds), self.count(OTHER)
-        said = f"without a part of the trials {self.count(SAME)} of {count} times the same set is chosen"
-        if 2 * other > count:
-            said = f"without a part of the trials {other} of {count} times another set is chosen"
-            strays = [t for f in self.folds if f.leads_to == OTHER for t in f.out]
-            if not self._better(strays, self.selected):  # several sets say the same of much that is left unexplained
-                return Check(f"held out, {name}", False, said)
-            said += ", which predicts what was kept aside worse"
-        every = list(self.after.residual)
-        telling = [t for f in self.folds if f.leads_to in (SAME, OPEN) for t in f.out] or every
-        better = self._better(every) or self._better(telling)  # others may have seen too little of it to foretell it
-        if not better:
-            said += ", and it predicts trials that were kept aside no better than the baseline"
-        return Check(f"held out, {name}", better, said)
-
-    def _better(self, trials: Sequence[str], than: HeldOut | None = None) -> bool:
-        """Whether the chosen set predicts these trials better, than the baseline if nothing else is said."""
-        both = (than or self.before, self.after)
-        other, after = (sum(float(h.residual[t] @ h.residual[t]) for t in trials) for h in both)
-        return after < other
-
-
 def keep_aside(growth: Growth) -> Unseen:
     """Every trial of a part predicted by what was decided without it."""
-    bench = growth.bench
-    done: list[PartFold] = []
-    told: dict[str, dict[str, np.ndarray]] = {name: {} for name in TOLD}
-    counted: dict[str, dict[str, np.ndarray]] = {name: {} for name in TOLD}
-    for _, out in folds(bench.model.trials, MOST_FOLDS):
-        fold, residuals = decided_without(growth, out)
-        done.append(fold)
-        for name in TOLD:
-            for trial, (row, keep) in residuals[name].items():
-                told[name][trial], counted[name][trial] = row, keep
-    return Unseen(tuple(done), *(HeldOut(told[name], counted[name]) for name in TOLD))
+    trials = growth.bench.model.trials
+    done = [decided_without(growth, out) for _, out in folds(trials, MOST_FOLDS)]
+    before, after, selected = (_joined([by[name] for _, by in done]) for name in TOLD)
+    own = ("each piece's own start, from its readings and the sensor's noise",)
+    scheme, kept = scheme_of(trials, MOST_FOLDS), tuple(fold for fold, _ in done)
+    return Unseen(scheme, kept, before, after, selected, taken=own)
 
 
-Rows = Mapping[str, tuple[np.ndarray, np.ndarray]]
+def _joined(parts: Sequence[HeldOut]) -> HeldOut:
+    """Of the trials of all."""
+    columns = zip(*(vars(p).values() for p in parts), strict=True)
+    return HeldOut(*({k: v for told in column for k, v in told.items()} for column in columns))
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,22 +99,16 @@ def _undivided(fitter: Fitter, fit: Fit) -> Fit:
     return fit
 
 
-def decided_without(growth: Growth, out: Sequence[str]) -> tuple[PartFold, dict[str, Rows]]:
-    """One fold: what the other trials lead to, and by TOLD and trial the errors, weighted as the part's are."""
+def decided_without(growth: Growth, out: Sequence[str]) -> tuple[Fold, Mapping[Told, HeldOut]]:
+    """One fold: what the other trials lead to, and by TOLD the errors of those left out, weighted as the part's are."""
     whole, chosen = growth.bench, growth.after.label
     unseen = [t for t in whole.model.trials if t.id in out]
-    rows: dict[str, Rows] = {}
-    missed: list[tuple[str, Told, str]] = []
     try:
         said = decided(growth, out)
     except SimulationError as error:
-        for name in TOLD:
-            rows[name], failed = _rows(whole, {}, None, unseen, str(error))
-            missed += [(trial, name, why) for trial, why in failed.items()]
-        return PartFold(tuple(out), (), OTHER, tuple(missed)), rows
-    for name in TOLD:
-        rows[name], failed = _rows(whole, said.weights, said.fits[name], unseen, NOT_FITTED)
-        missed += [(trial, name, why) for trial, why in failed.items()]
+        nothing = _errors(whole, {}, None, unseen, str(error))
+        return Fold(tuple(out), (), OTHER), dict.fromkeys(TOLD, nothing)
+    told = {name: _errors(whole, said.weights, said.fits[name], unseen, NOT_FITTED) for name in TOLD}
     best = said.growth.after.label
     leads_to: LeadsTo
     if best == chosen:
@@ -187,7 +117,7 @@ def decided_without(growth: Growth, out: Sequence[str]) -> tuple[PartFold, dict[
         leads_to = PART
     else:
         leads_to = OPEN if _as_well(said.growth, chosen) else OTHER
-    return PartFold(tuple(out), best, leads_to, tuple(missed)), rows
+    return Fold(tuple(out), best, leads_to), told
 
 
 def _as_well(own: Growth, chosen: Label) -> bool:
@@ -225,14 +155,15 @@ def _in_play(growth: Growth, sites: Mapping[tuple[str, str], Site]) -> list[list
     return [[sites[one] for one in label] for label in dict.fromkeys([*open_to, *near[:RIVALS]])]
 
 
-def _rows(
+def _errors(
     whole: Bench, weights: Mapping[str, float], fit: Fit | None, unseen: Sequence[TrialData], why: str
-) -> tuple[Rows, dict[str, str]]:
+) -> HeldOut:
     """Errors of unseen trials by a fit to others, weighted as all trials are now; and which could not be predicted."""
     model, now = whole.model, {t.id: t for t in whole.trials}
-    out: dict[str, tuple[np.ndarray, np.ndarray]] = {}
+    residual: dict[str, np.ndarray] = {}
+    counted: dict[str, np.ndarray] = {}
     failed: dict[str, str] = {}
-    for trial, plain in zip(reweighted(unseen, weights), unseen, strict=True):
+    for trial in reweighted(unseen, weights):
         try:
             if fit is None:
                 raise SimulationError(why)
@@ -241,10 +172,8 @@ def _rows(
             raw, keep = fitter.residual(fit.hypothesis, fit.z, trial, start)
             by = {c: (weights.get(c) or 1.0) / (whole.weights.get(c) or 1.0) for c in trial.channels}
             scale = np.concatenate([np.full(part.size, by[c]) for c, part in split(raw, trial).items()])
-            out[plain.id] = np.where(keep, raw * scale, 0.0), keep
+            residual[trial.id], counted[trial.id] = np.where(keep, raw * scale, 0.0), keep
         except SimulationError as error:
-            failed[plain.id] = str(error)
-            row = nothing_foretold(now[plain.id])
-            good = np.concatenate([(b.weight > 0.0).ravel() for b in plain.blocks])
-            out[plain.id] = row, good
-    return out, failed
+            failed[trial.id] = str(error)
+            residual[trial.id], counted[trial.id] = nothing_foretold(now[trial.id]), trial.valid
+    return HeldOut(residual, counted, failed=failed)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -13,10 +14,10 @@ from spacerobot.diagnosis.machines.machine import Model
 from spacerobot.diagnosis.selection.candidate import Candidate, tried
 from spacerobot.diagnosis.selection.check import Check
 from spacerobot.diagnosis.selection.growth import Growth
+from spacerobot.diagnosis.selection.held_out import HeldOut
 from spacerobot.diagnosis.selection.judge import moved
+from spacerobot.diagnosis.selection.kept_aside import Unseen
 from spacerobot.diagnosis.selection.model_choice import TIE, agreeing, ratio
-from spacerobot.diagnosis.selection.part_fold import Unseen
-from spacerobot.diagnosis.selection.part_held_out import HeldOut
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.kinds import (
     AMBIGUOUS,
@@ -118,7 +119,7 @@ class Part:
     def loudness(self) -> dict[str, float]:
         """By channel, rms of what the chosen model leaves over the noise that is stated; empty where none is."""
         expected = self.model.expected(self.fit.values())
-        sums = squares_of({k: f.residual for k, f in self.fit.trials.items()}, self.trials)
+        sums = squares_of(self.fit.residuals(), self.trials)
         return {c: float(np.sqrt(sums[c][0] / max(sums[c][1], 1))) / noise for c, noise in expected.items()}
 
     @property
@@ -160,3 +161,9 @@ class Part:
         both = [t for t in self.trials if t.id in self.before.residual and t.id in self.after.residual]
         told = [squares_of(h.residual, both, self.after.counted) for h in (self.before, self.after, self.selected)]
         return {c: (told[0][c][0], told[1][c][0], *told[2][c]) for c in told[0]}
+
+
+def balance(part: Part, name: str, parts: Sequence[Part]) -> str:
+    """Name of a balance; where another part calls one of its own alike, with the part's name."""
+    others = [r.balance for p in parts if p is not part and p.located is not None for r in p.located.rows]
+    return f"{part.name}: {name}" if name in others else name

@@ -12,7 +12,7 @@ import numpy as np
 from spacerobot.diagnosis.fitting.noise import split
 from spacerobot.diagnosis.machines.machine import Model
 from spacerobot.diagnosis.selection.candidate import Candidate, tried
-from spacerobot.diagnosis.selection.part_held_out import HEAD, HeldOut, predict_held_out
+from spacerobot.diagnosis.selection.held_out import HEAD, HeldOut, predict_held_out
 from spacerobot.diagnosis.selection.part_result import Part
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.recordings.document import read_document

@@ -14,7 +14,7 @@ from spacerobot.diagnosis.machines.choose import models_for
 from spacerobot.diagnosis.machines.simulated import Simulated
 from spacerobot.diagnosis.machines.sizes import sizes_of
 from spacerobot.diagnosis.machines.windows import Drive, band_limited, cut, held, local, refinement
-from spacerobot.diagnosis.selection.part_held_out import folds, predict_held_out
+from spacerobot.diagnosis.selection.held_out import folds, predict_held_out
 from spacerobot.diagnosis.terms.data import Block, TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed, hypothesis
 from spacerobot.effects.registry import effect

@@ -19,8 +19,8 @@ from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
 from spacerobot.diagnosis.selection.candidate import Candidate
 from spacerobot.diagnosis.selection.check import COPIES, Check, agreed
 from spacerobot.diagnosis.selection.forward_selection import grow
+from spacerobot.diagnosis.selection.held_out import HeldOut
 from spacerobot.diagnosis.selection.model_choice import WORTH_OF_REST, as_good, choice, pays, ratio
-from spacerobot.diagnosis.selection.part_held_out import HeldOut
 from spacerobot.diagnosis.selection.part_result import Part
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Site

@@ -7,15 +7,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers_driven import driven_study
 from helpers_models import ARM, arm_log
 
 from spacerobot.diagnosis.answer.mended_model import Found, read_model
 from spacerobot.diagnosis.answer.part_next_trial import next_trial
+from spacerobot.diagnosis.forward.choose import forward_model
+from spacerobot.diagnosis.forward.parts import Parts
 from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
+from spacerobot.diagnosis.overlay import overlay
 from spacerobot.diagnosis.selection.forward_selection import grow
 from spacerobot.diagnosis.selection.part_result import Part
 from spacerobot.effects.registry import effect
 from spacerobot.model.library import load
+from spacerobot.proof.engine.missing import Missing
 from spacerobot.support.errors import InputError, NotFoundError
 
 
@@ -74,7 +79,7 @@ def test_the_drive_is_overlaid_as_it_was_found(tmp_path: Path) -> None:
     from helpers_models import real_study
 
     from spacerobot.diagnosis.diagnose import diagnose
-    from spacerobot.diagnosis.forward.as_diagnosed import AsDiagnosed
+    from spacerobot.diagnosis.forward.parts import AsDiagnosed
 
     study = real_study("emps")
     found = diagnose(study, jobs=1)
@@ -84,3 +89,25 @@ def test_the_drive_is_overlaid_as_it_was_found(tmp_path: Path) -> None:
     for trial in study.trials:
         (channel,) = model.simulate(trial).channels
         assert np.sqrt(np.mean(channel.residual**2)) < 2.5  # N; the drive pushes with 48
+
+
+def test_several_driven_joints_are_overlaid(tmp_path: Path) -> None:
+    """By the torque that moves them: a right arm's to about its noise, and friction shows at the joint that has it."""
+    (tmp_path / "right").mkdir()
+    (tmp_path / "rubbing").mkdir()
+    rub = Missing("coulomb_friction", "joint.S2", {"force_Nm": 5.0})
+    right, rubbing = (overlay(driven_study(tmp_path / n, *h)) for n, h in (("right", ()), ("rubbing", (rub,))))
+    assert isinstance(right.model, Parts)
+    assert right.not_predicted == []  # motion is taken as given
+    shares = {c: r.rms / right.residuals[c].rms for c, r in rubbing.residuals.items()}
+    assert all(r.rms_sigmas < 3.0 for r in right.residuals.values())
+    assert shares.pop("joint.S2.torque") > 10.0
+    assert max(shares.values()) < 1.5
+
+
+@pytest.mark.real
+def test_every_real_study_has_an_overlay() -> None:
+    from helpers_models import real_study
+
+    for folder in sorted(Path("examples/studies/real").iterdir()):
+        assert forward_model(real_study(folder.name)).assumptions, folder.name

@@ -20,7 +20,7 @@ from spacerobot.diagnosis.machines.choose import models_for
 from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
 from spacerobot.diagnosis.machines.measured import through_sensor
 from spacerobot.diagnosis.selection.forward_selection import grow
-from spacerobot.diagnosis.selection.part_held_out import folds
+from spacerobot.diagnosis.selection.held_out import folds
 from spacerobot.diagnosis.selection.part_result import Part
 from spacerobot.diagnosis.terms.hypothesis import hypothesis
 from spacerobot.model.library import load

@@ -22,8 +22,9 @@ from spacerobot.diagnosis.selection import part_fold
 from spacerobot.diagnosis.selection.bench import Bench
 from spacerobot.diagnosis.selection.forward_selection import grow
 from spacerobot.diagnosis.selection.growth import Growth
-from spacerobot.diagnosis.selection.part_fold import PartFold, Unseen, decided, decided_without, keep_aside
-from spacerobot.diagnosis.selection.part_held_out import HeldOut
+from spacerobot.diagnosis.selection.held_out import HeldOut
+from spacerobot.diagnosis.selection.kept_aside import Fold, Unseen
+from spacerobot.diagnosis.selection.part_fold import decided, decided_without, keep_aside
 from spacerobot.diagnosis.terms.data import Block, TrialData
 from spacerobot.diagnosis.terms.kinds import OPEN, OTHER, PART, SAME
 from spacerobot.effects.registry import all_effects, effect
@@ -73,7 +74,7 @@ def test_readings_that_are_kept_aside_change_nothing_that_is_fitted_or_chosen(gr
     assert growth.after.label == (("viscous_drag", "target"),)
     bad = corrupted(growth, out)
     assert known_before(growth, out) == known_before(bad, out)
-    true, false = (decided_without(g, out)[1]["after"]["s1"][0] for g in (growth, bad))
+    true, false = (decided_without(g, out)[1]["after"].residual["s1"] for g in (growth, bad))
     assert np.abs(true - false).max() > 1.0  # what is predicted wrong are these readings
 
 
@@ -132,8 +133,8 @@ def test_every_trial_is_predicted_once_and_better(growth: Growth) -> None:
     unseen = keep_aside(growth)
     ids = [t.id for t in growth.bench.model.trials]
     assert sorted(t for f in unseen.folds for t in f.out) == sorted(ids) == sorted(unseen.after.residual)
-    assert unseen.count(SAME) == len(unseen.folds)
-    assert unseen.check("body").passed
+    assert len(unseen.leading_to(SAME)) == len(unseen.folds)
+    assert unseen.check(whole=False).passed
     assert unseen.after.mean_square < 0.1 * unseen.before.mean_square
     for id in ids:
         assert np.array_equal(unseen.after.residual[id], unseen.selected.residual[id])
@@ -146,12 +147,12 @@ def test_what_cannot_be_fitted_counts_as_its_mean_and_is_listed(
         raise SimulationError("made to fail")
 
     monkeypatch.setattr(part_fold, "among", none)
-    fold, rows = decided_without(growth, ("s1",))
+    fold, told = decided_without(growth, ("s1",))
     assert fold.leads_to == OTHER
-    assert {why for _, _, why in fold.failed} == {"made to fail"}
+    assert all(h.failed == {"s1": "made to fail"} for h in told.values())
     (trial,) = [t for t in growth.bench.trials if t.id == "s1"]
     (block,) = trial.blocks
-    assert np.allclose(rows["after"]["s1"][0], ((block.value.mean() - block.value) * block.weight).ravel())
+    assert np.allclose(told["after"].residual["s1"], ((block.value.mean() - block.value) * block.weight).ravel())
 
 
 ERRORS = st.floats(0.1, 2.0)
@@ -170,12 +171,12 @@ def test_what_predicts_no_better_or_is_not_found_again_is_not_named(folds: list[
     after, selected = (
         HeldOut({i: np.array([fold[k]]) for i, fold in zip(ids, folds, strict=True)}, counted) for k in (1, 2)
     )
-    parts = tuple(PartFold((i,), (), fold[0]) for i, fold in zip(ids, folds, strict=True))
+    parts = tuple(Fold((i,), (), fold[0]) for i, fold in zip(ids, folds, strict=True))
     strays = [(x, own) for what, x, own in folds if what == OTHER]
     agreed = 2 * len(strays) <= len(folds) or sum(x**2 for x, _ in strays) < sum(own**2 for _, own in strays)
     telling = [x for what, x, _ in folds if what in (SAME, OPEN)] or [x for _, x, _ in folds]
     better = any(sum(x**2 for x in some) < len(some) for some in (telling, [x for _, x, _ in folds]))
-    assert Unseen(parts, before, after, selected).check("body").passed == (agreed and better)
+    assert Unseen("", parts, before, after, selected).check(whole=False).passed == (agreed and better)
 
 
 def test_the_verdict_says_what_was_decided_without_what_it_predicts(tmp_path: Path) -> None:
