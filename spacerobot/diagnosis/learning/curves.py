@@ -189,7 +189,7 @@ def evidence(fit: Fit) -> float:
     """
     assert fit.covariance is not None
     volume = np.linalg.slogdet(fit.covariance)[1]
-    stated = sum(np.linalg.slogdet(s.effect.precision)[1] for s in fit.hypothesis.sites if s.effect.learned)
+    stated = sum(np.linalg.slogdet(block)[1] for s in fit.hypothesis.sites if (block := s.effect.precision) is not None)
     return float(-0.5 * fit.cost + 0.5 * (volume + stated))
 
 

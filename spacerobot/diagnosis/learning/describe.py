@@ -151,7 +151,7 @@ def _bumps(kind: str, of: str, low: float, high: float, cost: Callable[[Term], f
     scale = 0.05 * (high - low)
     found = minimize(
         lambda s: cost(_bump(kind, of, start[0] + scale * s[0], start[1] * np.exp(s[1]))),
-        [0.0, 0.0],
+        np.zeros(2),
         method="Nelder-Mead",
     )
     yield _bump(kind, of, float(start[0] + scale * found.x[0]), float(start[1] * np.exp(found.x[1])))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,9 +12,10 @@ from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
 from spacerobot.diagnosis.learning.curves import Curve, fit_curve
-from spacerobot.diagnosis.selection.fold import Fold
-from spacerobot.diagnosis.selection.held_out import HeldOut, errors_of, folds
+from spacerobot.diagnosis.selection.held_out import MOST_FOLDS, folds
 from spacerobot.diagnosis.selection.judge import Judgement, moved
+from spacerobot.diagnosis.selection.kept_aside import Unseen
+from spacerobot.diagnosis.selection.rig_fold import Predictions, unseen_of
 from spacerobot.diagnosis.selection.search_state import Report
 from spacerobot.diagnosis.selection.unseen import foretell
 from spacerobot.diagnosis.terms.kinds import LEARNED, SAME
@@ -46,7 +46,7 @@ class Learnt:
     curve: Curve
     left: Left
     lead: float
-    held: HeldOut | None
+    held: Unseen | None
 
     @property
     def trusted(self) -> bool:
@@ -92,9 +92,9 @@ def _first(pool: Pool, beside: Fit) -> tuple[Any, Any, Any]:
     return beside.hypothesis, beside.z, pool.workshop.trials[0]
 
 
-def _held(pool: Pool, curve: Curve, beside: Fit, report: Report) -> HeldOut | None:
+def _held(pool: Pool, curve: Curve, beside: Fit, report: Report) -> Unseen | None:
     """The curve learned anew without each condition, from the baseline of the other trials, and its predictions."""
-    scheme, sets = folds(pool.workshop.trials)
+    sets = [out for _, out in folds(pool.workshop.trials, MOST_FOLDS)]
     if len(sets) < 2:
         return None
     shape = curve.shape
@@ -103,10 +103,8 @@ def _held(pool: Pool, curve: Curve, beside: Fit, report: Report) -> HeldOut | No
     done = []
     for number, waiting in enumerate(begun):
         report("learning it again without a part of the trials", number, len(begun))
-        done.append(Fold.from_json(waiting()))
-    told = partial(errors_of, pool.workshop.model, pool.workshop.trials, done)
-    before, after = told(lambda f: f.before), told(lambda f: f.after)
-    return HeldOut(scheme, tuple(done), before, after, after)
+        done.append(Predictions.from_json(waiting()))
+    return unseen_of(pool.workshop, done)
 
 
 def _fold(
@@ -119,4 +117,4 @@ def _fold(
     curve = None if start is None else fit_curve(rest, start, where, kind, of)
     before = foretell(workshop.model, baseline, unseen)
     after = foretell(workshop.model, None if curve is None else curve.fit, unseen)
-    return Fold(out, before, after, after, SAME).as_json()
+    return Predictions(out, before, after, after, SAME).as_json()

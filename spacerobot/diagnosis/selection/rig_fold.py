@@ -28,7 +28,7 @@ from spacerobot.diagnosis.selection.search_state import Found
 from spacerobot.diagnosis.selection.unseen import Foretold, foretell, nothing_foretold, seen_sites
 from spacerobot.diagnosis.terms.candidates import contains
 from spacerobot.diagnosis.terms.data import TrialData
-from spacerobot.diagnosis.terms.hypothesis import Site, label_of
+from spacerobot.diagnosis.terms.hypothesis import Label, Site, label_of
 from spacerobot.diagnosis.terms.kinds import AMBIGUOUS, NAMED, OPEN, OTHER, PART, SAME, TOLD, LeadsTo
 from spacerobot.support.errors import SimulationError
 
@@ -120,8 +120,7 @@ def hold_out(pool: Pool, judgement: Judgement) -> Callable[[], Unseen | None]:
         pool: runs the folds, side by side.
         judgement: what was decided on all trials.
     """
-    trials, model = pool.workshop.trials, pool.workshop.model
-    sets = [out for _, out in folds(trials, MOST_FOLDS)]
+    sets = [out for _, out in folds(pool.workshop.trials, MOST_FOLDS)]
     if len(sets) < 2:
         return lambda: None
     chosen = judgement.chosen.hypothesis
@@ -130,21 +129,35 @@ def hold_out(pool: Pool, judgement: Judgement) -> Callable[[], Unseen | None]:
     about = [chosen.label, chosen.only, [[s.label for s in r] for r in rivals], thorough]
     begun = [pool.kept_aside(["fold", out, *about], folded, out, chosen.sites, rivals, thorough) for out in sets]
 
-    def result() -> Unseen:
-        done = tuple(Predictions.from_json(one()) for one in begun)
-        before, after, selected = (_errors(model, trials, done, attrgetter(name)) for name in TOLD)
-        return Unseen(
-            scheme_of(trials, MOST_FOLDS),
-            tuple(Fold(d.out, d.selected.label, d.leads_to) for d in done),
-            before,
-            after,
-            selected,
-            everywhere=any(not s.trials for s in chosen.sites),
-            rivals={label_of(sites): _errors(model, trials, done, _rival(k)) for k, sites in enumerate(rivals)},
-            taken=tuple(taken([d.after for d in done])),
-        )
+    everywhere = any(not s.trials for s in chosen.sites)
+    return lambda: unseen_of(
+        pool.workshop, [Predictions.from_json(one()) for one in begun], [label_of(r) for r in rivals], everywhere
+    )
 
-    return result
+
+def unseen_of(
+    workshop: Workshop, done: Sequence[Predictions], rivals: Sequence[Label] = (), everywhere: bool = True
+) -> Unseen:
+    """The folds' predictions put together.
+
+    Args:
+        workshop: of all trials.
+        done: what each fold said.
+        rivals: that each chose among, in their order.
+        everywhere: whether any of the chosen set's effects acts in more than some trials.
+    """
+    trials, model = workshop.trials, workshop.model
+    before, after, selected = (_errors(model, trials, done, attrgetter(name)) for name in TOLD)
+    return Unseen(
+        scheme_of(trials, MOST_FOLDS),
+        tuple(Fold(d.out, d.selected.label, d.leads_to) for d in done),
+        before,
+        after,
+        selected,
+        everywhere=everywhere,
+        rivals={label: _errors(model, trials, done, _rival(k)) for k, label in enumerate(rivals)},
+        taken=tuple(taken([d.after for d in done])),
+    )
 
 
 def _rival(number: int) -> Callable[[Predictions], Foretold]:
