@@ -39,6 +39,19 @@ class BaseMotion:
     momentum: np.ndarray
 
 
+def floating_configuration(model: pin.Model, base: np.ndarray, positions: np.ndarray) -> np.ndarray:
+    """The configuration of a floating robot, shape (nq,): a joint that turns on and on takes two places in it.
+
+    Args:
+        model: first joint a free-flyer, every other joint with one velocity.
+        base: shape (7,), position and quaternion (xyzw).
+        positions: shape (nv - 6,) [rad or m].
+    """
+    q = pin.integrate(model, pin.neutral(model), np.concatenate([np.zeros(6), positions]))
+    q[:7] = base
+    return np.asarray(q)
+
+
 def base_velocity(
     model: pin.Model, data: pin.Data, configuration: np.ndarray, joint_rates: np.ndarray, momentum: np.ndarray
 ) -> np.ndarray:
@@ -71,7 +84,7 @@ def base_motion(
     """Base motion from momentum conservation under prescribed joint motion.
 
     Args:
-        model: first joint a free-flyer, every other joint with one position and one velocity.
+        model: first joint a free-flyer, every other joint with one velocity.
         joint_motion: positions and velocities of the other joints, in the model's order.
         times: ascending, shape (T,) [s]; the motion starts at the first.
         base: shape (7,), position and quaternion (xyzw) at the start; the world's origin, unturned, if None.
@@ -84,8 +97,8 @@ def base_motion(
     """
     if model.njoints < 2 or model.joints[1].nq != 7:
         raise InputError("the first joint is no free-flyer", given=model.names[1] if model.njoints > 1 else None)
-    if model.nq != 7 + model.nv - 6:
-        raise InputError("a joint has more positions than velocities", valid="revolute and prismatic joints")
+    if any(joint.nv > 1 for joint in list(model.joints)[2:]):
+        raise InputError("a joint has more than one velocity", valid="revolute, continuous and prismatic joints")
     times = np.asarray(times, dtype=float)
     if times.ndim != 1 or times.size < 2 or not (np.diff(times) > 0.0).all():
         raise InputError("times must ascend", given=times.shape)
@@ -120,7 +133,7 @@ def _integrated(
 
     def configuration(t: float, base: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         positions, rates = joint_motion(t)
-        q = np.concatenate([base, positions])
+        q = floating_configuration(model, base, positions)
         q[3:7] /= np.linalg.norm(q[3:7])
         return q, rates
 

@@ -100,6 +100,26 @@ def test_momentum_of_the_whole_is_what_it_was(momentum: np.ndarray) -> None:
     assert np.abs(np.array(centre) - straight).max() < 1e-8, "the centre of mass goes straight"
 
 
+def test_a_joint_that_turns_on_and_on_is_a_revolute_one() -> None:
+    """Two places in the configuration, one angle; past a whole turn too."""
+    limited = planar_arm([10.0, 2.0, 1.0], [1.0, 0.1, 0.05], (0.3, 0.4), [(0.2, 0.2), (0.2, 0.2)])
+    endless = pin.Model()
+    for i in range(1, limited.njoints):
+        kind = pin.JointModelFreeFlyer() if i == 1 else pin.JointModelRUBZ()
+        endless.addJoint(int(limited.parents[i]), kind, limited.jointPlacements[i], limited.names[i])
+        endless.appendBodyToJoint(i, limited.inertias[i], pin.SE3.Identity())
+    assert endless.nq == limited.nq + 2
+    times, momentum = np.linspace(0.0, 3.0, 7), np.array([0.3, -0.2, 0.0, 0.0, 0.0, 0.4])
+
+    def motion(t: float) -> tuple[np.ndarray, np.ndarray]:
+        return np.array([4.0 * t, math.sin(t)]), np.array([4.0, math.cos(t)])
+
+    one, other = (base_motion(m, motion, times, momentum=momentum) for m in (limited, endless))
+    assert np.abs(heading(one)).max() > 0.5
+    assert np.abs(one.configuration[:, :7] - other.configuration[:, :7]).max() < 1e-9
+    assert np.abs(one.velocity - other.velocity).max() < 1e-9
+
+
 def test_velocity_is_the_rate_of_the_configuration() -> None:
     model = load("chaser_pa10_wrist").model
     step = 1e-4

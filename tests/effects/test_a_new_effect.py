@@ -60,7 +60,7 @@ def test_a_copied_effect_passes_every_test_of_the_catalogue(installed: Path) -> 
         env={**os.environ, "PYTHONPATH": path},
         capture_output=True,
         text=True,
-        timeout=600,
+        timeout=3000,
     )
     assert len(REGISTRY_WIDE) > 6
     assert done.returncode == 0, done.stdout[-3000:] + done.stderr[-1000:]

@@ -118,6 +118,14 @@ def test_momentum_alone_reproduces_a_record_made_without_pinocchio(tmp_path: Pat
     assert max(found.values()) < 5e-5
 
 
+def test_a_joint_without_limits_is_a_joint_like_another(tmp_path: Path) -> None:
+    folder = study(tmp_path)
+    path = folder / "p.urdf"
+    text = path.read_text().replace('type="revolute"', 'type="continuous"')
+    path.write_text(text.replace('<limit lower="-3" upper="3" effort="1" velocity="1"/>', ""))
+    assert max(worst(folder).values()) < 5e-5
+
+
 def test_a_wrong_platform_is_seen(tmp_path: Path) -> None:
     assert worst(study(tmp_path / "inertia", believed=(10.0, 0.55)))["base.yaw"] > 2e-3
     assert worst(study(tmp_path / "mass", believed=(11.0, 0.5)))["base.position.x"] > 1e-4

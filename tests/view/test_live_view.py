@@ -27,6 +27,7 @@ from spacerobot.model.library import load
 from spacerobot.simulation.scene import Scene
 from spacerobot.support.errors import InputError
 from spacerobot.view.live.live_view import LiveView, live_view
+from tests.processes import PATIENCE
 
 VIEWS = {name: LiveView(load(name)) for name in ("pa10_wrist", "chaser_pa10_wrist", "kinova")}
 """A fixed base with a wrist, a floating one, and a robot with joints that turn without limits."""
@@ -36,7 +37,7 @@ def asked(
     url: str, query: str = "", *, host: str | None = None, below: str = "/pose"
 ) -> tuple[int, str, dict[str, str]]:
     parts = urlsplit(url)
-    connection = http.client.HTTPConnection(str(parts.hostname), parts.port, timeout=5)
+    connection = http.client.HTTPConnection(str(parts.hostname), parts.port, timeout=PATIENCE)
     connection.request("GET", parts.path + below + query, headers={"Host": host or parts.netloc})
     answer = connection.getresponse()
     found = answer.status, answer.read().decode(), dict(answer.headers)
@@ -211,7 +212,7 @@ def test_an_interrupt_ends_it_without_a_word_of_python() -> None:
                 line += more
             assert asked(json.loads(line)["url"], "?q=0.01")[0] == 200
             process.send_signal(signal.SIGINT)
-            assert process.wait(timeout=20) == 0
+            assert process.wait(timeout=PATIENCE) == 0
             assert process.stderr.read().strip() == "ended"
         finally:
             process.kill()

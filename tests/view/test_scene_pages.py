@@ -33,6 +33,7 @@ from spacerobot.view.scene3d.robot_film import robot_film
 from spacerobot.view.scene3d.serve import PageServer
 from spacerobot.view.scene3d.study_film import study_film
 from spacerobot.view.scene3d.trajectory_film import trajectory_film
+from tests.processes import PATIENCE
 
 
 def body(film: Film, name: str):  # type: ignore[no-untyped-def]
@@ -185,7 +186,7 @@ def server():  # type: ignore[no-untyped-def]
 
 def ask(url: str, host: str | None = None, path: str | None = None, method: str = "GET") -> int:
     parts = urlsplit(url)
-    connection = http.client.HTTPConnection(str(parts.hostname), parts.port, timeout=5)
+    connection = http.client.HTTPConnection(str(parts.hostname), parts.port, timeout=PATIENCE)
     connection.request(method, path or parts.path, headers={"Host": host or parts.netloc})
     status = connection.getresponse().status
     connection.close()
@@ -214,7 +215,7 @@ def test_a_page_that_can_no_longer_be_made_is_told_in_words(capfd: pytest.Captur
     server = PageServer(broken)
     server.start()
     parts = urlsplit(server.url)
-    connection = http.client.HTTPConnection(str(parts.hostname), parts.port, timeout=5)
+    connection = http.client.HTTPConnection(str(parts.hostname), parts.port, timeout=PATIENCE)
     connection.request("GET", parts.path)
     answer = connection.getresponse()
     assert answer.status == 500

@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from spacerobot.diagnosis.forward.base import ForwardModel, TrialOverlay, Value, channels_of, overlaid, unit_of
-from spacerobot.dynamics.floating_base import BaseMotion, base_motion
+from spacerobot.dynamics.floating_base import BaseMotion, base_motion, floating_configuration
 from spacerobot.model.robot import Robot
 from spacerobot.recordings.recording import Recording
 from spacerobot.recordings.rig_robot import study_robot
@@ -117,13 +117,13 @@ class FloatingPlatform(ForwardModel):
         yaw, spin = _line(*recording["base.yaw"].good(), begin, settled)
         # the common centre of mass moves evenly, whichever way the platform turns meanwhile
         data = model.createData()
-        ahead, left, _ = pin.centerOfMass(model, data, np.concatenate([pin.neutral(model)[:7], q]))
+        ahead, left, _ = pin.centerOfMass(model, data, floating_configuration(model, pin.neutral(model)[:7], q))
         start, rate = np.transpose([_line(*_centre(recording, axis, ahead, left), begin, settled) for axis in "xy"])
         turn = pin.utils.rotate("z", yaw)
         arm = turn @ [ahead, left, 0.0]
         base = np.array([*start, 0.0, 0.0, 0.0, math.sin(0.5 * yaw), math.cos(0.5 * yaw)]) - [*arm, 0, 0, 0, 0]
         drift = turn.T @ (np.array([*rate, 0.0]) - np.cross([0.0, 0.0, spin], arm))
-        matrix = pin.computeCentroidalMap(model, data, np.concatenate([base, q]))
+        matrix = pin.computeCentroidalMap(model, data, floating_configuration(model, base, q))
         momentum = matrix @ np.concatenate([drift, [0.0, 0.0, spin], v])
         return base_motion(model, joints, times, base=base, momentum=momentum, knots=joints.knots, tolerance=1e-8)
 
@@ -194,8 +194,9 @@ class _Joints:
     def __init__(self, robot: Robot, drives: Mapping[str, str], recording: Recording, pose: tuple[float, ...]) -> None:
         from scipy.interpolate import CubicSpline
 
-        rest = dict(zip(robot.chain, pose, strict=False)) if len(pose) == len(robot.chain) else {}
-        self._rest = robot.configuration(others=rest)[7:]
+        self._rest = np.zeros(robot.model.nv - 6)
+        if len(pose) == len(robot.chain):
+            self._rest[[robot.velocity_index(j) - 6 for j in robot.chain]] = pose
         self._motions = []
         starts, ends = [], set()
         for joint, channel in drives.items():

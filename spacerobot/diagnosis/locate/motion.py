@@ -131,7 +131,7 @@ class Motion:
     def soft_force(self) -> np.ndarray:
         """The contact force at its own samples, softened and zero out of contact, shape (T,) [N]."""
         assert self.force is not None  # asked only where it is measured
-        n = max(1, round(SOFTEN / self.force.step))
+        n = min(max(1, round(SOFTEN / self.force.step)), self.force.time.size)
         pressed = np.where(self.touches.inside(self.force.time), self.force.value, 0.0)
         return np.convolve(pressed, np.full(n, 1.0 / n), "same")
 

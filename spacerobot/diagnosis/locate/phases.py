@@ -62,7 +62,7 @@ def touches_in_force(time: np.ndarray, force: np.ndarray, sigma: np.ndarray, wid
         width: of the running mean that is compared with the noise [s].
     """
     step = float(np.median(np.diff(time)))
-    n = max(1, round(width / step))
+    n = min(max(1, round(width / step)), force.size)
     mean = np.convolve(force, np.full(n, 1.0 / n), "same")
     high = mean > MANY_SIGMAS * sigma / np.sqrt(n)
     low = mean > 2.0 * sigma / np.sqrt(n)

@@ -48,7 +48,8 @@ def port_forces(
         port -> force along it, shape (T,) [N or N m].
     """
     count = next(iter(position.values())).size
-    laws = LAWS.laws
+    # compiled code does not look where it writes
+    assert all(x.shape == (count,) for x in (*position.values(), *velocity.values()))
     moving = {p: row for p, row in mechanism.ports.items() if row and all(c in position for c in row)}
 
     def seen(port: str, states: Mapping[str, np.ndarray]) -> np.ndarray:
@@ -68,8 +69,7 @@ def port_forces(
         if friction.port not in moving or friction.normal is not None:
             continue
         law = LAWS.index(friction.level)
-        laws = LAWS.laws
-        _sliding(laws, law, seen(friction.port, velocity), np.ones(count), padded(friction.p), value)
+        _sliding(LAWS.laws, law, seen(friction.port, velocity), np.ones(count), padded(friction.p), value)
         out[friction.port] = out.get(friction.port, 0.0) + value
     return out
 

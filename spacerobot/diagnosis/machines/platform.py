@@ -25,6 +25,7 @@ from spacerobot.diagnosis.machines.sizes import Sizes, sizes_of
 from spacerobot.diagnosis.machines.windows import local
 from spacerobot.diagnosis.terms.data import Block, TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed, Site
+from spacerobot.dynamics.floating_base import floating_configuration
 from spacerobot.effects.effect import Effect
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Coordinate, Readout
@@ -42,6 +43,9 @@ ARM = "arm_motion"
 
 STEP = 0.05
 """Grid of the momentum balance [s]."""
+
+SMOOTH = 1.0
+"""Span [s] over which a measured track's rate is averaged."""
 
 EARLY = 1.0
 """Readings within this time [s] tell how a trial starts."""
@@ -110,8 +114,7 @@ class Platform(Model):
         known = [recording[c].good() for c in self.drives.values()]
         self._joints[trial.id] = np.array([_follow(grid, t, v) for t, v in known])
         places = {n: np.interp(grid, *self._raw[trial.id][c]) for n, c in TRACK.items()}
-        wide = 2 * int(0.5 / STEP) + 1
-        rates = {n: np.convolve(np.gradient(p, grid), np.full(wide, 1.0 / wide), "same") for n, p in places.items()}
+        rates = {n: _smoothed(np.gradient(p, grid), SMOOTH) for n, p in places.items()}
         self._seen[trial.id] = places, rates
         return TrialData(trial.id, self.study.condition(trial), {}, tuple(blocks), start, end)
 
@@ -223,12 +226,12 @@ class Platform(Model):
         data = model.createData()
         index = [self.robot.velocity_index(j) for j in self.drives]
         rates = np.gradient(joints, grid, axis=1)
-        q, v = self.robot.configuration(), np.zeros(model.nv)
+        base = pin.neutral(model)[:7]
+        position, v = np.zeros(model.nv), np.zeros(model.nv)
         rows = np.empty((grid.size, 6))
-        place = [model.joints[self.robot.joint_id(j)].idx_q for j in self.drives]
         for i in range(grid.size):
-            q[place], v[index] = joints[:, i], rates[:, i]
-            matrix = pin.crba(model, data, q)
+            position[index], v[index] = joints[:, i], rates[:, i]
+            matrix = pin.crba(model, data, floating_configuration(model, base, position[6:]))
             matrix = np.triu(matrix) + np.triu(matrix, 1).T
             momentum = matrix[:6] @ v
             rows[i] = matrix[1, 5], -matrix[0, 5], momentum[0], momentum[1], matrix[5, 5], momentum[5]
@@ -241,6 +244,15 @@ def _follow(grid: np.ndarray, time: np.ndarray, value: np.ndarray) -> np.ndarray
     from scipy.interpolate import CubicSpline
 
     return np.asarray(CubicSpline(time, value)(np.clip(grid, time[0], time[-1])))
+
+
+def _smoothed(value: np.ndarray, span: float) -> np.ndarray:
+    """Centred mean over so many seconds, of what there is of them at the ends, shape (T,)."""
+    beside = int(0.5 * span / STEP)
+    total = np.concatenate([[0.0], np.cumsum(value)])
+    at = np.arange(value.size)
+    first, last = np.maximum(at - beside, 0), np.minimum(at + beside + 1, value.size)
+    return np.asarray((total[last] - total[first]) / (last - first))
 
 
 def _integral(rate: np.ndarray, grid: np.ndarray) -> np.ndarray:
