@@ -80,6 +80,8 @@ class Effect(ABC):
         stands_for: what its law is the simplest form of, where that has more to it; what it leaves may be its own.
         phrase: the title as the object of a sentence, "a time offset"; the title itself if empty.
         refines: effects that it equals at some of its values: richer laws of the same thing, one of which a place has.
+        limits: of a law that equals what it refines only as its shapes go to infinity or nothing, values at which it
+            is as good as there; elsewhere it does so at any.
         same_as: last words of values of its place that act exactly as it does: "mass" of the wrist is wrist.mass. No
             data tell the two apart, so where the value is fitted it stands for both.
         carried: acts on a floating body only where something carries or moors it, not on one that falls.
@@ -99,6 +101,7 @@ class Effect(ABC):
     stands_for: ClassVar[str] = ""
     phrase: ClassVar[str] = ""
     refines: ClassVar[tuple[str, ...]] = ()
+    limits: ClassVar[Mapping[str, float]] = {}
     same_as: ClassVar[tuple[str, ...]] = ()
     carried: ClassVar[bool] = False
     relative: ClassVar[bool] = False

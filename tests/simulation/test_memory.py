@@ -27,6 +27,14 @@ VALUES = {"wrist.damping": 2.1, "contact.damping": 60.0}
 LAWS: dict[str, Mapping[str, float]] = {
     "maxwell": {"stiffness_N_m": 180.0, "relaxation_s": 0.09},
     "bouc_wen": {"force_N": 2.0, "displacement_m": 4e-3},
+    "dahl_friction": {"force_N": 0.4, "stiffness_N_m": 2e3},
+    "lugre_friction": {
+        "coulomb_force_N": 0.3,
+        "static_force_N": 0.5,
+        "velocity_m_s": 0.02,
+        "bristle_stiffness_N_m": 1e5,
+        "bristle_damping_Ns_m": 100.0,
+    },
 }
 
 
@@ -132,6 +140,63 @@ def test_hysteresis_against_another_integrator() -> None:
         ours("bouc_wen", {"force_N": 0.4, "displacement_m": 5e-3}), reference(bouc_wen, 0.4), atol=1e-9
     )
     assert np.abs(ours("bouc_wen", {"force_N": 0.4, "displacement_m": 6e-3}) - reference(bouc_wen, 0.4)).max() > 1e-5
+
+
+def dahl(z: float, v: float) -> float:
+    return float(v / 5e-3 * (1.0 - np.sign(v) * z))
+
+
+def test_dahls_bristle_against_another_integrator() -> None:
+    found = ours("dahl_friction", {"force_N": 0.4, "stiffness_N_m": 0.4 / 5e-3})
+    np.testing.assert_allclose(found, reference(dahl, 0.4), atol=1e-9)
+
+
+def test_dahls_loop_in_closed_form() -> None:
+    """Over a stroke from z0 one way, f = F (1 - (1 - z0) exp(-x / x0)), whatever the speed."""
+    level, stiffness, stroke = 0.4, 80.0, 0.012
+    x0, m, w = level / stiffness, 1e9, 20.0
+    drive = (Force("drive", "wrist", SPRING, (m * w * w,)),)
+    machine = Mechanism({"wrist": Coordinate("wrist", m)}, {"wrist": {"wrist": 1.0}}, forces=drive)
+    run = simulate(
+        effect("dahl_friction").apply(machine, "wrist", {"force_N": level, "stiffness_N_m": stiffness}),
+        position={"wrist": 0.5 * stroke}, end=4.5 * np.pi / w, tolerance=1e-11,
+    )  # fmt: skip
+    z, half = 0.0, np.pi / w
+    for k in range(4):
+        t = (k + np.linspace(0.01, 0.99, 20)) * half
+        way = -1.0 if k % 2 == 0 else 1.0
+        gone = stroke * 0.5 * (1.0 - np.cos(w * (t - k * half)))
+        share = way + (z - way) * np.exp(-gone / x0)
+        np.testing.assert_allclose(run.sample(t).remembered[:, 0], -level * share, atol=1e-7 * level)
+        z = way + (z - way) * np.exp(-stroke / x0)
+
+
+def test_bristles_slide_at_stribecks_level() -> None:
+    """In steady sliding LuGre's force is the Stribeck curve."""
+    values = LAWS["lugre_friction"]
+    for speed in (0.002, 0.01, 0.03, 0.2):
+        machine = Mechanism({"wrist": Coordinate("wrist", 1e9)}, {"wrist": {"wrist": 1.0}})
+        machine = effect("lugre_friction").apply(machine, "wrist", values)
+        run = simulate(machine, velocity={"wrist": speed}, end=1.0, tolerance=1e-10)
+        level = 0.3 + 0.2 * np.exp(-((speed / 0.02) ** 2))
+        assert run.sample(np.array([1.0])).remembered[0, 0] == pytest.approx(-level, rel=1e-6)
+
+
+@pytest.mark.parametrize("name", ["dahl_friction", "lugre_friction"])
+def test_stiff_bristles_approach_dry_friction(name: str) -> None:
+    level = {"dahl_friction": {"force_N": 0.4}, "lugre_friction": {"coulomb_force_N": 0.4, "static_force_N": 0.4}}[name]
+    # what is left of the bristles' swing, and so the difference, is of the order of their period: 1 / sqrt(stiffness)
+    dry = motion(made("coulomb_friction", {"force_N": 0.4}))
+    apart = []
+    for stiffness in (1e4, 1e5, 1e6):
+        more = {"stiffness_N_m": stiffness}
+        if name == "lugre_friction":
+            bristles = {"bristle_stiffness_N_m": stiffness, "bristle_damping_Ns_m": 0.5 * np.sqrt(stiffness)}
+            more = {"velocity_m_s": 0.02, **bristles}
+        apart.append(np.abs(motion(made(name, {**level, **more})) - dry).max())
+    assert apart[0] < 2e-4
+    assert apart[1] < 0.4 * apart[0]
+    assert apart[2] < 0.4 * apart[1]
 
 
 @pytest.mark.parametrize("name", LAWS)

@@ -35,9 +35,9 @@ ROUNDING = 4e-15
 
 @dataclass(frozen=True, eq=False)
 class MultibodySample:
-    """States and forces at given times. T times; n coordinates and P ports of the mechanism; forces, frictions and so on.
+    """States and forces at given times.
 
-    Of these there are F forces, R frictions, S laws with a memory and U inputs.
+    T times; of the mechanism n coordinates, P ports, F forces, R frictions, S laws with a memory and U inputs.
 
     Attributes:
         time: shape (T,) [s].

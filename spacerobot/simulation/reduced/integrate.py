@@ -31,8 +31,19 @@ from spacerobot.simulation.reduced.events import (
 )
 from spacerobot.simulation.reduced.guards import guards
 from spacerobot.simulation.reduced.motion import accelerate
+from spacerobot.simulation.reduced.rosenbrock import (
+    STABLE,
+    STAGES,
+    Room,
+    hastiness,
+    linearise,
+    remembers,
+    stiff_dense,
+    stiff_norm,
+    stiff_stages,
+)
 from spacerobot.simulation.reduced.stepper import ORDER, dense, error_norm, stages
-from spacerobot.support.jit import jit
+from spacerobot.support.jit import jit, lean
 
 OK, TOO_MANY_STEPS, TOO_MANY_EVENTS, NOT_FINITE = 0, 1, 2, 3
 NEAR = 1e-7
@@ -74,6 +85,27 @@ def _grow(a: Any) -> Any:
     return out
 
 
+@lean
+def _advance(
+    x: Any, c: Any, laws: Any, t: float, y: Any, h: float, modes: Any, u: Any, w: Any, k: Any, o: Any, stiff: bool,
+    new: Any,
+) -> None:  # fmt: skip
+    """A step of the general method whose first slope is k[0]; its end is left in `new`."""
+    if stiff:
+        stiff_stages(x, c, laws, t, y, h, modes, u, w, k, o, new)
+    else:
+        stages(x, c, laws, t, y, h, modes, u, w, k, new)
+
+
+@lean
+def _interpolant(y: Any, new: Any, h: float, k: Any, stiff: bool, q: Any) -> None:
+    """Coefficients of the interpolant of the step just taken."""
+    if stiff:
+        stiff_dense(y, new, h, k, q)
+    else:
+        dense(k, q)
+
+
 @jit
 def integrate(
     x: Any,
@@ -97,11 +129,14 @@ def integrate(
     size = y0.size
     y = y0.copy()
     new, temp, slope = np.empty(size), np.empty(size), np.empty(size)
-    k = np.zeros((7, size))
+    k = np.zeros((1 + STAGES, size))
     wide = DEGREE if c[INPUTS] == 0 else ORDER
     q = np.empty((size, wide))
     a = np.empty((size - c[N], size + 1))
     held = np.empty((c[FRICTIONS], size + 1))
+    own, scale = size - c[N], atol.copy()
+    o = Room(np.empty((own, size)), np.empty((own, own)), np.empty(own), np.empty(size), np.empty((2, size)))
+    bends, stiff, hasty = remembers(c), False, 0.0
     guarding = 2 + 2 * c[FRICTIONS] + c[STATES]
     rows, owner, p = np.empty((guarding, size + 1)), np.empty(guarding, dtype=np.int64), np.empty(wide + 1)
     modes = start_modes(x, c, laws, t0, y, u, w, slope)
@@ -124,7 +159,7 @@ def integrate(
     watched = edged or c[PRESS] >= 0 or c[FRICTIONS] > 0 or c[STATES] > 0
     while kick < c[KICKS] and x[c[KICK_TIME] + kick] < t0:
         kick += 1
-    fresh, even, known = True, False, False  # modes just changed; straight; k[0] is dy/dt
+    fresh, even, known, sloped = True, False, False, False  # modes just changed; straight; k[0] is dy/dt
     reach, linear = 0.0, -1  # longest step of a straight mode; how many guards, where all are linear
     while t < t1:
         stop = t1
@@ -162,9 +197,14 @@ def integrate(
         else:
             if not known:
                 accelerate(x, c, laws, t, y, modes, u, w, k[0])
-                known = True
-            stages(x, c, laws, t, y, full, modes, u, w, k, new)
-            norm = error_norm(y, new, full, k, rtol, atol)
+                known, hasty = True, hastiness(x, c, laws, y, modes, w, rtol, atol, scale) if bends else 0.0
+                sloped = False
+            stiff = hasty * full > STABLE
+            if stiff and not sloped:
+                linearise(x, c, laws, t, y, modes, u, w, k[0], atol, o)
+                sloped = True
+            _advance(x, c, laws, t, y, full, modes, u, w, k, o, stiff, new)
+            norm = stiff_norm(y, new, k, rtol, scale) if stiff else error_norm(y, new, full, k, rtol, scale)
             if not np.isfinite(norm):
                 if full < 1e-14:
                     status = NOT_FINITE
@@ -178,7 +218,7 @@ def integrate(
                     break
                 continue
             grow = 5.0 if norm < 1e-10 else min(5.0, 0.9 * norm**-0.2)
-            dense(k, q)
+            _interpolant(y, new, full, k, stiff, q)
         hit = -1
         if linear >= 0:
             hit, theta = first_fall(rows, owner, linear, y, full, q, order, p)
@@ -194,8 +234,9 @@ def integrate(
         elif hit >= 0:
             # the interpolant is less accurate than the step: redo the step to the event and polish its length
             part = max(theta * full, 0.0)
-            for _ in range(4):
-                stages(x, c, laws, t, y, part, modes, u, w, k, new)
+            turns = hit > c[FORCES] + c[FRICTIONS]  # nothing jumps there: the interpolant is near enough
+            for _ in range(0 if turns else 4):
+                _advance(x, c, laws, t, y, part, modes, u, w, k, o, stiff, new)
                 accelerate(x, c, laws, t + part, new, modes, u, w, slope)
                 guards(x, c, laws, modes, w, samples[0])
                 value = samples[0, hit]
@@ -213,8 +254,8 @@ def integrate(
                 part += change
                 if abs(change) < max(NEAR * full, 1e-15 * max(1.0, abs(t))):
                     break
-            stages(x, c, laws, t, y, part, modes, u, w, k, new)
-            dense(k, q)
+            _advance(x, c, laws, t, y, part, modes, u, w, k, o, stiff, new)
+            _interpolant(y, new, part, k, stiff, q)
         if m == times.size:
             times, lengths, states, denses = _grow(times), _grow(lengths), _grow(states), _grow(denses)
             kept, orders = _grow(kept), _grow(orders)
@@ -242,6 +283,7 @@ def integrate(
                 break
         elif not even:
             h = full * grow if not final else max(h, full * grow)
+            known = not stiff and not bends
             for i in range(size):
                 k[0, i] = k[6, i]
         if m >= most:
