@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 
 from spacerobot.diagnosis.answer import evidence as ev
+from spacerobot.diagnosis.answer.clock_offsets import clock_offsets
 from spacerobot.diagnosis.answer.held_out import of_rivals
 from spacerobot.diagnosis.answer.next_trial import next_trial_of_rig
 from spacerobot.diagnosis.answer.record import written
@@ -135,6 +136,7 @@ def diagnose(
         next_experiment=further,
         profiled=profiled,
         why=[*why_not(checks), *_not_shown(decided.withdrawn)],
+        clocks=clock_offsets(study, workshop, judgement.chosen, inflation),
     )
     shown_before = held.before.residuals if held else {k: t.residual for k, t in base.trials.items()}
     shown_after = held.after.residuals if held else {k: t.residual for k, t in judgement.chosen.trials.items()}

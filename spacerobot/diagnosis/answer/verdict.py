@@ -13,6 +13,7 @@ from spacerobot.diagnosis.answer.record import (
     FORMAT,
     Alternative,
     Believed,
+    ClockOffset,
     Detectable,
     Effect,
     Instead,
@@ -180,6 +181,7 @@ def verdict_of_rig(
     next_experiment: NextExperiment | None,
     profiled: Intervals,
     why: Sequence[str],
+    clocks: Sequence[ClockOffset] = (),
 ) -> Verdict:
     """The whole answer of a wrist rig's study."""
     chosen, sigma = judgement.chosen, model.believed.sigma
@@ -215,6 +217,7 @@ def verdict_of_rig(
         moved=all_moved(chosen, ABSORBING),
         not_predicted=not_predicted(study, {c for t in trials for c in t.channels}),
         why=list(why),
+        clocks=list(clocks) if clocks else UNSET,
     )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
@@ -72,6 +72,11 @@ class WristRig(ForwardModel):
             "starts at rest.",
             "The arm is held still." if held else f"The arm moves as one hand of {self.hand_mass:.3g} kg.",
         ]
+        for stream, late in self._late().items():
+            said.append(
+                f"{stream} has a clock of its own, {min(late):.4g} to {max(late):.4g} s ahead: every trial of it is "
+                "set where its touch is the track's."
+            )
         for name, value in self._defaults().items():
             said.append(f"{name} is not stated: {value:g} {unit_of(name)} for all trials.")
         unused = [name for name in self.study.values() if name not in DEFAULTS]
@@ -89,11 +94,23 @@ class WristRig(ForwardModel):
         contact = [e.time for e in found.run.events if e.element == "contact"]
         focus = (min(contact) - BEFORE, max(contact) + AFTER) if contact else None
         channels = [
-            overlaid(recording[name], simulated, focus=focus if name == "contact.force" else None)
+            overlaid(
+                replace(recording[name], time=block.time, value=block.value[c], valid=block.weight[c] > 0.0),
+                rows[c],
+                focus=focus if name == "contact.force" else None,
+            )
             for block, rows in zip(data.blocks, found.blocks, strict=True)
-            for name, simulated in zip(block.channels, rows, strict=True)
+            for c, name in enumerate(block.channels)
         ]
         return TrialOverlay(trial.id, self.study.condition(trial), tuple(channels), found.touches)
+
+    def _late(self) -> dict[str, list[float]]:
+        found: dict[str, list[float]] = {}
+        for trial in self.trials.values():
+            for block in trial.blocks:
+                if block.clock:
+                    found.setdefault(block.stream, []).append(block.late)
+        return found
 
     def _believed(self) -> dict[str, float]:
         own = {} if math.isinf(self.hand_mass) else {"hand.mass": self.hand_mass}

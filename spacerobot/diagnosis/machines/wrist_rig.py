@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from spacerobot.diagnosis.machines.contract import Nuisance, Predicted
+from spacerobot.diagnosis.machines.contract import CLOCK, Nuisance, Predicted
 from spacerobot.diagnosis.machines.mechanism_cache import Lately
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed, Hypothesis
@@ -33,6 +33,9 @@ CHANNEL_OF = {"target": "target.x", "target.y": "target.y", "target.yaw": "targe
 
 LEAST = 4
 """Readings of a coordinate that a straight line before contact is fitted to, at least."""
+
+CLOCK_SCALE = 1e-4
+"""Step [s] of a clock's offset in a fit: a force that rises within milliseconds tells it to some hundredths of one."""
 
 ONSET_MASK = 0.7e-3
 """Force samples this close [s] to a predicted touch are left out: the force jumps there."""
@@ -72,9 +75,11 @@ class RigModel:
         if unstated:
             raise InputError("a value has a sigma but no believed value", given=unstated[0], where=str(study.path))
         scatter = {n: s for n, s in study.scatter.items() if n in DEFAULTS and s > 0.0}
-        self.believed = Believed(known, sigma, scatter, tuple(study.conditions()), unknown, ABSORBING)
-        self.tolerance = tolerance
         self.sensors = _sensors(study)
+        clocks = _alone(study, self.sensors)
+        conditions = tuple(study.conditions())
+        self.believed = Believed(known, sigma, scatter, conditions, unknown, ABSORBING, clocks=clocks)
+        self.tolerance = tolerance
         self._lately = Lately()
         self._know(trials)
 
@@ -111,17 +116,19 @@ class RigModel:
             residual: weighted residual there, shape (S,), predicted minus measured.
 
         Returns:
-            shape (N,); before the touch a start moves the track by dx + dv t, so two unknowns per coordinate.
+            shape (N,); before the touch a start moves the track by dx + dv t, so two unknowns per coordinate. Clocks
+            go back to where the touch on that approach has them.
         """
-        out = initial.copy()
         touch = self._touch[trial.id]
         nuisances = self._motion[trial.id]
+        pairs = zip(nuisances, initial, strict=True)
+        out = np.array([n.guess if n.coordinate.startswith(CLOCK) else x for n, x in pairs])
         row = 0
         for block in trial.blocks:
             for c, channel in enumerate(block.channels):
                 rows = slice(row, row + block.time.size)
                 row += block.time.size
-                own = [n for n, x in enumerate(nuisances) if CHANNEL_OF[x.coordinate] == channel]
+                own = [n for n, x in enumerate(nuisances) if CHANNEL_OF.get(x.coordinate) == channel]
                 early = (block.time < touch) & (block.weight[c] > 0.0)
                 if len(own) != 2 or early.sum() < LEAST:
                     continue
@@ -156,21 +163,30 @@ class RigModel:
             tolerance=self.tolerance,
             step_limit=STEP_LIMIT,
         )
-        blocks = tuple(np.array(list(read_channels(run, mechanism, b.channels, b.time).values())) for b in trial.blocks)
-        touches = tuple(run.touches().tolist())
-        return RigPredicted(blocks=blocks, touches=touches, run=run)
+        late = _late(trial, self._motion[trial.id], initial)
+        blocks = tuple(
+            np.array(list(read_channels(run, mechanism, b.channels, b.time - by if by else b.time).values()))
+            for b, by in zip(trial.blocks, late, strict=True)
+        )
+        return RigPredicted(blocks=blocks, touches=tuple(run.touches().tolist()), late=late, run=run)
 
 
-def counted(mechanism: Mechanism, trial: TrialData, touches: tuple[float, ...]) -> np.ndarray:
+def _late(trial: TrialData, nuisances: tuple[Nuisance, ...], initial: np.ndarray) -> tuple[float, ...]:
+    """By how much each block of a trial is late as its own clock goes [s]."""
+    of = {n.coordinate: float(v) for n, v in zip(nuisances, initial, strict=True) if n.coordinate.startswith(CLOCK)}
+    return tuple(of.get(CLOCK + b.clock, 0.0) for b in trial.blocks)
+
+
+def counted(mechanism: Mechanism, trial: TrialData, shown: Predicted) -> np.ndarray:
     """Samples that count, shape (S,) bool: forces are left out around each touch as their sensor sees it."""
     keep = trial.valid
-    if not touches or "contact.force" not in trial.channels:
+    if not shown.touches or "contact.force" not in trial.channels:
         return keep
     keep = keep.copy()
     late = sum(m.value for m in mechanism.maps if m.channel == "contact.force" and m.kind == "delay")
-    at = np.array(touches) + late
     row = 0
-    for block in trial.blocks:
+    for block, by in zip(trial.blocks, shown.late or (0.0,) * len(trial.blocks), strict=True):
+        at = np.array(shown.touches) + (late + by)
         for channel in block.channels:
             if channel == "contact.force":
                 first, last = np.searchsorted(block.time, [at - ONSET_MASK, at + ONSET_MASK])
@@ -208,6 +224,16 @@ def _sensors(study: Study) -> dict[str, tuple[str, ...]]:
     return found
 
 
+def _alone(study: Study, sensors: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:
+    """ "SENSOR.clock" of each sensor whose clocks no other sensor shares, where there are several clocks."""
+    clock_of = {c.name: s.clock for s in study.streams.values() for c in s.channels}
+    clocks = {sensor: {clock_of[c] for c in channels} for sensor, channels in sensors.items()}
+    if len(set().union(*clocks.values())) < 2:
+        return ()
+    others = {s: set().union(*(c for other, c in clocks.items() if other != s)) for s in clocks}
+    return tuple(f"{s}.clock" for s, own in clocks.items() if not own & others[s])
+
+
 def _nuisances(trial: TrialData, turning: bool, sideways: bool) -> tuple[Nuisance, ...]:
     found: list[Nuisance] = []
     wanted = [("target", "target.x", 5e-5, 1e-4)]
@@ -224,7 +250,8 @@ def _nuisances(trial: TrialData, turning: bool, sideways: bool) -> tuple[Nuisanc
         slope, offset = np.polyfit(time[early] - trial.start, value[early], 1)
         found.append(Nuisance(coordinate, False, float(offset), scale))
         found.append(Nuisance(coordinate, True, float(slope), rate_scale))
-    return tuple(found)
+    clocks = dict.fromkeys(b.clock for b in trial.blocks if b.clock)
+    return (*found, *(Nuisance(CLOCK + clock, False, 0.0, CLOCK_SCALE) for clock in clocks))
 
 
 def _touch_time(trial: TrialData) -> float:

@@ -49,10 +49,10 @@ def difference(workshop: Workshop, chosen: Fit, trial: TrialData) -> float:
     run = integrate_scene(scene, trial.end - trial.start, tolerance=TOLERANCE)
     mechanism = workshop.model.trial_mechanism(chosen.hypothesis, chosen.z, trial)
     reduced = workshop.model.predict(mechanism, trial, chosen.trials[trial.id].initial)
-    keep = counted(mechanism, trial, reduced.touches)
+    keep = counted(mechanism, trial, reduced)
     total, count, row = 0.0, 0, 0
-    for block, shown in zip(trial.blocks, reduced.blocks, strict=True):
-        whole = read_channels(run, run.mechanism, block.channels, block.time - trial.start)
+    for block, shown, late in zip(trial.blocks, reduced.blocks, reduced.late, strict=True):
+        whole = read_channels(run, run.mechanism, block.channels, block.time - trial.start - late)
         for c, channel in enumerate(block.channels):
             apart = whole[channel] - shown[c]
             if channel in COUNTED_FROM:

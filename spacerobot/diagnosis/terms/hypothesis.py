@@ -61,6 +61,8 @@ class Believed:
         unknown: values that are not stated, with a plausible centre each.
         absorbing: constants whose job is to absorb left-out physics.
         freed: values of which what is stated counts for next to nothing.
+        clocks: "SENSOR.clock" of each sensor on a clock that no other shares: each trial's own start, or the clock's
+            offset, stands for its lateness.
     """
 
     values: Mapping[str, float]
@@ -70,6 +72,7 @@ class Believed:
     unknown: Mapping[str, float] = field(default_factory=dict)
     absorbing: tuple[str, ...] = ()
     freed: tuple[str, ...] = ()
+    clocks: tuple[str, ...] = ()
 
     def free_of(self, names: Sequence[str]) -> Believed:
         """The same with these values set free of what is stated of them."""
