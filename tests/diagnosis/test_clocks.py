@@ -1,4 +1,4 @@
-"""A force sensor on a clock of its own: set beside the cameras' by the touch, its offset fitted with everything else."""
+"""A force sensor on a clock of its own: set beside the cameras' by the touch, its offset fitted with all else."""
 
 from __future__ import annotations
 

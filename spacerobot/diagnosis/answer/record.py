@@ -248,6 +248,13 @@ class Verdict(Record, frozen=True, kw_only=True):
     ]
     next_experiment: NextExperiment | None
     exact: Annotated[list[str], Meta(description="names of believed values held exactly as stated")] | UnsetType = UNSET
+    assumed: (
+        Annotated[
+            dict[str, float],
+            Meta(description="believed values whose sigma is not stated: the relative one that was taken [1]"),
+        ]
+        | UnsetType
+    ) = UNSET
     moved: (
         Annotated[
             dict[str, Moved],

@@ -27,7 +27,7 @@ from spacerobot.diagnosis.answer.record import (
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.interval import Intervals, interval
 from spacerobot.diagnosis.locate.located import LEVEL, Located, Row
-from spacerobot.diagnosis.machines.wrist_rig import ABSORBING, RigModel
+from spacerobot.diagnosis.machines.wrist_rig import RigModel
 from spacerobot.diagnosis.selection.held_out import HeldOut
 from spacerobot.diagnosis.selection.judge import MOVED, Judgement
 from spacerobot.diagnosis.selection.limits import Limit
@@ -35,6 +35,7 @@ from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Label
 from spacerobot.diagnosis.terms.kinds import AMBIGUOUS, NAMED, SETTLED
 from spacerobot.diagnosis.terms.parameters import TIMES_STATED, Free
+from spacerobot.recordings.beliefs import ABSORBING, UNSTATED
 from spacerobot.recordings.study import Study
 
 RIVALS = 5
@@ -117,7 +118,7 @@ def all_moved(fit: Fit, absorbing: Sequence[str] = ()) -> dict[str, Moved]:
 
     Args:
         fit: what is reported.
-        absorbing: believed values whose job is to stand for what is not modelled (`wrist_rig.ABSORBING`).
+        absorbing: believed values whose job is to stand for what is not modelled (`beliefs.ABSORBING`).
     """
     sigmas = fit.hypothesis.sigmas(fit.z)
     found = [
@@ -214,7 +215,8 @@ def verdict_of_rig(
         detectable=[detectable(limit) for limit in limits],
         next_experiment=next_experiment,
         exact=exact(study, chosen),
-        moved=all_moved(chosen, ABSORBING),
+        assumed=dict.fromkeys(model.beliefs.assumed, UNSTATED) if model.beliefs.assumed else UNSET,
+        moved=all_moved(chosen, tuple(ABSORBING)),
         not_predicted=not_predicted(study, {c for t in trials for c in t.channels}),
         why=list(why),
         clocks=list(clocks) if clocks else UNSET,

@@ -9,7 +9,7 @@ from typing import Self
 import numpy as np
 
 from spacerobot.diagnosis.forward.base import ForwardModel, TrialOverlay, Value, channels_of, overlaid, unit_of
-from spacerobot.diagnosis.machines.wrist_rig import UNKNOWN_CENTRES, RigModel, readable
+from spacerobot.diagnosis.machines.wrist_rig import RigModel, readable
 from spacerobot.diagnosis.selection.admission import questions
 from spacerobot.diagnosis.terms.data import TrialData, trial_data
 from spacerobot.dynamics.effective_mass import effective_mass
@@ -72,6 +72,7 @@ class WristRig(ForwardModel):
             "starts at rest.",
             "The arm is held still." if held else f"The arm moves as one hand of {self.hand_mass:.3g} kg.",
         ]
+        said += [f"{word[0].upper()}{word[1:]}." for word in self.model.beliefs.words()]
         for stream, late in self._late().items():
             said.append(
                 f"{stream} has a clock of its own, {min(late):.4g} to {max(late):.4g} s ahead: every trial of it is "
@@ -117,7 +118,7 @@ class WristRig(ForwardModel):
         return {**self.model.base, **own}
 
     def _defaults(self) -> dict[str, float]:
-        return {name: value for name, value in UNKNOWN_CENTRES.items() if name not in self.model.base}
+        return dict(self.model.believed.unknown)
 
 
 def _hand_mass(study: Study) -> float:

@@ -13,20 +13,27 @@ from spacerobot.diagnosis.machines.contract import CLOCK, Nuisance, Predicted
 from spacerobot.diagnosis.machines.mechanism_cache import Lately
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed, Hypothesis
+from spacerobot.diagnosis.terms.parameters import zero_key
 from spacerobot.effects.mechanism import Mechanism
+from spacerobot.effects.primitives import ChannelMap
+from spacerobot.recordings.beliefs import ABSORBING, beliefs_of
 from spacerobot.recordings.study import Study
 from spacerobot.simulation.reduced.run import ReducedRun, simulate
 from spacerobot.simulation.rig import DEFAULTS, rig
 from spacerobot.simulation.sensors import read_channels
 from spacerobot.support.errors import InputError
 
-UNKNOWN_CENTRES = {"contact.damping": 40.0, "contact.stiffness": 5e4}
-"""Where the search for an unstated value begins, SI."""
+UNKNOWN_CENTRES = {
+    "contact.damping": 40.0,
+    "contact.stiffness": 5e4,
+    "wrist.mass": 1.0,
+    "wrist.stiffness": 1e3,
+    "target.mass": 10.0,
+}
+"""Where the search for an unstated value begins, SI; that for the wrist's stiffness where the recordings say."""
 
 STEP_LIMIT = 5000
 """Steps of one trial after which a fit calls its parameters too stiff to be true; a plain trial takes some 400."""
-
-ABSORBING = ("wrist.equivalent_damping",)
 
 CHANNEL_OF = {"target": "target.x", "target.y": "target.y", "target.yaw": "target.yaw"}
 """The channel that shows a coordinate before contact."""
@@ -60,7 +67,7 @@ class RigModel:
     def __init__(self, study: Study, trials: tuple[TrialData, ...], *, tolerance: float = 1e-6) -> None:
         baseline = study.baseline
         known = {n: v for n, v in study.values().items() if n in DEFAULTS}
-        unknown = {n: c for n, c in UNKNOWN_CENTRES.items() if n not in known}
+        unknown = _unknown(study, known, trials)
         channels = {c for t in trials for c in t.channels}
         self.turning = turning(study)
         self.sideways = "target.y" in channels
@@ -69,8 +76,11 @@ class RigModel:
         along = float(np.dot(baseline.gravity, baseline.approach))
         if along:
             known["gravity.along"] = along
+        if not any(n in known for pair in ABSORBING.items() for n in pair):
+            known["wrist.equivalent_damping"] = 0.0  # not stated: found, as what is there to absorb is
         self.base: dict[str, float] = known
-        sigma = {n: s for n, s in study.sigma.items() if n in DEFAULTS and s > 0.0}
+        self.beliefs = beliefs_of(study, DEFAULTS)
+        sigma = {n: s for n, s in self.beliefs.sigma.items() if n in DEFAULTS and s > 0.0}
         unstated = [n for n in sigma if n not in known and not all(n in t.overrides for t in study.trials)]
         if unstated:
             raise InputError("a value has a sigma but no believed value", given=unstated[0], where=str(study.path))
@@ -78,7 +88,17 @@ class RigModel:
         self.sensors = _sensors(study)
         clocks = _alone(study, self.sensors)
         conditions = tuple(study.conditions())
-        self.believed = Believed(known, sigma, scatter, conditions, unknown, ABSORBING, clocks=clocks)
+        self.believed = Believed(
+            known,
+            sigma,
+            scatter,
+            conditions,
+            unknown,
+            tuple(ABSORBING),
+            clocks=clocks,
+            unheld=self.beliefs.free,
+            zeros=_zeros(study, channels),
+        )
         self.tolerance = tolerance
         self._lately = Lately()
         self._know(trials)
@@ -96,7 +116,7 @@ class RigModel:
 
     def mechanism(self, values: Mapping[str, float], trial: TrialData | None = None) -> Mechanism:
         """The baseline mechanism of these rig values, alike in every trial."""
-        inside = {n: v for n, v in values.items() if n in DEFAULTS}
+        inside = together({n: v for n, v in values.items() if n in DEFAULTS})
         return replace(rig(inside, lateral=self.sideways), sensors=self.sensors)
 
     def trial(self, name: str) -> TrialData:
@@ -143,7 +163,9 @@ class RigModel:
 
         def make() -> Mechanism:
             values = hypothesis.trial_values(z, self.base, trial.condition, trial.overrides)
-            return hypothesis.edit(self.mechanism(values), hypothesis.values(z), trial.id)
+            free = hypothesis.values(z)
+            zeros = (ChannelMap(c, "offset", free[zero_key(c)]) for c in self.believed.zeros)
+            return hypothesis.edit(self.mechanism(values).with_map(*zeros), free, trial.id)
 
         return self._lately.mechanism(hypothesis, z, trial, make)
 
@@ -194,6 +216,42 @@ def counted(mechanism: Mechanism, trial: TrialData, shown: Predicted) -> np.ndar
                     keep[row + a : row + b] = False
             row += block.time.size
     return keep
+
+
+def together(values: Mapping[str, float]) -> dict[str, float]:
+    """A rig's values with no constant below zero: what it falls short by comes off the value that adds to it."""
+    out = dict(values)
+    for name, added in ABSORBING.items():
+        below = min(out.get(name, 0.0), 0.0)
+        if below < 0.0:
+            out[name], out[added] = 0.0, max(out.get(added, 0.0) + below, 0.0)
+    return out
+
+
+def _unknown(study: Study, known: Mapping[str, float], trials: tuple[TrialData, ...]) -> dict[str, float]:
+    """Values of the rig that the study does not state, with where their search begins."""
+    stated = {*known, *(n for n in UNKNOWN_CENTRES if trials and all(n in t.overrides for t in trials))}
+    unknown = {n: c for n, c in UNKNOWN_CENTRES.items() if n not in stated}
+    seen = [k for t in trials if (k := _spring(t, known)) is not None]
+    if seen and "wrist.stiffness" in unknown:
+        unknown["wrist.stiffness"] = float(np.median(seen))
+    return unknown
+
+
+def _spring(trial: TrialData, known: Mapping[str, float]) -> float | None:
+    """Stiffness that stops the target of a trial within the wrist's largest displacement: m (v / x)^2 [N/m]."""
+    if "wrist.x" not in trial.channels:
+        return None
+    mass = {**UNKNOWN_CENTRES, **known, **trial.overrides}["target.mass"]
+    furthest = float(trial.channel("wrist.x")[1].max())
+    speed = next(n.guess for n in _nuisances(trial, False, False) if n.coordinate == "target" and n.rate)
+    return mass * (speed / furthest) ** 2 if furthest > 0.0 and speed > 0.0 else None
+
+
+def _zeros(study: Study, shown: set[str]) -> dict[str, float]:
+    """Channels whose zero the lab has found, with its standard deviation [SI]."""
+    every = (c for s in study.streams.values() for c in s.channels)
+    return {c.name: c.offset_sigma * c.factor for c in every if c.name in shown and c.offset_sigma > 0.0}
 
 
 def turning(study: Study) -> bool:

@@ -26,7 +26,7 @@ TRACK = "target.x"
 
 def has_wrist(study: Study) -> bool:
     """Whether the study is of a wrist that meets a target; any other machine is diagnosed part by part."""
-    return "wrist.stiffness" in study.values()
+    return "wrist.stiffness" in study.values() or "wrist.stiffness" in study.baseline.unknown
 
 
 def admit(study: Study) -> None:
