@@ -23,7 +23,7 @@ PROMISED: dict[int, tuple[frozenset[str], frozenset[str]]] = {
         frozenset({"format", "spacerobot", "input_hash", "seed", "study", "seconds", "verdict", "confidence"})
         | {"effects", "alternatives", "parameters", "located", "held_out", "detectable", "next_experiment"}
         | {"parts", "learned", "exact", "moved", "covariance", "why", "not_predicted", "not_located"}
-        | {"events", "clocks", "model", "assumed"},
+        | {"events", "clocks", "model", "assumed", "spoiled", "noise"},
     ),
 }
 """Format -> kinds of verdict and keys of the whole that its readers have been told of, some of them to come."""

@@ -24,6 +24,7 @@ from spacerobot.diagnosis.answer.record import (
     Verdict,
     placed,
 )
+from spacerobot.diagnosis.answer.spoiled import left_out, noise_told
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.interval import Intervals, interval
 from spacerobot.diagnosis.locate.located import LEVEL, Located, Row
@@ -220,6 +221,8 @@ def verdict_of_rig(
         not_predicted=not_predicted(study, {c for t in trials for c in t.channels}),
         why=list(why),
         clocks=list(clocks) if clocks else UNSET,
+        spoiled=left_out(study, trials) or UNSET,
+        noise=noise_told(study, trials) or UNSET,
     )
 
 

@@ -8,6 +8,8 @@ from typing import Self
 
 import numpy as np
 
+from spacerobot.diagnosis.answer.spoiled import left_out, noise_told
+from spacerobot.diagnosis.fitting.spoiled import cleaned
 from spacerobot.diagnosis.forward.base import ForwardModel, TrialOverlay, Value, channels_of, overlaid, unit_of
 from spacerobot.diagnosis.machines.wrist_rig import RigModel, readable
 from spacerobot.diagnosis.selection.admission import questions
@@ -53,7 +55,7 @@ class WristRig(ForwardModel):
         for trial in study.trials:
             for refusal in ask(study.recording(trial)):
                 raise refusal
-        trials = trial_data(study, readable(study))
+        trials = cleaned(trial_data(study, readable(study)))
         return cls(study, RigModel(study, trials), {t.id: t for t in trials}, _hand_mass(study))
 
     @property
@@ -77,6 +79,13 @@ class WristRig(ForwardModel):
             said.append(
                 f"{stream} has a clock of its own, {min(late):.4g} to {max(late):.4g} s ahead: every trial of it is "
                 "set where its touch is the track's."
+            )
+        used = tuple(self.trials.values())
+        for one in left_out(self.study, used):
+            said.append(f"Left out of {one.channel} in trial {one.trial}: {one.readings}, {one.why}.")
+        for channel, noise in noise_told(self.study, used).items():
+            said.append(
+                f"The noise of {channel} is taken as {noise.sigma:.2g} {noise.unit}; stated {noise.stated:.2g}."
             )
         for name, value in self._defaults().items():
             said.append(f"{name} is not stated: {value:g} {unit_of(name)} for all trials.")

@@ -105,7 +105,7 @@ class RigModel:
 
     def _know(self, trials: tuple[TrialData, ...]) -> None:
         self._trials = {t.id: t for t in trials}
-        self._touch = {t.id: _touch_time(t) for t in trials}
+        self._touch = {t.id: touch_time(t) for t in trials}
         self._motion = {t.id: _nuisances(t, self.turning, self.sideways) for t in trials}
 
     def of(self, trial: TrialData) -> RigModel:
@@ -299,7 +299,7 @@ def _nuisances(trial: TrialData, turning: bool, sideways: bool) -> tuple[Nuisanc
         wanted.append(("target.y", "target.y", 5e-5, 1e-4))
     if turning and "target.yaw" in trial.channels:
         wanted.append(("target.yaw", "target.yaw", 1e-4, 3e-4))
-    touch = _touch_time(trial)
+    touch = touch_time(trial)
     for coordinate, channel, scale, rate_scale in wanted:
         time, value, _ = trial.channel(channel)
         early = time < touch
@@ -312,7 +312,7 @@ def _nuisances(trial: TrialData, turning: bool, sideways: bool) -> tuple[Nuisanc
     return (*found, *(Nuisance(CLOCK + clock, False, 0.0, CLOCK_SCALE) for clock in clocks))
 
 
-def _touch_time(trial: TrialData) -> float:
+def touch_time(trial: TrialData) -> float:
     """When the target first comes to within half a millimetre of touching, from its own track."""
     time, value, _ = trial.channel("target.x")
     beyond = np.flatnonzero(value > -5e-4)

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from spacerobot.view.report.data_spoiled import spoiled
 from spacerobot.view.report.evidence import Evidence
 from spacerobot.view.report.when import happened
 from spacerobot.view.report.words import (
@@ -55,7 +56,7 @@ class Story:
 def tell(verdict: Mapping[str, Any], evidence: Evidence) -> Story:
     """The story of a verdict."""
     story = _TELLERS[verdict["verdict"]](verdict, evidence)
-    return replace(story, more=(*story.more, *happened(verdict)))
+    return replace(story, more=(*story.more, *happened(verdict), *spoiled(verdict)))
 
 
 def capital(text: str) -> str:
