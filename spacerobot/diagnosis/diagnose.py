@@ -6,6 +6,7 @@ import os
 import time
 from collections.abc import Mapping, Sequence
 
+from spacerobot.diagnosis.answer.clock_offsets import clock_offsets
 from spacerobot.diagnosis.answer.evidence import evidence_of_rig
 from spacerobot.diagnosis.answer.held_out import of_rivals
 from spacerobot.diagnosis.answer.next_trial import next_trial_of_rig
@@ -139,6 +140,7 @@ def diagnose(
         profiled=profiled,
         why=[*why_not(checks), *_not_shown(decided.withdrawn)],
         learnt=learnt,
+        clocks=clock_offsets(study, workshop, judgement.chosen, inflation),
     )
     left = {f.hypothesis.label: left_of[id(f)] for f in [base, judgement.chosen] if id(f) in left_of}
     evidence = evidence_of_rig(

@@ -1,7 +1,7 @@
 """A learned law: what acts at a port as a smooth curve whose numbers a fit finds, where no formula is known.
 
-The curve is a cubic spline on equal cells over the range that recordings visited, held at its end value beyond. Its
-second differences of its coefficients ("bends") are normally distributed with a standard deviation of `roughness` typical
+The curve is a cubic spline on equal cells over the range that recordings visited, held at its end value beyond. Second
+differences of its coefficients ("bends") are normally distributed with a standard deviation of `roughness` typical
 forces: the P-spline of Eilers and Marx (1996). A level of friction is never negative.
 
 Its name holds all that is not fitted ("learned_law[level|d|0|0.02|24|0.1|1]"), so that it can be kept, sent and found
@@ -27,7 +27,9 @@ from spacerobot.support.errors import InputError
 PREFIX: Final = "learned_law["
 
 Kind: TypeAlias = Literal["force", "friction", "memory"]
-"""A force at the port; dry friction of that level, with sticking; or a force that remembers: f = -z, z' = s(z sign v) v - b z."""
+"""A force at the port; dry friction of that level, with sticking; or a force that remembers: f = -z with
+z' = s(z sign v) v - b z.
+"""
 
 Variable: TypeAlias = Literal["d", "v", "z"]
 """Displacement or rate of the port, or what is remembered."""
@@ -141,7 +143,7 @@ class Shape:
         return np.asarray(np.diff(np.eye(self.cells + 3), 2, axis=0))
 
     def precision(self) -> np.ndarray:
-        """Of the coefficients in units of `size`, shape (cells + 3, cells + 3): bends, and a size that is not absurd."""
+        """Of the parameters in units of `size`, shape (P, P): bends, and a size that is not absurd."""
         bends = self.bends()
         own = self.cells + 3
         out = np.eye(own + (self.kind == "memory")) / ABSURD**2

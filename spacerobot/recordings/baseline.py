@@ -18,7 +18,7 @@ BASES = ("fixed", "free")
 JOINTS = ("locked", "free", "servo")
 LAWS = ("kelvin_voigt", "hertz", "hunt_crossley", "none")
 
-_PLAIN = ("robot", "base", "joints", "pose", "pose_deg", "approach", "gravity")
+_PLAIN = ("robot", "base", "joints", "pose", "pose_deg", "approach", "gravity", "exact")
 _TABLES = ("wrist", "contact", "target", "body", "hand", "platform", "joint", "link", "sigma", "scatter")
 
 
@@ -40,6 +40,7 @@ class Baseline:
         law: contact law, one of LAWS.
         sigma: dotted name -> one standard deviation of the believed value, relative.
         scatter: dotted name -> one standard deviation of its change between conditions, relative.
+        exact: dotted names of values that are held as they are stated.
     """
 
     robot: str | None
@@ -54,6 +55,7 @@ class Baseline:
     law: str = "kelvin_voigt"
     sigma: Mapping[str, float] = field(default_factory=dict)
     scatter: Mapping[str, float] = field(default_factory=dict)
+    exact: frozenset[str] = frozenset()
 
 
 def read_baseline(document: Document) -> Baseline:
@@ -72,6 +74,8 @@ def read_baseline(document: Document) -> Baseline:
     if law not in LAWS:
         raise NotFoundError("contact law", str(law), LAWS, where=document.where("baseline", "contact", "law"))
     stated, pose = read_pose(document, table, "baseline")
+    values = read_values(document, physical, "baseline")
+    sigma = _relative(document, table, "sigma")
     robot = table.get("robot")
     if robot is not None and (not isinstance(robot, str) or not robot.strip(" <") or set(robot) & set("\0\n<")):
         raise InputError("robot must be a name or a URDF path", given=robot, where=document.where("baseline", "robot"))
@@ -89,11 +93,12 @@ def read_baseline(document: Document) -> Baseline:
         pose_stated=stated,
         approach=_approach(document, table),
         gravity=_three(document, table, "gravity", (0.0, 0.0, 0.0)),
-        values=read_values(document, physical, "baseline"),
+        values=values,
         unknown=frozenset(name for name, value in physical.items() if value == "unknown"),
         law=law,
-        sigma=_relative(document, table, "sigma"),
+        sigma=sigma,
         scatter=_relative(document, table, "scatter"),
+        exact=_exact(document, table, sigma),
     )
 
 
@@ -153,6 +158,21 @@ def _approach(document: Document, table: Mapping[str, Any]) -> tuple[float, floa
             where=document.where("baseline", "approach"),
         )
     return vector
+
+
+def _exact(document: Document, table: Mapping[str, Any], sigma: Mapping[str, float]) -> frozenset[str]:
+    """`exact = ["wrist.mass"]`, at the top of a study or in its baseline: values that are held as stated."""
+    found = set()
+    for given, path in ((document.data.get("exact", []), ("exact",)), (table.get("exact", []), ("baseline", "exact"))):
+        where = document.where(*path)
+        if not isinstance(given, list) or not all(isinstance(name, str) for name in given):
+            raise InputError("'exact' must be a list of names", given=given, valid='["wrist.mass"]', where=where)
+        for name in given:
+            kind(name, where=where)
+            if sigma.get(name):
+                raise InputError("a value cannot be exact and have a sigma", given=name, where=where)
+            found.add(name)
+    return frozenset(found)
 
 
 def _relative(document: Document, table: Mapping[str, Any], key: str) -> dict[str, float]:

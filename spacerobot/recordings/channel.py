@@ -99,6 +99,7 @@ class ChannelSpec:
         unit: unit of `scale * raw + offset`; None for SI.
         scale: dimensionless factor on the raw reading.
         offset: added after `scale`, in `unit`.
+        offset_sigma: one standard deviation of where the channel's zero is, in `unit`; 0 where it is exact.
         use: "output" or "input".
         missing: raw readings that mean "no reading".
         unwrap: whether jumps of a turn are taken out of an angle.
@@ -115,6 +116,7 @@ class ChannelSpec:
     unit: str | None = None
     scale: float = 1.0
     offset: float = 0.0
+    offset_sigma: float = 0.0
     use: str = "output"
     missing: tuple[float, ...] = ()
     unwrap: bool = False
@@ -142,6 +144,8 @@ class ChannelSpec:
                 given=f"scale {self.scale}, offset {self.offset}",
                 where=self.where,
             )
+        if not (math.isfinite(self.offset_sigma) and self.offset_sigma >= 0.0):
+            raise InputError("offset_sigma must not be negative", given=self.offset_sigma, where=self.where)
         if self.unwrap and "angle" not in measured:
             raise InputError("only an angle can be unwrapped", given=self.name, where=self.where)
         if self.frame not in FRAMES:

@@ -9,11 +9,13 @@ from typing import Any
 
 import numpy as np
 
+from spacerobot.recordings.beliefs import beliefs_of
 from spacerobot.recordings.lacking import WRIST, lacks
 from spacerobot.recordings.ranges import Limits, Range, Ranges, strangers
 from spacerobot.recordings.recording import Recording, load_trial
 from spacerobot.recordings.series import Series, estimate_noise
 from spacerobot.recordings.study import Study
+from spacerobot.simulation.rig import DEFAULTS
 from spacerobot.support.errors import InputError
 
 Ask = Callable[[Recording], Iterable[InputError]]
@@ -129,6 +131,8 @@ def _believed(study: Study) -> list[str]:
     idle = sorted(n for n in {*study.baseline.values, *study.sigma} if n.startswith("joint.") and n.endswith(IDLE))
     if idle:
         found.append(f"stated, but no model reads it yet: {', '.join(idle)}")
+    if "wrist.stiffness" in {*study.values(), *study.baseline.unknown}:
+        found += beliefs_of(study, DEFAULTS).words()
     own = [s.name for s in study.streams.values() if s.own_clock]
     if own:
         found.append(f"streams on a clock of their own, whose offset is fitted: {', '.join(own)}")

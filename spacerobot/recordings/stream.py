@@ -51,7 +51,7 @@ _KEYS = (
     "encoding",
 )
 _CHANNEL_KEYS = (
-    "is", "sigma", "unit", "scale", "offset", "use", "missing", "moment", "unwrap", "plus", "frame",
+    "is", "sigma", "unit", "scale", "offset", "offset_sigma", "use", "missing", "moment", "unwrap", "plus", "frame",
 )  # fmt: skip
 
 
@@ -295,6 +295,7 @@ def _channel(
         unit=unit,
         scale=number("scale", 1.0),
         offset=number("offset", 0.0),
+        offset_sigma=number("offset_sigma", 0.0),
         use=document.text(spec, "use", "output", *path),
         missing=read_missing(document, spec["missing"], *path, "missing") if "missing" in spec else missing,
         unwrap=document.flag(spec, "unwrap", *path),

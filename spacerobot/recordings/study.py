@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     import pandas
 
 FORMAT = 1
-_TOP = ("format", "draft", "title", "data", "baseline", "streams", "trials")
+_TOP = ("format", "draft", "title", "data", "exact", "baseline", "streams", "trials")
 
 
 @dataclass(frozen=True)

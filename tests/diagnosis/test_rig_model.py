@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from spacerobot.diagnosis.machines.contract import Predicted
 from spacerobot.diagnosis.machines.wrist_rig import ONSET_MASK, RigModel, counted
 from spacerobot.diagnosis.terms.data import Block, TrialData, trial_data
 from spacerobot.effects.registry import effect
@@ -65,8 +66,10 @@ def test_forces_are_left_out_about_each_touch_as_their_sensor_sees_it(touches: l
     )
     trial = TrialData("t", "c", {}, blocks, 0.0, 0.1)
     mechanism = effect("time_offset").apply(rig(RIG), "force_sensor", {"delay_s": late})
-    keep = counted(mechanism, trial, tuple(touches))
+    keep = counted(mechanism, trial, Predicted((), tuple(touches)))
     assert keep[:10].all()
     apart = np.abs(time[:, None] - (np.array(touches) + late)).min(axis=1)
     sure = np.abs(apart - ONSET_MASK) > 1e-9
     assert np.array_equal(keep[10:][sure], (apart > ONSET_MASK)[sure])
+    by_its_clock = counted(rig(RIG), trial, Predicted((), tuple(touches), (0.0, late)))
+    assert np.array_equal(by_its_clock, keep)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from spacerobot.diagnosis.answer.record import Verdict, written
+from spacerobot.diagnosis.answer.record import Verdict, said_name, written
 from spacerobot.diagnosis.answer.verdict import labels_of, pattern
 from spacerobot.diagnosis.fitting.adequacy import Left
 from spacerobot.diagnosis.fitting.fitted import Fit
@@ -21,7 +21,7 @@ from spacerobot.diagnosis.selection.part_result import Part, balance
 from spacerobot.diagnosis.selection.search_state import Found
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Label
-from spacerobot.effects.registry import all_effects
+from spacerobot.effects.registry import effect as effect_of
 from spacerobot.recordings.study import Study
 
 POINTS = 400
@@ -224,7 +224,8 @@ def _of_rig(found: Found, judgement: Judgement, unseen: Mapping[Label, float]) -
     lost = {r.fit.hypothesis.label: r.lost for r in judgement.rivals}
     above = {r.fit.hypothesis.label: r.score for r in judgement.rivals}
     rows = []
-    for fit in sorted([found.baseline, *found.fits.values()], key=lambda f: f.cost):
+    fits = {id(f): f for f in (judgement.chosen, found.baseline, *found.fits.values())}
+    for fit in sorted(fits.values(), key=lambda f: f.cost):
         label = fit.hypothesis.label
         chosen = label == judgement.chosen.hypothesis.label
         rows.append(
@@ -250,7 +251,7 @@ def _of_rig(found: Found, judgement: Judgement, unseen: Mapping[Label, float]) -
 def _row(label: Label, stage: str, lost: str, **figures: Any) -> dict[str, Any]:
     """What a table says of a set of effects, each at its place."""
     unknown: dict[str, Any] = {"chi2": None, "chi2_per_sample": None, "held_out": None, "parameters": {}}
-    effects = [{"effect": e, "where": w} for e, w in label]
+    effects = [{"effect": said_name(e), "where": w} for e, w in label]
     return {"effects": effects, "stage": stage, **unknown, **figures, "lost": lost}
 
 
@@ -274,12 +275,17 @@ def _whiteness(before: Left, after: Left) -> list[dict[str, Any]]:
 
 def _formulas(labels: Sequence[Label]) -> list[dict[str, str]]:
     """Formula and source of every effect named."""
-    known = all_effects()
     out = []
     for name, where in dict.fromkeys(pair for label in labels for pair in label):
-        effect = known[name]
+        effect = effect_of(name)
         out.append(
-            {"effect": name, "where": where, "title": effect.title, "latex": effect.formula, "source": effect.source}
+            {
+                "effect": said_name(name),
+                "where": where,
+                "title": effect.title,
+                "latex": effect.formula,
+                "source": effect.source,
+            }
         )
     return out
 

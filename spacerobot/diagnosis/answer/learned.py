@@ -1,4 +1,4 @@
-"""A learned law as verdict.json says it: where, on what it depends, a formula, a table with its band, what it is like."""
+"""A learned law as verdict.json says it: where, on what it depends, formula, table with its band, what it is like."""
 
 from __future__ import annotations
 

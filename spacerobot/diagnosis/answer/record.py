@@ -190,6 +190,24 @@ class ClockOffset(Effect, frozen=True, kw_only=True):
     why: str
 
 
+class Spoiled(Record, frozen=True, kw_only=True):
+    """Readings of a channel in a trial that were left out, and why; the first of their times on the stream's clock."""
+
+    trial: str
+    channel: str
+    why: str
+    readings: Count
+    times_s: list[float]
+
+
+class NoiseFound(Record, frozen=True, kw_only=True):
+    """A channel's noise as its free approach shows it, rounding included, beside what is stated."""
+
+    sigma: Number
+    stated: Number
+    unit: str
+
+
 class FoundModel(Record, frozen=True, kw_only=True):
     """Where the found model of a machine without a wrist is written, and what runs it."""
 
@@ -283,6 +301,13 @@ class Verdict(Record, frozen=True, kw_only=True):
     ]
     next_experiment: NextExperiment | None
     exact: Annotated[list[str], Meta(description="names of believed values held exactly as stated")] | UnsetType = UNSET
+    assumed: (
+        Annotated[
+            dict[str, float],
+            Meta(description="believed values whose sigma is not stated: the relative one that was taken [1]"),
+        ]
+        | UnsetType
+    ) = UNSET
     moved: (
         Annotated[
             dict[str, Moved],
@@ -315,6 +340,11 @@ class Verdict(Record, frozen=True, kw_only=True):
     ) = UNSET
     events: list[Event] | UnsetType = UNSET
     clocks: list[ClockOffset] | UnsetType = UNSET
+    spoiled: Annotated[list[Spoiled], Meta(description="readings that were left out")] | UnsetType = UNSET
+    noise: (
+        Annotated[dict[str, NoiseFound], Meta(description="channels weighed by another noise than stated; SI")]
+        | UnsetType
+    ) = UNSET
     model: FoundModel | UnsetType = UNSET
     learned: list[Learned] | UnsetType = UNSET
     parts: list[Part] | UnsetType = UNSET

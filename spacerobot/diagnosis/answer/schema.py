@@ -10,7 +10,7 @@ from typing import Any, get_args
 import msgspec
 
 from spacerobot.diagnosis.answer.record import FORMAT, Verdict
-from spacerobot.diagnosis.terms.kinds import LEARNED, AMBIGUOUS, NAMED, WRONG_PARAMETER, Kind
+from spacerobot.diagnosis.terms.kinds import AMBIGUOUS, LEARNED, NAMED, WRONG_PARAMETER, Kind
 from spacerobot.support.errors import InputError
 from spacerobot.support.jsonio import plain
 
@@ -23,7 +23,7 @@ PROMISED: dict[int, tuple[frozenset[str], frozenset[str]]] = {
         frozenset({"format", "spacerobot", "input_hash", "seed", "study", "seconds", "verdict", "confidence"})
         | {"effects", "alternatives", "parameters", "located", "held_out", "detectable", "next_experiment"}
         | {"parts", "learned", "exact", "moved", "covariance", "why", "not_predicted", "not_located"}
-        | {"events", "clocks", "model"},
+        | {"events", "clocks", "model", "assumed", "spoiled", "noise"},
     ),
 }
 """Format -> kinds of verdict and keys of the whole that its readers have been told of, some of them to come."""

@@ -14,6 +14,7 @@ from spacerobot.diagnosis.answer.record import (
     FORMAT,
     Alternative,
     Believed,
+    ClockOffset,
     Detectable,
     Effect,
     Instead,
@@ -25,11 +26,12 @@ from spacerobot.diagnosis.answer.record import (
     placed,
     said_name,
 )
+from spacerobot.diagnosis.answer.spoiled import left_out, noise_told
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.interval import Intervals, interval
 from spacerobot.diagnosis.learning.learn import Learnt
 from spacerobot.diagnosis.locate.located import LEVEL, Located, Row
-from spacerobot.diagnosis.machines.wrist_rig import ABSORBING, RigModel
+from spacerobot.diagnosis.machines.wrist_rig import RigModel
 from spacerobot.diagnosis.selection.judge import MOVED, Judgement
 from spacerobot.diagnosis.selection.kept_aside import Unseen
 from spacerobot.diagnosis.selection.limits import Limit
@@ -37,6 +39,7 @@ from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Label
 from spacerobot.diagnosis.terms.kinds import AMBIGUOUS, LEARNED, NAMED, SETTLED
 from spacerobot.diagnosis.terms.parameters import TIMES_STATED, Free
+from spacerobot.recordings.beliefs import ABSORBING, UNSTATED
 from spacerobot.recordings.study import Study
 
 RIVALS = 5
@@ -121,7 +124,7 @@ def all_moved(fit: Fit, absorbing: Sequence[str] = ()) -> dict[str, Moved]:
 
     Args:
         fit: what is reported.
-        absorbing: believed values whose job is to stand for what is not modelled (`wrist_rig.ABSORBING`).
+        absorbing: believed values whose job is to stand for what is not modelled (`beliefs.ABSORBING`).
     """
     sigmas = fit.hypothesis.sigmas(fit.z)
     found = [
@@ -186,6 +189,7 @@ def verdict_of_rig(
     profiled: Intervals,
     why: Sequence[str],
     learnt: Learnt | None = None,
+    clocks: Sequence[ClockOffset] = (),
 ) -> Verdict:
     """The whole answer of a wrist rig's study."""
     chosen, sigma = judgement.chosen, model.believed.sigma
@@ -218,10 +222,14 @@ def verdict_of_rig(
         detectable=[detectable(limit) for limit in limits],
         next_experiment=next_experiment,
         exact=exact(study, chosen),
-        moved=all_moved(chosen, ABSORBING),
+        assumed=dict.fromkeys(model.beliefs.assumed, UNSTATED) if model.beliefs.assumed else UNSET,
+        moved=all_moved(chosen, tuple(ABSORBING)),
         not_predicted=not_predicted(study, {c for t in trials for c in t.channels}),
         why=list(why),
         learned=UNSET if learnt is None else [learned_law(learnt)],
+        clocks=list(clocks) if clocks else UNSET,
+        spoiled=left_out(study, trials) or UNSET,
+        noise=noise_told(study, trials) or UNSET,
     )
 
 

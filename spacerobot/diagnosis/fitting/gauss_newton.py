@@ -83,7 +83,7 @@ class Fitter:
         mechanism = self.model.trial_mechanism(hypothesis, z, trial)
         prediction = self.model.predict(mechanism, trial, initial)
         parts = [((p - b.value) * b.weight).ravel() for p, b in zip(prediction.blocks, trial.blocks, strict=True)]
-        return np.concatenate(parts), counted(mechanism, trial, prediction.touches)
+        return np.concatenate(parts), counted(mechanism, trial, prediction)
 
     def guess(self) -> dict[str, np.ndarray]:
         """First initial values of every trial, from its free approach."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from spacerobot.diagnosis.fitting.fitted import Fit
-from spacerobot.diagnosis.machines.wrist_rig import RigModel
+from spacerobot.diagnosis.machines.wrist_rig import RigModel, together
 from spacerobot.recordings.study import Study
 from spacerobot.simulation.parts.contact import ContactLaw
 from spacerobot.simulation.parts.effect_at import EffectAt
@@ -30,7 +30,9 @@ def scene_of(study: Study, model: RigModel, fit: Fit, trial: str | None = None) 
     chosen = study.trial(trial)
     base = {n: v for n, v in study.values().items() if n in DEFAULTS}
     overrides = {n: v for n, v in chosen.overrides.items() if n in DEFAULTS}
-    values = {**DEFAULTS, **fit.hypothesis.trial_values(fit.z, base, study.condition(chosen), overrides)}
+    values = together(
+        {**DEFAULTS, **fit.hypothesis.trial_values(fit.z, {**model.base, **base}, study.condition(chosen), overrides)}
+    )
     free = fit.values()
     effects = tuple(
         EffectAt(s.effect.name, s.where, {p.name: free[s.key(p.name)] for p in s.effect.parameters})

@@ -145,7 +145,8 @@ def fit_from(
         SimulationError: the start cannot be simulated.
     """
     made = hypothesis(believed, sites, start)
-    warm = {f.key: 0.0 for f in made.free if f.kind == "absorbing"}
+    replaced = {name for s in sites for name in s.effect.replaced(s.where)}
+    warm = {f.key: 0.0 for f in made.free if f.kind == "absorbing" and f.key in replaced}
     warm.update({k: v for k, v in start.items() if k in made.keys})
     first = fitter.fit(made, warm=warm, initials=initials, max_iterations=max_iterations, hopeless=hopeless)
     if first.chi2 < GOOD * first.samples or not believed.unknown or first.cost > hopeless:

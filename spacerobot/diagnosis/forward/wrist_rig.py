@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
 
+from spacerobot.diagnosis.answer.spoiled import left_out, noise_told
+from spacerobot.diagnosis.fitting.spoiled import cleaned
 from spacerobot.diagnosis.forward.base import ForwardModel, TrialOverlay, Value, channels_of, overlaid, unit_of
-from spacerobot.diagnosis.machines.wrist_rig import UNKNOWN_CENTRES, RigModel, readable
+from spacerobot.diagnosis.machines.wrist_rig import RigModel, readable
 from spacerobot.diagnosis.selection.admission import questions
 from spacerobot.diagnosis.terms.data import TrialData, trial_data
 from spacerobot.dynamics.effective_mass import effective_mass
@@ -53,7 +55,7 @@ class WristRig(ForwardModel):
         for trial in study.trials:
             for refusal in ask(study.recording(trial)):
                 raise refusal
-        trials = trial_data(study, readable(study))
+        trials = cleaned(trial_data(study, readable(study)))
         return cls(study, RigModel(study, trials), {t.id: t for t in trials}, _hand_mass(study))
 
     @property
@@ -72,6 +74,19 @@ class WristRig(ForwardModel):
             "starts at rest.",
             "The arm is held still." if held else f"The arm moves as one hand of {self.hand_mass:.3g} kg.",
         ]
+        said += [f"{word[0].upper()}{word[1:]}." for word in self.model.beliefs.words()]
+        for stream, late in self._late().items():
+            said.append(
+                f"{stream} has a clock of its own, {min(late):.4g} to {max(late):.4g} s ahead: every trial of it is "
+                "set where its touch is the track's."
+            )
+        used = tuple(self.trials.values())
+        for one in left_out(self.study, used):
+            said.append(f"Left out of {one.channel} in trial {one.trial}: {one.readings}, {one.why}.")
+        for channel, noise in noise_told(self.study, used).items():
+            said.append(
+                f"The noise of {channel} is taken as {noise.sigma:.2g} {noise.unit}; stated {noise.stated:.2g}."
+            )
         for name, value in self._defaults().items():
             said.append(f"{name} is not stated: {value:g} {unit_of(name)} for all trials.")
         unused = [name for name in self.study.values() if name not in DEFAULTS]
@@ -89,18 +104,30 @@ class WristRig(ForwardModel):
         contact = [e.time for e in found.run.events if e.element == "contact"]
         focus = (min(contact) - BEFORE, max(contact) + AFTER) if contact else None
         channels = [
-            overlaid(recording[name], simulated, focus=focus if name == "contact.force" else None)
+            overlaid(
+                replace(recording[name], time=block.time, value=block.value[c], valid=block.weight[c] > 0.0),
+                rows[c],
+                focus=focus if name == "contact.force" else None,
+            )
             for block, rows in zip(data.blocks, found.blocks, strict=True)
-            for name, simulated in zip(block.channels, rows, strict=True)
+            for c, name in enumerate(block.channels)
         ]
         return TrialOverlay(trial.id, self.study.condition(trial), tuple(channels), found.touches)
+
+    def _late(self) -> dict[str, list[float]]:
+        found: dict[str, list[float]] = {}
+        for trial in self.trials.values():
+            for block in trial.blocks:
+                if block.clock:
+                    found.setdefault(block.stream, []).append(block.late)
+        return found
 
     def _believed(self) -> dict[str, float]:
         own = {} if math.isinf(self.hand_mass) else {"hand.mass": self.hand_mass}
         return {**self.model.base, **own}
 
     def _defaults(self) -> dict[str, float]:
-        return {name: value for name, value in UNKNOWN_CENTRES.items() if name not in self.model.base}
+        return dict(self.model.believed.unknown)
 
 
 def _hand_mass(study: Study) -> float:

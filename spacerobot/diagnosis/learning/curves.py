@@ -25,7 +25,7 @@ MARGIN = 0.05
 """Share of the recorded range that a curve reaches beyond it on either side: a better fit moves a little further."""
 
 ROUGHNESS = 0.2
-"""Where the search for a curve's roughness begins, in units of its size: nearly straight, so that nothing is trapped."""
+"""Where the search for a curve's roughness begins, in units of its size."""
 
 ANNEALED = (30.0, 8.0, 2.5, 1.0, 1.0, 1.0)
 """Factors on the sensors' noise, one fit after the other: what is believed holds at first, or a fit that lacks the law

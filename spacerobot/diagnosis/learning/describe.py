@@ -149,12 +149,14 @@ def _bumps(kind: str, of: str, low: float, high: float, cost: Callable[[Term], f
     widths = np.geomspace(0.03, 0.5, BUMPS // 2) * (high - low)
     start = min(((p, w) for p in places for w in widths), key=lambda at: cost(_bump(kind, of, *at)))
     scale = 0.05 * (high - low)
-    found = minimize(
-        lambda s: cost(_bump(kind, of, start[0] + scale * s[0], start[1] * np.exp(s[1]))),
-        np.zeros(2),
-        method="Nelder-Mead",
-    )
-    yield _bump(kind, of, float(start[0] + scale * found.x[0]), float(start[1] * np.exp(found.x[1])))
+
+    def moved(step: np.ndarray) -> Term:
+        return _bump(kind, of, float(start[0] + scale * step[0]), float(start[1] * np.exp(step[1])))
+
+    def price(step: np.ndarray) -> float:
+        return cost(moved(step))
+
+    yield moved(minimize(price, np.zeros(2), method="Nelder-Mead").x)
 
 
 def _bump(kind: str, of: str, place: float, width: float) -> Term:

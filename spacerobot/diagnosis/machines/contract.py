@@ -15,10 +15,10 @@ from spacerobot.effects.mechanism import Mechanism
 
 @dataclass(frozen=True)
 class Nuisance:
-    """One initial value of a trial.
+    """A number of a trial's own: an initial value, or what a clock is late by.
 
     Attributes:
-        coordinate: whose.
+        coordinate: whose; of a clock, CLOCK and its name.
         rate: whether it is the velocity.
         guess: first value.
         scale: step of one unit in a fit.
@@ -30,12 +30,17 @@ class Nuisance:
     scale: float
 
 
+CLOCK = "clock:"
+"""Starts the name of a nuisance that is a clock's offset [s]: by how much its stream's readings are late."""
+
+
 @dataclass(frozen=True)
 class Predicted:
     """Predicted channels of a trial, block by block, and when something touched (never, where nothing can)."""
 
     blocks: tuple[np.ndarray, ...]  # (C, T) each, as the trial's blocks
     touches: tuple[float, ...] = ()
+    late: tuple[float, ...] = ()  # by how much each block is late as its clock goes [s]; none where empty
 
 
 class Baseline(Protocol):

@@ -9,30 +9,40 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from spacerobot.diagnosis.machines.contract import Nuisance, Predicted
+from spacerobot.diagnosis.machines.contract import CLOCK, Nuisance, Predicted
 from spacerobot.diagnosis.machines.mechanism_cache import Lately
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed, Hypothesis
+from spacerobot.diagnosis.terms.parameters import zero_key
 from spacerobot.effects.mechanism import Mechanism
+from spacerobot.effects.primitives import ChannelMap
+from spacerobot.recordings.beliefs import ABSORBING, beliefs_of
 from spacerobot.recordings.study import Study
 from spacerobot.simulation.reduced.run import ReducedRun, simulate
 from spacerobot.simulation.rig import DEFAULTS, rig
 from spacerobot.simulation.sensors import read_channels
 from spacerobot.support.errors import InputError
 
-UNKNOWN_CENTRES = {"contact.damping": 40.0, "contact.stiffness": 5e4}
-"""Where the search for an unstated value begins, SI."""
+UNKNOWN_CENTRES = {
+    "contact.damping": 40.0,
+    "contact.stiffness": 5e4,
+    "wrist.mass": 1.0,
+    "wrist.stiffness": 1e3,
+    "target.mass": 10.0,
+}
+"""Where the search for an unstated value begins, SI; that for the wrist's stiffness where the recordings say."""
 
 STEP_LIMIT = 5000
 """Steps of one trial after which a fit calls its parameters too stiff to be true; a plain trial takes some 400."""
-
-ABSORBING = ("wrist.equivalent_damping",)
 
 CHANNEL_OF = {"target": "target.x", "target.y": "target.y", "target.yaw": "target.yaw"}
 """The channel that shows a coordinate before contact."""
 
 LEAST = 4
 """Readings of a coordinate that a straight line before contact is fitted to, at least."""
+
+CLOCK_SCALE = 1e-4
+"""Step [s] of a clock's offset in a fit: a force that rises within milliseconds tells it to some hundredths of one."""
 
 ONSET_MASK = 0.7e-3
 """Force samples this close [s] to a predicted touch are left out: the force jumps there."""
@@ -57,7 +67,7 @@ class RigModel:
     def __init__(self, study: Study, trials: tuple[TrialData, ...], *, tolerance: float = 1e-6) -> None:
         baseline = study.baseline
         known = {n: v for n, v in study.values().items() if n in DEFAULTS}
-        unknown = {n: c for n, c in UNKNOWN_CENTRES.items() if n not in known}
+        unknown = _unknown(study, known, trials)
         channels = {c for t in trials for c in t.channels}
         self.turning = turning(study)
         self.sideways = "target.y" in channels
@@ -66,21 +76,36 @@ class RigModel:
         along = float(np.dot(baseline.gravity, baseline.approach))
         if along:
             known["gravity.along"] = along
+        if not any(n in known for pair in ABSORBING.items() for n in pair):
+            known["wrist.equivalent_damping"] = 0.0  # not stated: found, as what is there to absorb is
         self.base: dict[str, float] = known
-        sigma = {n: s for n, s in study.sigma.items() if n in DEFAULTS and s > 0.0}
+        self.beliefs = beliefs_of(study, DEFAULTS)
+        sigma = {n: s for n, s in self.beliefs.sigma.items() if n in DEFAULTS and s > 0.0}
         unstated = [n for n in sigma if n not in known and not all(n in t.overrides for t in study.trials)]
         if unstated:
             raise InputError("a value has a sigma but no believed value", given=unstated[0], where=str(study.path))
         scatter = {n: s for n, s in study.scatter.items() if n in DEFAULTS and s > 0.0}
-        self.believed = Believed(known, sigma, scatter, tuple(study.conditions()), unknown, ABSORBING)
-        self.tolerance = tolerance
         self.sensors = _sensors(study)
+        clocks = _alone(study, self.sensors)
+        conditions = tuple(study.conditions())
+        self.believed = Believed(
+            known,
+            sigma,
+            scatter,
+            conditions,
+            unknown,
+            tuple(ABSORBING),
+            clocks=clocks,
+            unheld=self.beliefs.free,
+            zeros=_zeros(study, channels),
+        )
+        self.tolerance = tolerance
         self._lately = Lately()
         self._know(trials)
 
     def _know(self, trials: tuple[TrialData, ...]) -> None:
         self._trials = {t.id: t for t in trials}
-        self._touch = {t.id: _touch_time(t) for t in trials}
+        self._touch = {t.id: touch_time(t) for t in trials}
         self._motion = {t.id: _nuisances(t, self.turning, self.sideways) for t in trials}
 
     def of(self, trial: TrialData) -> RigModel:
@@ -91,7 +116,7 @@ class RigModel:
 
     def mechanism(self, values: Mapping[str, float], trial: TrialData | None = None) -> Mechanism:
         """The baseline mechanism of these rig values, alike in every trial."""
-        inside = {n: v for n, v in values.items() if n in DEFAULTS}
+        inside = together({n: v for n, v in values.items() if n in DEFAULTS})
         return replace(rig(inside, lateral=self.sideways), sensors=self.sensors)
 
     def trial(self, name: str) -> TrialData:
@@ -111,17 +136,19 @@ class RigModel:
             residual: weighted residual there, shape (S,), predicted minus measured.
 
         Returns:
-            shape (N,); before the touch a start moves the track by dx + dv t, so two unknowns per coordinate.
+            shape (N,); before the touch a start moves the track by dx + dv t, so two unknowns per coordinate. Clocks
+            go back to where the touch on that approach has them.
         """
-        out = initial.copy()
         touch = self._touch[trial.id]
         nuisances = self._motion[trial.id]
+        pairs = zip(nuisances, initial, strict=True)
+        out = np.array([n.guess if n.coordinate.startswith(CLOCK) else x for n, x in pairs])
         row = 0
         for block in trial.blocks:
             for c, channel in enumerate(block.channels):
                 rows = slice(row, row + block.time.size)
                 row += block.time.size
-                own = [n for n, x in enumerate(nuisances) if CHANNEL_OF[x.coordinate] == channel]
+                own = [n for n, x in enumerate(nuisances) if CHANNEL_OF.get(x.coordinate) == channel]
                 early = (block.time < touch) & (block.weight[c] > 0.0)
                 if len(own) != 2 or early.sum() < LEAST:
                     continue
@@ -136,7 +163,9 @@ class RigModel:
 
         def make() -> Mechanism:
             values = hypothesis.trial_values(z, self.base, trial.condition, trial.overrides)
-            return hypothesis.edit(self.mechanism(values), hypothesis.values(z), trial.id)
+            free = hypothesis.values(z)
+            zeros = (ChannelMap(c, "offset", free[zero_key(c)]) for c in self.believed.zeros)
+            return hypothesis.edit(self.mechanism(values).with_map(*zeros), free, trial.id)
 
         return self._lately.mechanism(hypothesis, z, trial, make)
 
@@ -156,21 +185,30 @@ class RigModel:
             tolerance=self.tolerance,
             step_limit=STEP_LIMIT,
         )
-        blocks = tuple(np.array(list(read_channels(run, mechanism, b.channels, b.time).values())) for b in trial.blocks)
-        touches = tuple(run.touches().tolist())
-        return RigPredicted(blocks=blocks, touches=touches, run=run)
+        late = _late(trial, self._motion[trial.id], initial)
+        blocks = tuple(
+            np.array(list(read_channels(run, mechanism, b.channels, b.time - by if by else b.time).values()))
+            for b, by in zip(trial.blocks, late, strict=True)
+        )
+        return RigPredicted(blocks=blocks, touches=tuple(run.touches().tolist()), late=late, run=run)
 
 
-def counted(mechanism: Mechanism, trial: TrialData, touches: tuple[float, ...]) -> np.ndarray:
+def _late(trial: TrialData, nuisances: tuple[Nuisance, ...], initial: np.ndarray) -> tuple[float, ...]:
+    """By how much each block of a trial is late as its own clock goes [s]."""
+    of = {n.coordinate: float(v) for n, v in zip(nuisances, initial, strict=True) if n.coordinate.startswith(CLOCK)}
+    return tuple(of.get(CLOCK + b.clock, 0.0) for b in trial.blocks)
+
+
+def counted(mechanism: Mechanism, trial: TrialData, shown: Predicted) -> np.ndarray:
     """Samples that count, shape (S,) bool: forces are left out around each touch as their sensor sees it."""
     keep = trial.valid
-    if not touches or "contact.force" not in trial.channels:
+    if not shown.touches or "contact.force" not in trial.channels:
         return keep
     keep = keep.copy()
     late = sum(m.value for m in mechanism.maps if m.channel == "contact.force" and m.kind == "delay")
-    at = np.array(touches) + late
     row = 0
-    for block in trial.blocks:
+    for block, by in zip(trial.blocks, shown.late or (0.0,) * len(trial.blocks), strict=True):
+        at = np.array(shown.touches) + (late + by)
         for channel in block.channels:
             if channel == "contact.force":
                 first, last = np.searchsorted(block.time, [at - ONSET_MASK, at + ONSET_MASK])
@@ -178,6 +216,42 @@ def counted(mechanism: Mechanism, trial: TrialData, touches: tuple[float, ...]) 
                     keep[row + a : row + b] = False
             row += block.time.size
     return keep
+
+
+def together(values: Mapping[str, float]) -> dict[str, float]:
+    """A rig's values with no constant below zero: what it falls short by comes off the value that adds to it."""
+    out = dict(values)
+    for name, added in ABSORBING.items():
+        below = min(out.get(name, 0.0), 0.0)
+        if below < 0.0:
+            out[name], out[added] = 0.0, max(out.get(added, 0.0) + below, 0.0)
+    return out
+
+
+def _unknown(study: Study, known: Mapping[str, float], trials: tuple[TrialData, ...]) -> dict[str, float]:
+    """Values of the rig that the study does not state, with where their search begins."""
+    stated = {*known, *(n for n in UNKNOWN_CENTRES if trials and all(n in t.overrides for t in trials))}
+    unknown = {n: c for n, c in UNKNOWN_CENTRES.items() if n not in stated}
+    seen = [k for t in trials if (k := _spring(t, known)) is not None]
+    if seen and "wrist.stiffness" in unknown:
+        unknown["wrist.stiffness"] = float(np.median(seen))
+    return unknown
+
+
+def _spring(trial: TrialData, known: Mapping[str, float]) -> float | None:
+    """Stiffness that stops the target of a trial within the wrist's largest displacement: m (v / x)^2 [N/m]."""
+    if "wrist.x" not in trial.channels:
+        return None
+    mass = {**UNKNOWN_CENTRES, **known, **trial.overrides}["target.mass"]
+    furthest = float(trial.channel("wrist.x")[1].max())
+    speed = next(n.guess for n in _nuisances(trial, False, False) if n.coordinate == "target" and n.rate)
+    return mass * (speed / furthest) ** 2 if furthest > 0.0 and speed > 0.0 else None
+
+
+def _zeros(study: Study, shown: set[str]) -> dict[str, float]:
+    """Channels whose zero the lab has found, with its standard deviation [SI]."""
+    every = (c for s in study.streams.values() for c in s.channels)
+    return {c.name: c.offset_sigma * c.factor for c in every if c.name in shown and c.offset_sigma > 0.0}
 
 
 def turning(study: Study) -> bool:
@@ -208,6 +282,16 @@ def _sensors(study: Study) -> dict[str, tuple[str, ...]]:
     return found
 
 
+def _alone(study: Study, sensors: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:
+    """ "SENSOR.clock" of each sensor whose clocks no other sensor shares, where there are several clocks."""
+    clock_of = {c.name: s.clock for s in study.streams.values() for c in s.channels}
+    clocks = {sensor: {clock_of[c] for c in channels} for sensor, channels in sensors.items()}
+    if len(set().union(*clocks.values())) < 2:
+        return ()
+    others = {s: set().union(*(c for other, c in clocks.items() if other != s)) for s in clocks}
+    return tuple(f"{s}.clock" for s, own in clocks.items() if not own & others[s])
+
+
 def _nuisances(trial: TrialData, turning: bool, sideways: bool) -> tuple[Nuisance, ...]:
     found: list[Nuisance] = []
     wanted = [("target", "target.x", 5e-5, 1e-4)]
@@ -215,7 +299,7 @@ def _nuisances(trial: TrialData, turning: bool, sideways: bool) -> tuple[Nuisanc
         wanted.append(("target.y", "target.y", 5e-5, 1e-4))
     if turning and "target.yaw" in trial.channels:
         wanted.append(("target.yaw", "target.yaw", 1e-4, 3e-4))
-    touch = _touch_time(trial)
+    touch = touch_time(trial)
     for coordinate, channel, scale, rate_scale in wanted:
         time, value, _ = trial.channel(channel)
         early = time < touch
@@ -224,10 +308,11 @@ def _nuisances(trial: TrialData, turning: bool, sideways: bool) -> tuple[Nuisanc
         slope, offset = np.polyfit(time[early] - trial.start, value[early], 1)
         found.append(Nuisance(coordinate, False, float(offset), scale))
         found.append(Nuisance(coordinate, True, float(slope), rate_scale))
-    return tuple(found)
+    clocks = dict.fromkeys(b.clock for b in trial.blocks if b.clock)
+    return (*found, *(Nuisance(CLOCK + clock, False, 0.0, CLOCK_SCALE) for clock in clocks))
 
 
-def _touch_time(trial: TrialData) -> float:
+def touch_time(trial: TrialData) -> float:
     """When the target first comes to within half a millimetre of touching, from its own track."""
     time, value, _ = trial.channel("target.x")
     beyond = np.flatnonzero(value > -5e-4)

@@ -26,7 +26,7 @@ TRACK = "target.x"
 
 def has_wrist(study: Study) -> bool:
     """Whether the study is of a wrist that meets a target; any other machine is diagnosed part by part."""
-    return "wrist.stiffness" in study.values()
+    return "wrist.stiffness" in study.values() or "wrist.stiffness" in study.baseline.unknown
 
 
 def admit(study: Study) -> None:
@@ -155,7 +155,11 @@ class WristDoor:
 
     def _simulated(self, recording: Recording, where: str) -> Iterator[InputError]:
         """Whether the rig as believed can be simulated from the trial's start."""
-        trial = one_trial(self._study, recording, self._shown)
+        try:
+            trial = one_trial(self._study, recording, self._shown)
+        except InputError as error:
+            yield error
+            return
         try:
             model = self._model(trial)
             start = np.array([n.guess for n in model.nuisances(trial)])

@@ -10,6 +10,7 @@ from spacerobot.diagnosis.fitting.workshop import Workshop
 from spacerobot.diagnosis.machines.wrist_rig import counted
 from spacerobot.diagnosis.selection.check import Check
 from spacerobot.diagnosis.terms.data import TrialData
+from spacerobot.diagnosis.terms.parameters import zero_key
 from spacerobot.simulation.multibody.run import integrate_scene
 from spacerobot.simulation.sensors import read_channels
 from spacerobot.support.errors import InputError, NotFoundError, SimulationError
@@ -49,12 +50,13 @@ def difference(workshop: Workshop, chosen: Fit, trial: TrialData) -> float:
     run = integrate_scene(scene, trial.end - trial.start, tolerance=TOLERANCE)
     mechanism = workshop.model.trial_mechanism(chosen.hypothesis, chosen.z, trial)
     reduced = workshop.model.predict(mechanism, trial, chosen.trials[trial.id].initial)
-    keep = counted(mechanism, trial, reduced.touches)
+    keep = counted(mechanism, trial, reduced)
     total, count, row = 0.0, 0, 0
-    for block, shown in zip(trial.blocks, reduced.blocks, strict=True):
-        whole = read_channels(run, run.mechanism, block.channels, block.time - trial.start)
+    free = chosen.values()
+    for block, shown, late in zip(trial.blocks, reduced.blocks, reduced.late, strict=True):
+        whole = read_channels(run, run.mechanism, block.channels, block.time - trial.start - late)
         for c, channel in enumerate(block.channels):
-            apart = whole[channel] - shown[c]
+            apart = whole[channel] + free.get(zero_key(channel), 0.0) - shown[c]
             if channel in COUNTED_FROM:
                 apart = apart - apart[0]
             good = keep[row : row + block.time.size]

@@ -47,7 +47,7 @@ def candidate_sites(mechanism: Mechanism, believed: Believed, without: Sequence[
         if effect.name in without:
             continue
         for where in effect.places(mechanism):
-            if not stood_for(effect, where, believed.sigma):
+            if not stood_for(effect, where, believed.fitted):
                 sites.append(Site(effect, where))
     return sites
 

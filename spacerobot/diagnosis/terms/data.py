@@ -9,7 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from spacerobot.diagnosis.terms.alignment import clocks_of, within
 from spacerobot.recordings.recording import Recording
+from spacerobot.recordings.series import Series
 from spacerobot.recordings.study import Study
 
 
@@ -22,6 +24,8 @@ class Block:
     time: np.ndarray  # (T,) s
     value: np.ndarray  # (C, T) SI, zero where not valid
     weight: np.ndarray  # (C, T) 1/sigma, zero where not valid
+    clock: str = ""  # whose own the times are, set beside the trial's by the touch; the trial's where empty
+    late: float = 0.0  # what that took off the times [s]
 
 
 def piece_id(trial: str, number: int) -> str:
@@ -81,18 +85,26 @@ def trial_data(study: Study, shown: Container[str] | None = None) -> tuple[Trial
 
 
 def one_trial(study: Study, recording: Recording, shown: Container[str] | None = None) -> TrialData:
-    """As `trial_data`, of one recording that has some such channel."""
-    groups: dict[tuple[str, bytes], list[str]] = {}
-    for name, series in recording.items():
-        if series.use == "output" and (shown is None or name in shown):
-            groups.setdefault((series.stream, series.time.tobytes()), []).append(name)
+    """As `trial_data`, of one recording that has some such channel.
+
+    Raises:
+        InputError: where a stream's own clock stands beside the others' cannot be found.
+    """
+    groups: dict[tuple[str, bytes], list[Series]] = {}
+    used = {n: s for n, s in recording.items() if s.use == "output" and (shown is None or n in shown)}
+    clocks = clocks_of(recording, tuple(used))
+    told = [s.time for s in used.values() if s.clock == clocks.reference]
+    begin, end = min(t[0] for t in told), max(t[-1] for t in told)
+    for series in used.values():
+        if series.clock in clocks.late:
+            series = within(series, clocks.on_reference(series), (begin, end))
+        groups.setdefault((series.stream, series.time.tobytes()), []).append(series)
     blocks = []
-    for (stream, _), names in groups.items():
-        time = recording[names[0]].time
-        value = np.array([np.where(recording[n].valid, recording[n].value, 0.0) for n in names])
-        weight = np.array([recording[n].valid / recording[n].sigma for n in names])
-        blocks.append(Block(stream, tuple(names), time, value, weight))
-    begin = min(b.time[0] for b in blocks)
-    end = max(b.time[-1] for b in blocks)
+    for (stream, _), rows in groups.items():
+        value = np.array([np.where(s.valid, s.value, 0.0) for s in rows])
+        weight = np.array([s.valid / s.sigma for s in rows])
+        clock = rows[0].clock if rows[0].clock in clocks.late else ""
+        late = clocks.late.get(clock, 0.0)
+        blocks.append(Block(stream, tuple(s.name for s in rows), rows[0].time, value, weight, clock, late))
     trial = recording.trial
     return TrialData(trial.id, study.condition(trial), trial.overrides, tuple(blocks), begin, end)

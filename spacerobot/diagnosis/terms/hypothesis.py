@@ -62,6 +62,10 @@ class Believed:
         unknown: values that are not stated, with a plausible centre each.
         absorbing: constants whose job is to absorb left-out physics.
         freed: values of which what is stated counts for next to nothing.
+        clocks: "SENSOR.clock" of each sensor on a clock that no other shares: each trial's own start, or the clock's
+            offset, stands for its lateness.
+        unheld: of the absorbing ones, those that nothing holds -> the least that each may be.
+        zeros: channels whose zero is known no better than this standard deviation [the channel's unit].
     """
 
     values: Mapping[str, float]
@@ -71,6 +75,14 @@ class Believed:
     unknown: Mapping[str, float] = field(default_factory=dict)
     absorbing: tuple[str, ...] = ()
     freed: tuple[str, ...] = ()
+    clocks: tuple[str, ...] = ()
+    unheld: Mapping[str, float] = field(default_factory=dict)
+    zeros: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def fitted(self) -> tuple[str, ...]:
+        """Names of what is free in every hypothesis and may stand for an effect."""
+        return (*self.sigma, *self.unheld, *self.clocks)
 
     def free_of(self, names: Sequence[str]) -> Believed:
         """The same with these values set free of what is stated of them."""
@@ -201,6 +213,8 @@ def hypothesis(believed: Believed, sites: Sequence[Site], starts: Mapping[str, f
             free.append(parameters.absorbing(name, value, sigma))
         else:
             free.append(parameters.believed(name, value, sigma))
+    free += [parameters.absorbing(n, believed.values[n], lower=least) for n, least in believed.unheld.items()]
+    free += [parameters.zero(channel, sigma) for channel, sigma in believed.zeros.items()]
     free += [parameters.unknown(n, c) for n, c in believed.unknown.items() if n not in removed]
     for condition in believed.conditions if len(believed.conditions) > 1 else ():
         free += [parameters.scatter(condition, n, s) for n, s in believed.scatter.items()]

@@ -11,6 +11,9 @@ LOG_STEP = 0.25
 """Change of a logarithmic parameter, in natural logs, that counts as one unit."""
 
 
+UNHELD = 0.15
+"""Step of an absorbing constant that no sigma holds, as a share of it."""
+
 TIMES_STATED = "times what each trial states"
 """In place of a unit: of a believed value that the study gives trial by trial, the factor on what each says."""
 
@@ -21,7 +24,7 @@ class Free:
 
     Attributes:
         key: dotted value name, "condition|name" for a scatter, or "effect@where.parameter".
-        kind: "believed", "unknown", "absorbing", "scatter" or "effect".
+        kind: "believed", "unknown", "absorbing", "zero", "scatter" or "effect".
         centre: value at z = 0.
         step: change of the value per unit of z (of its logarithm if `log`).
         prior: whether z has a standard normal prior.
@@ -71,9 +74,19 @@ def believed(name: str, value: float | None, sigma: float) -> Free:
     return Free(name, "believed", centre, abs(centre) * sigma, prior=True, lower=lower, stated=value is not None)
 
 
-def absorbing(name: str, value: float, sigma: float) -> Free:
-    """A constant whose job is to absorb, set free because an effect replaces it."""
-    return Free(name, "absorbing", value, max(abs(value) * sigma, 0.05), lower=0.0)
+def absorbing(name: str, value: float, sigma: float = UNHELD, lower: float = 0.0) -> Free:
+    """A constant whose job is to absorb, free because an effect replaces it or because nothing holds it."""
+    return Free(name, "absorbing", value, max(abs(value) * sigma, 0.05), lower=lower)
+
+
+def zero(channel: str, sigma: float) -> Free:
+    """Where a channel's readings are to be zero, found by the lab with this standard deviation."""
+    return Free(zero_key(channel), "zero", 0.0, sigma, prior=True)
+
+
+def zero_key(channel: str) -> str:
+    """Key of a channel's zero among the free parameters."""
+    return f"{channel}.zero"
 
 
 def unknown(name: str, centre: float) -> Free:

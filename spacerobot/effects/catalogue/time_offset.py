@@ -20,6 +20,7 @@ class TimeOffset(SensorEffect):
     map_kind = "delay"
     parameters = (Parameter("delay_s", "s", 0.0, 5e-4, -1.0, 1.0, (0.002, -0.002, 0.01)),)
     relative = True
+    same_as = ("clock",)
 
     def plausible(self, values: Mapping[str, float], sizes: Sizes) -> bool:
         """Nothing is read before it happens; where one of two streams is early, the other one is late."""

@@ -21,6 +21,7 @@ class Line:
         scale: factor on the reading: -1 turns it round.
         plus: other columns with their factors, added to it.
         offset: added after the factors, in the reading's unit.
+        offset_sigma: how well that is known, one standard deviation; 0 where no better than needed.
         sigma: noise in the reading's unit, None where it was not seen.
         use: "output" or "input".
         unwrap: whether an angle jumps by turns.
@@ -33,6 +34,7 @@ class Line:
     scale: float = 1.0
     plus: dict[str, float] = field(default_factory=dict)
     offset: float = 0.0
+    offset_sigma: float = 0.0
     sigma: float | None = None
     use: str = "output"
     unwrap: bool = False
@@ -53,6 +55,8 @@ class Line:
             parts.append(f"plus = {{ {', '.join(f'{toml(c)} = {k:.6g}' for c, k in self.plus.items())} }}")
         if self.offset:
             parts.append(f"offset = {self.offset:.6g}")
+        if self.offset and self.offset_sigma > 0.0:
+            parts.append(f"offset_sigma = {self.offset_sigma:.1g}")
         if self.sigma is not None and SMALLEST <= self.sigma * factor <= LARGEST:  # below is rounding, and is refused
             parts.append(f"sigma = {self.sigma:.2g}")
         if self.use != "output":

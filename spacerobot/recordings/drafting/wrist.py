@@ -70,7 +70,7 @@ def draft_wrist(readings: Mapping[str, Sequence[Reading]], trials: Sequence[Tria
         if thing == "target":
             line.question = _unit_question(line, tracks)
         elif zeros := [r for r in map(rest, tracks) if r is not None]:
-            line.offset, _ = _zero(zeros, line.scale)
+            line.offset, line.offset_sigma = _zero(zeros, line.scale)
         drafted.lines.setdefault(stream, []).append(line)
     _place_target(drafted, places, some)
     yaw = next((r for r in _of(readings, "target", places["target"][0]) if r.axis == "yaw" and not r.command), None)
@@ -229,9 +229,8 @@ def _place_target(drafted: Drafted, places: Mapping[str, tuple[str, list[Reading
     error = 1.2533 * float(np.std(zeros, ddof=1)) / math.sqrt(len(zeros)) if len(zeros) > 1 else abs(zeros[0])
     zero = float(np.median(zeros))
     if abs(zero) > CERTAIN * error:
-        target.offset = _round(-zero, error)
-        unit = target.reading.unit or "m"
-        target.remark = f"0 where it touches the wrist, within {2 * error:.1g} {unit}"
+        target.offset, target.offset_sigma = _round(-zero, error), error
+        target.remark = "0 where it touches the wrist"
 
 
 def _unit_question(line: Line, tracks: Sequence[Track]) -> str:

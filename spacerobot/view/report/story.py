@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from spacerobot.view.report.data_spoiled import spoiled
 from spacerobot.view.report.evidence import Evidence
 from spacerobot.view.report.when import happened
 from spacerobot.view.report.words import (
@@ -55,7 +56,7 @@ class Story:
 def tell(verdict: Mapping[str, Any], evidence: Evidence) -> Story:
     """The story of a verdict."""
     story = _TELLERS[verdict["verdict"]](verdict, evidence)
-    return replace(story, more=(*story.more, *happened(verdict)))
+    return replace(story, more=(*story.more, *happened(verdict), *spoiled(verdict)))
 
 
 def capital(text: str) -> str:
@@ -175,6 +176,28 @@ def _unknown(verdict: Mapping[str, Any], evidence: Evidence) -> Story:
     return Story("Unknown", "open", "Physics outside the catalogue", sentence, more)
 
 
+_LAWS = {
+    "force": "a force that depends on its {on}",
+    "friction": "dry friction whose level depends on its {on}",
+    "memory": "a force that remembers how it came there",
+}
+
+
+def _learned(verdict: Mapping[str, Any], evidence: Evidence) -> Story:
+    law = verdict["learned"][0]
+    said = _LAWS[law["kind"]].format(on=joined(law["depends_on"]))
+    gained = improvement(verdict)
+    like = law.get("like")
+    sentence = f"What is missing is {said}, at the {law['where']}: learned from the recordings, for no effect of the "
+    sentence += f"catalogue explains them. With it, {gained}." if gained else "catalogue explains them."
+    more = (
+        (f"Its curve {like['words']}." if like["words"].startswith("rises") else f"It is {like['words']}.",)
+        if like
+        else ("No short formula says as much as the curve below.",)
+    )
+    return Story("Learned", "found", "A law that the catalogue does not hold", sentence, (*more, *_moved(verdict)))
+
+
 def _nothing_missing(verdict: Mapping[str, Any], evidence: Evidence) -> Story:
     overall = (verdict.get("held_out") or {}).get("overall") or {}
     after = finite(overall.get("rms_after"))
@@ -286,6 +309,7 @@ def confidence_text(verdict: Mapping[str, Any]) -> str:
 _TELLERS = {
     "named": _named,
     "ambiguous": _ambiguous,
+    "learned": _learned,
     "unknown": _unknown,
     "nothing_missing": _nothing_missing,
     "wrong_parameter": _wrong_parameter,

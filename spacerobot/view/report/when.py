@@ -19,7 +19,7 @@ def happened(verdict: Mapping[str, Any]) -> tuple[str, ...]:
         way = "behind" if late["value"] < 0.0 else "ahead of"
         low, high = sorted(abs(x) for x in late["ci95"])
         out.append(
-            f"The clock of {clock['where']} is {abs(late['value']):.3f} s (95 %: {low:.3f} to {high:.3f}) "
+            f"The clock of {clock['where']} is {abs(late['value']):.4f} s (95 %: {low:.4f} to {high:.4f}) "
             f"{way} that of {clock['against']} in trial {clock['trial']}: {clock['why']}."
         )
     return tuple(out)

@@ -25,6 +25,7 @@ APART = 1.5e-4
 
 _SAID = {
     "ambiguous": "Several explanations fit; this is the favourite",
+    "learned": "A law was learned that no catalogue holds",
     "unknown": "Something is missing that has no name here",
     "nothing_missing": "Nothing is missing that the data could show",
     "wrong_parameter": "A believed value was wrong",

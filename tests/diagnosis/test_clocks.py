@@ -1,0 +1,121 @@
+"""A force sensor on a clock of its own: set beside the cameras' by the touch, its offset fitted with all else."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from spacerobot.diagnosis.answer.clock_offsets import clock_offsets
+from spacerobot.diagnosis.fitting.workshop import Task, Workshop
+from spacerobot.diagnosis.forward.wrist_rig import WristRig
+from spacerobot.diagnosis.selection.admission import admit
+from spacerobot.diagnosis.terms.candidates import candidate_sites
+from spacerobot.diagnosis.terms.data import trial_data
+from spacerobot.recordings.study import Study, load_study
+from tests.diagnosis.rigs import write_study
+
+AHEAD = (6.8123, -2.4004, 0.0371, 41.5)
+"""Seconds that the force sensor's clock is ahead of the cameras', a number for each trial."""
+
+PLANTED = [("coulomb_friction", "wrist", {"force_N": 0.3})]
+TRUTH = {"wrist.equivalent_damping": 0.0}
+
+
+def read(file: Path) -> tuple[str, np.ndarray]:
+    head, *rows = file.read_text().splitlines()
+    return head, np.array([[float(cell) for cell in row.split(",")] for row in rows])
+
+
+def own_clock(study: Study) -> Study:
+    """The same study with the force sensor's times as its own clock has them."""
+    folder = study.path.parent
+    for trial, ahead in zip(study.trials, AHEAD, strict=True):
+        file = folder / trial.sources["force"].file
+        head, rows = read(file)
+        rows[:, 0] += ahead
+        np.savetxt(file, rows, "%.6f", ",", header=head, comments="")
+    text = study.path.read_text()
+    assert "[streams.force]\n" in text
+    study.path.write_text(text.replace("[streams.force]\n", '[streams.force]\nclock = "own"\n'))
+    return load_study(study.path)
+
+
+@pytest.fixture(scope="module")
+def studies(tmp_path_factory: pytest.TempPathFactory) -> tuple[Study, Study]:
+    one, other = (tmp_path_factory.mktemp("rig") for _ in range(2))
+    one_clock, two = (write_study(f, planted=PLANTED, truth=TRUTH) for f in (one, other))
+    return one_clock, own_clock(two)
+
+
+def test_every_offset_and_the_physics_are_found(studies: tuple[Study, Study]) -> None:
+    """Delays of seconds to either side; what else is fitted is what one clock gives, and hardly less sure."""
+    task = Task((("coulomb_friction", "wrist"),), {"coulomb_friction@wrist.force_N": 0.2})
+    found = []
+    for study in studies:
+        workshop = Workshop(study)
+        fit = workshop.run(task)
+        assert fit is not None
+        assert fit.chi2 < 1.05 * fit.samples
+        found.append((workshop, fit))
+    (_, plain), (workshop, fit) = found
+    force = "coulomb_friction@wrist.force_N"
+    low, high = fit.errors()[force]
+    assert abs(fit.values()[force] - plain.values()[force]) < 2.0 * (high - low)
+    offsets = clock_offsets(studies[1], workshop, fit, 1.0)
+    assert [(o.where, o.against) for o in offsets] == [("force", "mocap")] * len(AHEAD)
+    for one, ahead in zip(offsets, AHEAD, strict=True):
+        delay = one.parameters["delay_s"]
+        assert isinstance(delay.value, float)
+        assert delay.ci95 is not None
+        low, high = delay.ci95
+        assert isinstance(low, float)
+        assert isinstance(high, float)
+        assert 0.0 < high - low < 2e-3
+        assert abs(delay.value - ahead) < high - low  # within twice the interval's half: four standard errors
+
+
+def test_one_clock_has_no_offset(studies: tuple[Study, Study]) -> None:
+    workshop = Workshop(studies[0])
+    fit = workshop.run(Task((), {}, max_iterations=2))
+    assert fit is not None
+    assert clock_offsets(studies[0], workshop, fit, 1.0) == []
+
+
+def test_a_late_sensor_is_its_clock(studies: tuple[Study, Study]) -> None:
+    """Where each trial's offset is free, no delay of the sensor can show; on one clock it can."""
+    for study, possible in zip(studies, (True, False), strict=True):
+        trials = trial_data(study)
+        workshop = Workshop(study)
+        mechanism = workshop.model.mechanism({**workshop.model.base, **trials[0].overrides})
+        effects = {s.effect.name for s in candidate_sites(mechanism, workshop.model.believed)}
+        assert ("time_offset" in effects) is possible
+        assert "low_pass" in effects
+
+
+def test_overlay_draws_both_streams_on_one_clock(studies: tuple[Study, Study]) -> None:
+    plain, own = (WristRig.of(s) for s in studies)
+    for trial in studies[0].trials:
+        force, other = (m.simulate(trial) for m in (plain, own))
+        one, two = (next(c for c in o.channels if c.channel == "contact.force") for o in (force, other))
+        assert abs(two.time[0] - one.time[0]) < 0.05
+        at = [float(c.time[np.argmax(c.measured)]) for c in (one, two)]
+        assert abs(at[0] - at[1]) < 0.01
+    assert any("clock of its own" in said for said in own.assumptions)
+    assert not any("clock of its own" in said for said in plain.assumptions)
+
+
+@pytest.mark.parametrize("lost", ["force", "track"])
+def test_where_no_touch_shows_it_says_so_and_stops(tmp_path: Path, lost: str) -> None:
+    study = own_clock(write_study(tmp_path))
+    file = tmp_path / ("00_force.csv" if lost == "force" else "00_mocap.csv")
+    head, rows = read(file)
+    if lost == "force":
+        rows[:, 1] = 0.25 * np.random.default_rng(0).standard_normal(len(rows))
+    else:
+        rows[:, 1] -= 0.5
+    np.savetxt(file, rows, "%.6f", ",", header=head, comments="")
+    with pytest.raises(Exception, match=r"stream force's own clock cannot be found in trial 00") as error:
+        admit(load_study(study.path))
+    assert "[[trials]]" in str(error.value) or "study.toml" in str(error.value)
