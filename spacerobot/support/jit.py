@@ -59,7 +59,7 @@ def numba() -> Any:
 
 def inlined(function: Any) -> Any:
     """As `jit`, but merged into every compiled caller, which keeps a hot loop whole."""
-    return numba().njit(function, cache=True, nogil=True, inline="always")
+    return numba().njit(function, cache=True, nogil=True, error_model="numpy", inline="always")
 
 
 def lean(function: Any) -> Any:
@@ -67,7 +67,7 @@ def lean(function: Any) -> Any:
 
     The counts are atomic; for a function of eight arrays they cost 0.1 us a call, which is what its work costs.
     """
-    return numba().njit(function, cache=True, nogil=True, _nrt=False)
+    return numba().njit(function, cache=True, nogil=True, error_model="numpy", _nrt=False)
 
 
 def lean_twin(compiled: Any) -> Any:
@@ -83,8 +83,10 @@ def lean_twin(compiled: Any) -> Any:
 
 
 def jit(function: Any) -> Any:
-    """Compile on first call, keep on disk, release the GIL, IEEE arithmetic (no fast-math)."""
-    return numba().njit(function, cache=True, nogil=True)
+    """Compile on first call, keep on disk, release the GIL, IEEE arithmetic: no fast-math, and a division by zero is
+    an infinity, which integrators refuse, as in the laws that they call.
+    """
+    return numba().njit(function, cache=True, nogil=True, error_model="numpy")
 
 
 @functools.cache
