@@ -78,6 +78,23 @@ def surface_chart(surface: Surface, width: float = 370.0, height: float = 230.0)
     return svg.markup(root)
 
 
+def law_chart(law: Mapping[str, Any], width: float = 560.0, height: float = 280.0) -> Markup:
+    """A learned law: the total with the band that holds it everywhere at once, and the curve alone."""
+    table = law["table"]
+    x, alone, total, low, high = (np.array(table[k], dtype=float) for k in ("x", "law", "total", "low", "high"))
+    on, unit, of = law["depends_on"][0], unit_text(table["unit"]), unit_text(table["value_unit"])
+    said = f"Learned law at {law['where']} against {on}: from {number(float(total.min()))} to "
+    root = svg.drawing(width, height, f"{said}{number(float(total.max()))} {of}, with a band of 95 %.")
+    frame = svg.Frame(62, 10, width - 74, height - 54, svg.span_of(x, pad=0.0), svg.span_of(total, alone, np.zeros(1)))
+    svg.axes(root, frame, f"{on} [{unit or '1'}]", f"{'stiffness' if law['kind'] == 'memory' else 'force'} [{of}]")
+    svg.ribbon(root, frame, x, low, high)
+    svg.add(root, "line", klass="zero", x1=frame.left, x2=frame.left + frame.width, y1=frame.py(0.0), y2=frame.py(0.0))
+    if table["total_with"]:
+        svg.line(root, frame, x, alone, "before")
+    svg.line(root, frame, x, total, "after")
+    return svg.markup(root)
+
+
 def improvement_chart(overall: Mapping[str, Any], unit: str = " σ") -> Markup | None:
     """Held-out error before, after and the noise floor, as bars on one scale; None without numbers."""
     rows = [

@@ -75,6 +75,7 @@ def page(verdict: Mapping[str, Any], evidence: Evidence) -> str:
         more_screened=more,
         scored=any(finite(h.get("held_out")) is not None for h in evidence.hypotheses),
         best=_best(evidence.hypotheses),
+        laws=[_drawn(law) for law in verdict.get("learned", ())],
         parameter_charts={k: charts.parameter_chart(k, p) for k, p in verdict["parameters"].items()},
         data=Markup(data),  # noqa: S704 - JSON with every bracket escaped
         kept=kept,
@@ -132,6 +133,11 @@ def policy(scripts: Sequence[str], styles: Sequence[str]) -> str:
         f"default-src 'none'; script-src {sources(scripts)}; style-src {sources(styles)}; img-src data:; "
         "base-uri 'none'; form-action 'none'"
     )
+
+
+def _drawn(law: Mapping[str, Any]) -> tuple[Mapping[str, Any], Markup | None, Markup, Markup]:
+    """A learned law, its formula, how its curve acts, and the curve."""
+    return law, mathml(law["formula"]) if law["formula"] else None, mathml(law["law"]), charts.law_chart(law)
 
 
 def _hero(verdict: Mapping[str, Any], evidence: Evidence) -> Trace | None:

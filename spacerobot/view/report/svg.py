@@ -114,6 +114,14 @@ def axes(
         add(parent, "text", y_label, klass="label", x=x, y=y, text_anchor="middle", transform=turn)
 
 
+def ribbon(parent: Element, frame: Frame, x: Array, low: Array, high: Array, klass: str = "floor") -> None:
+    """What lies between two curves, cut off at the frame."""
+    there = np.concatenate([x, x[::-1]])
+    edge = np.clip(np.concatenate([low, high[::-1]]), *frame.y)
+    points = " ".join(f"{frame.px(a):.1f},{frame.py(b):.1f}" for a, b in zip(there, edge, strict=True))
+    add(parent, "polygon", klass=klass, points=points)
+
+
 def line(parent: Element, frame: Frame, x: Array, y: Array, klass: str) -> None:
     """A line, broken where a value is missing, cut off at the frame."""
     commands, pen_up = [], True
