@@ -140,6 +140,10 @@ def _show(args: argparse.Namespace, verdict: Mapping[str, Any], folder: RunFolde
         for name, p in entry["parameters"].items():
             low, high = p["ci95"]
             print(f"    {name:24} {_number(p['value'])}   95 % {_number(low)} to {_number(high)} {p['unit']}")
+    for law in verdict.get("learned", []):
+        print(f"    {law['kind']} of {' and '.join(law['depends_on'])}: {law['formula'] or 'no short formula'}")
+        if law["like"]:
+            print(f"    {law['like']['words']}")
     if verdict["verdict"] == "ambiguous":
         for other in verdict["alternatives"]:
             names = " + ".join(f"{e['effect']} at {e['where']}" for e in other["effects"])

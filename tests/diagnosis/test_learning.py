@@ -1,0 +1,102 @@
+"""Laws of no catalogue, learned inside the simulation: the true one comes back, a wrong kind does not do as well."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from spacerobot.diagnosis.fitting.workshop import Task, Workshop
+from spacerobot.diagnosis.learning.bands import band
+from spacerobot.diagnosis.learning.curves import fit_curve
+from spacerobot.diagnosis.learning.describe import describe
+from spacerobot.effects import registry
+from spacerobot.effects.effect import Effect, Parameter
+from spacerobot.effects.kernel import Kernel
+from spacerobot.effects.mechanism import Mechanism
+from spacerobot.effects.primitives import Force, Friction
+
+from .rigs import write_study
+
+SPEEDS = (0.05, 0.08, 0.11)
+
+
+def worn(v: float, normal: float, d: float, p: Any) -> float:
+    """Dry friction that is strong about one place."""
+    return p[0] * math.exp(-(((d - p[1]) / p[2]) ** 2))
+
+
+def back_only(d: float, v: float, aux: float, p: Any) -> float:
+    """A damper of the return stroke."""
+    return -p[0] * min(v, 0.0)
+
+
+class Hidden(Effect):
+    """Physics of no catalogue, from code of its own."""
+
+    title, formula, source = "hidden", "f", "this test"
+
+    def __init__(self, name: str, law: Any, numbers: tuple[float, ...]) -> None:
+        self.law, self.numbers = law, numbers
+        for key, value in {"name": name, "parameters": (Parameter("share", "", 0.0, 1.0, 0.0, 10.0, (1.0,)),)}.items():
+            setattr(self, key, value)
+
+    def places(self, mechanism: Mechanism) -> tuple[str, ...]:
+        """The guide."""
+        return ("wrist",)
+
+    def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
+        """The law at the port."""
+        p = (self.numbers[0] * values["share"], *self.numbers[1:])
+        if self.law is worn:
+            return mechanism.with_friction(Friction("hidden", where, worn, p))
+        return mechanism.with_force(Force("hidden", where, Kernel(back_only), p))
+
+
+def _workshop(monkeypatch: pytest.MonkeyPatch, folder: Path, law: Any, numbers: tuple[float, ...]) -> Workshop:
+    registry.all_effects()
+    monkeypatch.setitem(registry._effects, "hidden", Hidden("hidden", law, numbers))
+    study = write_study(folder, planted=[("hidden", "wrist", {"share": 1.0})], speeds=SPEEDS)
+    monkeypatch.undo()
+    return Workshop(study)
+
+
+def test_a_worn_guide_is_learned_with_its_band_and_its_formula(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    workshop = _workshop(monkeypatch, tmp_path, worn, (1.6, 0.008, 0.003))
+    baseline = workshop.run(Task((), {}))
+    assert baseline is not None and baseline.chi2 > 1.5 * baseline.samples
+    right = fit_curve(workshop, baseline, "wrist", "friction", "d")
+    wrong = fit_curve(workshop, baseline, "wrist", "force", "d")
+    assert right is not None and wrong is not None
+    assert right.fit.chi2 < 1.03 * right.fit.samples
+    assert workshop.left_by(right.fit).adequate
+    assert right.evidence > wrong.evidence + 100.0
+    seen = band(right)
+    truth = np.array([worn(1.0, 0.0, x, (1.6, 0.008, 0.003)) for x in seen.x])
+    assert np.mean((seen.low <= truth) & (truth <= seen.high)) >= 0.85
+    told = describe(right)
+    assert told is not None and told.like == "coulomb_friction"
+    assert told.parameters["a_1"][0] == pytest.approx(1.6, rel=0.05)
+    assert told.parameters["a_1_place"][0] == pytest.approx(0.008, rel=0.05)
+    assert told.parameters["a_1_width"][0] == pytest.approx(0.003, rel=0.1)
+
+
+def test_a_damper_of_one_stroke_is_learned_and_only_its_sum_with_the_damping_is_claimed(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    workshop = _workshop(monkeypatch, tmp_path, back_only, (11.0,))
+    baseline = workshop.run(Task((), {}))
+    assert baseline is not None
+    right = fit_curve(workshop, baseline, "wrist", "force", "v")
+    assert right is not None and right.fit.chi2 < 1.03 * right.fit.samples
+    seen = band(right)
+    assert "wrist.equivalent_damping" in seen.with_
+    damping = sum(workshop.model.base[n] for n in ("wrist.damping", "wrist.equivalent_damping") if n in seen.with_)
+    truth = damping * seen.x + 11.0 * np.minimum(seen.x, 0.0)
+    assert np.mean((seen.low <= truth) & (truth <= seen.high)) >= 0.85
+    told = describe(right)
+    assert told is not None and "one stroke" in told.words

@@ -1,0 +1,134 @@
+"""A learned law's curve, its name, and the laws of the catalogue that it holds as special cases."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.interpolate import BSpline
+
+from spacerobot.effects.effect import Placed
+from spacerobot.effects.kernel import padded
+from spacerobot.effects.learned import LearnedLaw, Shape, curve, parsed, remembered_rate
+from spacerobot.effects.registry import effect
+from spacerobot.simulation.reduced.run import ReducedRun, simulate
+from spacerobot.simulation.rig import rig
+from spacerobot.support.errors import InputError
+
+SHAPES = st.builds(
+    Shape,
+    kind=st.sampled_from(["force", "friction"]),
+    of=st.sampled_from(["d", "v"]),
+    low=st.floats(-1.0, -1e-3),
+    high=st.floats(1e-3, 1.0),
+    cells=st.integers(2, 29),
+    roughness=st.floats(1e-4, 10.0),
+    size=st.floats(1e-2, 100.0),
+)
+
+
+def _by_scipy(shape: Shape, coefficients: np.ndarray, x: np.ndarray) -> np.ndarray:
+    width = (shape.high - shape.low) / shape.cells
+    knots = shape.low + width * np.arange(-3, shape.cells + 4)
+    return np.asarray(BSpline(knots, coefficients, 3)(np.clip(x, shape.low, shape.high)))
+
+
+@given(shape=SHAPES, seed=st.integers(0, 2**32 - 1))
+def test_a_curve_is_the_cubic_spline_of_its_coefficients_held_beyond_its_ends(shape: Shape, seed: int) -> None:
+    random = np.random.default_rng(seed)
+    inside = random.uniform(0.1, 2.0, shape.cells + 3)
+    x = random.uniform(1.5 * shape.low, 1.5 * shape.high, 40)
+    width = (shape.high - shape.low) / shape.cells
+    p = padded((0.0, 1.0, shape.low, width, float(shape.cells), *inside))
+    expected = _by_scipy(shape, inside, x)
+    np.testing.assert_allclose([curve(v, 0.0, 0.0, p) for v in x], expected, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(shape.rows(x) @ inside, expected, rtol=1e-9, atol=1e-9)
+    q = (shape.low, width, float(shape.cells), 0.0, *inside)
+    np.testing.assert_allclose([remembered_rate(v, 0.0, 0.0, 1.0, 1.0, 1.0, q) for v in x], expected, rtol=1e-9)
+
+
+@given(shape=SHAPES)
+def test_a_name_holds_all_of_a_shape(shape: Shape) -> None:
+    assert parsed(shape.name) == shape
+    assert effect(shape.name).name == shape.name
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "learned_law[force|v|0|1|29|0.1]",
+        "learned_law[force|z|0.0|1.0|29|0.1|1.0]",
+        "learned_law[force|v|1.0|0.0|29|0.1|1.0]",
+        "learned_law[force|v|0.0|nan|29|0.1|1.0]",
+        "learned_law[force|v|0.0|1.0|99|0.1|1.0]",
+        "learned_law[__import__('os')|v|0.0|1.0|29|0.1|1.0]",
+    ],
+)
+def test_a_name_that_is_none_is_refused_in_a_line(name: str) -> None:
+    with pytest.raises(InputError) as raised:
+        effect(name)
+    assert "learned law" in str(raised.value) and "\n" not in str(raised.value)
+
+
+@given(shape=SHAPES)
+@settings(max_examples=20)
+def test_a_straight_curve_is_smooth_and_a_bent_one_is_not(shape: Shape) -> None:
+    straight = shape.places / shape.size
+    bent = straight + 5.0 * shape.roughness * (-1.0) ** np.arange(straight.size)
+    ridge = shape.bends() @ straight
+    assert np.abs(ridge).max() < 1e-9 * max(np.abs(straight).max(), 1.0)
+    precision = shape.precision()
+    assert bent @ precision @ bent > straight @ precision @ straight + straight.size
+
+
+def _run(name: str, values: dict[str, float]) -> ReducedRun:
+    mechanism = Placed(effect(name), "wrist", values).apply(rig({"target.mass": 9.0}))
+    return simulate(mechanism, position={"target": -0.01}, velocity={"target": 0.08}, end=1.2, tolerance=1e-10)
+
+
+def _law(
+    kind: str, of: str, curve_of: np.ndarray, low: float, high: float, **more: float
+) -> tuple[str, dict[str, float]]:
+    shape = parsed(f"learned_law[{kind}|{of}|{low}|{high}|{curve_of.size - 3}|0.1|1.0]")
+    law = LearnedLaw(shape)
+    return law.name, {**{f"c_{k:02d}": float(x) for k, x in enumerate(curve_of)}, **more}
+
+
+def _straight(slope: float, low: float, high: float) -> np.ndarray:
+    return slope * parsed(f"learned_law[force|v|{low}|{high}|29|0.1|1.0]").places
+
+
+@pytest.mark.parametrize(
+    ("learned", "known"),
+    [
+        (
+            _law("friction", "d", np.full(32, 0.3), -0.01, 0.04),
+            ("coulomb_friction", {"force_N": 0.3}),
+        ),
+        (
+            _law("force", "v", _straight(6.0, -0.3, 0.3), -0.3, 0.3),
+            ("viscous_friction", {"coefficient_Ns_m": 6.0}),
+        ),
+        (
+            _law("memory", "z", np.full(32, 150.0), -9.0, 9.0, rate_1_s=12.5),
+            ("maxwell", {"stiffness_N_m": 150.0, "relaxation_s": 0.08}),
+        ),
+    ],
+)
+def test_a_plain_curve_is_a_law_of_the_catalogue(
+    learned: tuple[str, dict[str, float]], known: tuple[str, dict[str, float]]
+) -> None:
+    times = np.linspace(0.0, 1.2, 200)
+    one, other = (_run(*law).states(times)[0] for law in (learned, known))
+    np.testing.assert_allclose(one, other, atol=2e-8)
+    without = _run("coulomb_friction", {"force_N": 0.0}).states(times)[0]
+    assert np.abs(one - without).max() > 1e-4  # it is seen at all
+
+
+def test_friction_whose_level_grows_with_displacement_holds_still_where_it_is_strong_enough() -> None:
+    name, values = _law("friction", "d", np.linspace(0.0, 60.0, 32), 0.0, 0.03)
+    run = _run(name, values)
+    position, rate = run.states(np.linspace(1.0, 1.2, 50))
+    where, speed = run.port("wrist", position), run.port("wrist", rate)
+    assert np.abs(speed).max() < 1e-9 and where[0] > 1e-3  # pushed in, and held there against its spring
