@@ -280,7 +280,7 @@ class InverseDynamics(Model):
         rows = np.array([[mechanism.ports[p].get(c, 0.0) for c in names] for p in names])
         if not np.array_equal(rows, np.eye(len(names))):  # drives that see their neighbours
             asked = np.linalg.solve(rows.T, asked.T).T
-        acting = port_forces(mechanism, position, velocity)
+        acting = port_forces(mechanism, position, velocity, motion.step)
         out = []
         for joint in self.compared:
             name = f"joint.{joint}"

@@ -9,8 +9,9 @@ import numpy as np
 
 from spacerobot.effects.kernel import padded
 from spacerobot.effects.mechanism import Mechanism
+from spacerobot.effects.memory import at_rest
 from spacerobot.effects.primitives import ChannelMap
-from spacerobot.simulation.reduced.forces import call_law
+from spacerobot.simulation.reduced.forces import call_law, call_memory
 from spacerobot.simulation.reduced.law_table import LAWS
 from spacerobot.support.jit import jit
 
@@ -32,17 +33,35 @@ def _sliding(laws: Any, law: int, v: Any, normal: Any, p: Any, out: Any) -> None
             out[i] = 0.0
 
 
+@jit
+def _remembering(
+    laws: Any, rate: int, force: int, step: float, d: Any, v: Any, p: Any, z: float, probe: float, out: Any
+) -> None:
+    """The force of a law with a memory; exponential steps from sample to sample, at the motion halfway between them."""
+    for i in range(d.size):
+        way = 1.0 if v[i] >= 0.0 else -1.0
+        slope = call_memory(laws[rate], (z, 0.0, d[i], v[i], way, 1.0), p, 0)
+        out[i] = call_memory(laws[force], (z, slope, d[i], v[i], way, 1.0), p, 0)
+        if i + 1 < d.size:
+            middle, speed = 0.5 * (d[i] + d[i + 1]), 0.5 * (v[i] + v[i + 1])
+            way = 1.0 if speed >= 0.0 else -1.0
+            slope = call_memory(laws[rate], (z, 0.0, middle, speed, way, 1.0), p, 0)
+            bend = (call_memory(laws[rate], (z + probe, 0.0, middle, speed, way, 1.0), p, 0) - slope) / probe
+            z += slope * (np.expm1(bend * step) / bend if bend != 0.0 else step)
+
+
 def port_forces(
-    mechanism: Mechanism, position: Mapping[str, np.ndarray], velocity: Mapping[str, np.ndarray]
+    mechanism: Mechanism, position: Mapping[str, np.ndarray], velocity: Mapping[str, np.ndarray], step: float
 ) -> dict[str, np.ndarray]:
-    """What the mechanism's forces and frictions exert at each port along a measured motion.
+    """What the mechanism's forces, frictions and laws with a memory exert at each port along a measured motion.
 
     Friction is read as sliding, and as nothing where the velocity is exactly zero: what holds a body at rest takes
     whatever value the rest of the balance asks for, and a balance learns nothing from it.
 
     Args:
-        mechanism: forces and frictions; those at ports without a measured motion are left out.
+        mechanism: what acts; at ports without a measured motion it is left out.
         position, velocity: by coordinate, shape (T,) each [m or rad, and per s].
+        step: from sample to sample [s].
 
     Returns:
         port -> force along it, shape (T,) [N or N m].
@@ -71,6 +90,14 @@ def port_forces(
         law = LAWS.index(friction.level)
         _sliding(LAWS.laws, law, seen(friction.port, velocity), np.ones(count), padded(friction.p), value)
         out[friction.port] = out.get(friction.port, 0.0) + value
+    for state in mechanism.states:
+        if state.port not in moving or state.normal is not None:
+            continue
+        places, p = seen(state.port, position), np.array(state.p, dtype=float)
+        rate, law = (LAWS.index(f, memory=True) for f in (state.law.rate, state.law.force))
+        start = at_rest(state.law, float(places[0]), state.size, state.p)
+        _remembering(LAWS.laws, rate, law, step, places, seen(state.port, velocity), p, start, 1e-6 * state.size, value)
+        out[state.port] = out.get(state.port, 0.0) + value
     return out
 
 

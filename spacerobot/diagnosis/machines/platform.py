@@ -187,7 +187,7 @@ class Platform(Model):
         torque = np.zeros(force.shape[1])
         for field in mechanism.fields:  # of gravity: it pulls at the centre of mass
             force[int(field.body == "base.y")] += shape.mass * field.acceleration
-        acting = port_forces(mechanism, places, rates)
+        acting = port_forces(mechanism, places, rates, STEP)
         if acting:
             pull = np.array([acting.get(n, 0.0) + np.zeros(force.shape[1]) for n in ("base", "base.y")])
             cos, sin = np.cos(places["base.yaw"]), np.sin(places["base.yaw"])

@@ -23,7 +23,7 @@ from spacerobot.diagnosis.selection.search_state import (
     screened,
     share_of,
 )
-from spacerobot.diagnosis.terms.candidates import contains, mirrored, simpler
+from spacerobot.diagnosis.terms.candidates import contains, mirrored, redundant, simpler
 from spacerobot.diagnosis.terms.hypothesis import Label, Site
 from spacerobot.effects.registry import effect
 
@@ -39,6 +39,9 @@ TOP_FULL = 6
 
 ROUNDS = 2
 """Times that pairs are sought; again where what they could do without shows a better single effect."""
+
+MOST = 4
+"""Effects of a set, at most."""
 
 ALIKE = 0.9
 """Cosine between what two effects do to the baseline's residuals from which they count as twins."""
@@ -65,6 +68,30 @@ def pairs(pool: Pool, found: Found, first: Screen, report: Report) -> None:
         simplify(pool, found, report)
         if found.explained:
             break
+
+
+def more(pool: Pool, found: Found, report: Report) -> None:
+    """Sets of three effects and more: the best one with what promises most beside it, while more than noise is left.
+
+    Args:
+        pool: runs the fits.
+        found: holds pairs, and takes the larger sets.
+        report: told of progress.
+    """
+    grown = False
+    while not found.explained and 1 < len(found.best.hypothesis.label) < MOST:
+        best = found.best
+        rest = [s for s in found.singles if not redundant([*best.hypothesis.label, s.label])]
+        run_tasks(pool, found, _beside(found, best, screened(pool, best, rest)), report, "further effects")
+        if len(found.best.hypothesis.label) <= len(best.hypothesis.label):
+            break
+        grown = True
+        run_tasks(pool, found, _mirrored(found), report, "late for early")
+        if not found.best.converged:
+            on = Task(found.best.hypothesis.label, {}, near=found.best, max_iterations=30)
+            run_tasks(pool, found, [on], report, "the best set to its end")
+    if grown:
+        simplify(pool, found, report)
 
 
 def _fit_pairs(pool: Pool, found: Found, single: Fit, first: Screen | None, report: Report) -> None:

@@ -13,7 +13,7 @@ from spacerobot.diagnosis.fitting.screen import faint
 from spacerobot.diagnosis.fitting.starts import effect_starts, informed_starts, sized
 from spacerobot.diagnosis.fitting.workshop import Task
 from spacerobot.diagnosis.selection.one_trial import knocks
-from spacerobot.diagnosis.selection.pairs import at_full_size, pairs, simplify
+from spacerobot.diagnosis.selection.pairs import at_full_size, more, pairs, simplify
 from spacerobot.diagnosis.selection.restarts import other_minima
 from spacerobot.diagnosis.selection.search_state import (
     WORTH_A_FIT,
@@ -107,6 +107,7 @@ def search(pool: Pool, sites: Sequence[Site], report: Report, *, baseline: Fit |
         stop=True,
     )
     pairs(pool, found, first, report)
+    more(pool, found, report)
     chosen = found.preferred([*found.fits.values()])
     other_minima(pool, found, report)
     if found.preferred([*found.fits.values()]) is not chosen:

@@ -233,7 +233,8 @@ def integrate(
             advance(y, part, q, new)
         elif hit >= 0:
             # the interpolant is less accurate than the step: redo the step to the event and polish its length
-            part = max(theta * full, 1e-16)  # a stiff step has no length of zero
+            part = max(theta * full, 0.0)
+            stiff = stiff and part > 0.0
             turns = hit > c[FORCES] + c[FRICTIONS]  # nothing jumps there: the interpolant is near enough
             for _ in range(0 if turns else 4):
                 _advance(x, c, laws, t, y, part, modes, u, w, k, o, stiff, new)
