@@ -15,6 +15,7 @@ from types import ModuleType
 from spacerobot.effects import catalogue
 from spacerobot.effects.effect import Effect
 from spacerobot.effects.learned import PREFIX, LearnedLaw, parsed
+from spacerobot.effects.trend import SUFFIX, Trend
 from spacerobot.support.errors import InputError, NotFoundError
 
 ENTRY_POINT_GROUP = "spacerobot.effects"
@@ -51,10 +52,17 @@ def effect(name: str) -> Effect:
     """
     if name.startswith(PREFIX):
         return _learned(name)
+    if name.endswith(SUFFIX):
+        return _changing(name.removesuffix(SUFFIX))
     known = all_effects()
     if name not in known:
         raise NotFoundError("effect", name, sorted(known))
     return known[name]
+
+
+@functools.cache
+def _changing(name: str) -> Effect:
+    return Trend(effect(name))
 
 
 @functools.cache

@@ -10,6 +10,7 @@ from msgspec import UNSET, Meta, UnsetType
 
 from spacerobot.diagnosis.terms.hypothesis import Label
 from spacerobot.diagnosis.terms.kinds import Kind, LeadsTo, Told
+from spacerobot.effects.trend import SUFFIX
 from spacerobot.support.jsonio import plain
 
 FORMAT: Final = 1
@@ -356,8 +357,8 @@ def placed(label: Label) -> list[Placed]:
 
 
 def said_name(effect: str) -> str:
-    """The name that a verdict gives an effect: a learned law's shape is not a part of it."""
-    return effect.split("[")[0]
+    """The name that a verdict gives an effect: a learned law's shape, or that it changes, is not a part of it."""
+    return effect.split("[")[0].removesuffix(SUFFIX)
 
 
 def read(found: Mapping[str, Any]) -> Verdict:

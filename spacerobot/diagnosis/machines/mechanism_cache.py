@@ -26,7 +26,7 @@ class Lately:
         self, hypothesis: Hypothesis, z: np.ndarray, trial: TrialData, make: Callable[[], Mechanism]
     ) -> Mechanism:
         """The mechanism of a trial; made only if none like it was made lately."""
-        own = tuple(trial.overrides.items())
+        own = (*trial.overrides.items(), trial.recorded if hypothesis.changes else "")
         key = (id(hypothesis), z.tobytes(), trial.condition, own, hypothesis.idle(trial.id))
         found = self._made.get(key)
         if found is None or found[0] is not hypothesis:

@@ -99,6 +99,7 @@ class RigModel:
             unheld=self.beliefs.free,
             zeros=_zeros(study, channels),
         )
+        self._number = {t.id: k for k, t in enumerate(study.trials)}
         self.tolerance = tolerance
         self._lately = Lately()
         self._know(trials)
@@ -165,7 +166,8 @@ class RigModel:
             values = hypothesis.trial_values(z, self.base, trial.condition, trial.overrides)
             free = hypothesis.values(z)
             zeros = (ChannelMap(c, "offset", free[zero_key(c)]) for c in self.believed.zeros)
-            return hypothesis.edit(self.mechanism(values).with_map(*zeros), free, trial.id)
+            number = self._number.get(trial.recorded, 0)
+            return hypothesis.edit(self.mechanism(values).with_map(*zeros), free, trial.id, number)
 
         return self._lately.mechanism(hypothesis, z, trial, make)
 

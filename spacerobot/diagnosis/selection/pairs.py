@@ -26,6 +26,7 @@ from spacerobot.diagnosis.selection.search_state import (
 from spacerobot.diagnosis.terms.candidates import contains, mirrored, redundant, simpler
 from spacerobot.diagnosis.terms.hypothesis import Label, Site
 from spacerobot.effects.registry import effect
+from spacerobot.effects.trend import SUFFIX, TREND, may_change
 
 TOP_PAIRS = 4
 TOP_SINGLES = 5
@@ -92,6 +93,22 @@ def more(pool: Pool, found: Found, report: Report) -> None:
             run_tasks(pool, found, [on], report, "the best set to its end")
     if grown:
         simplify(pool, found, report)
+
+
+def changing(found: Found) -> list[Task]:
+    """The best single effects, and those of the best set, each as one that grows or fades over the trials."""
+    tasks = []
+    few = [f for f in found.singles_by_cost() if found.baseline.cost - f.cost > WORTH_A_FIT][:TOP_SINGLES]
+    for fit in {id(f): f for f in (found.best, *few)}.values():
+        for site in fit.hypothesis.sites:
+            if site.trials or not may_change(site.effect):
+                continue
+            new = Site(effect(site.effect.name + SUFFIX), site.where)
+            label = tuple(sorted(new.label if one == site.label else one for one in fit.hypothesis.label))
+            values = {new.key(p.name): fit.values()[site.key(p.name)] for p in site.effect.parameters}
+            start = {**effect_values(fit), **values, new.key(TREND): 0.0}
+            tasks.append(Task(label, start, near=fit, max_iterations=30, patient=True))
+    return tasks
 
 
 def _fit_pairs(pool: Pool, found: Found, single: Fit, first: Screen | None, report: Report) -> None:

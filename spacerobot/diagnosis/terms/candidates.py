@@ -7,7 +7,8 @@ from collections.abc import Container, Mapping, Sequence
 from spacerobot.diagnosis.terms.hypothesis import Believed, Site
 from spacerobot.effects.effect import Effect
 from spacerobot.effects.mechanism import Mechanism
-from spacerobot.effects.registry import all_effects
+from spacerobot.effects.registry import all_effects, effect
+from spacerobot.support.errors import InputError, NotFoundError
 
 
 def stood_for(effect: Effect, where: str, fitted: Container[str]) -> bool:
@@ -23,14 +24,14 @@ def stood_for(effect: Effect, where: str, fitted: Container[str]) -> bool:
 
 def refines(general: str, special: str) -> bool:
     """Whether one effect equals the other at some of its values."""
-    known = all_effects().get(general)
-    return known is not None and special in known.refines
+    known = _known(general)
+    return known is not None and (special in known.refines or any(refines(own, special) for own in known.refines))
 
 
 def redundant(label: Sequence[tuple[str, str]]) -> bool:
     """Whether one place has two laws of the same thing."""
-    known = all_effects()
-    laws = [(known[name].refines or (name,), where) for name, where in set(label) if name in known]
+    known = [(_known(name), name, where) for name, where in set(label)]
+    laws = [(one.refines or (name,), where) for one, name, where in known if one is not None]
     return len(laws) != len(set(laws))
 
 
@@ -112,14 +113,21 @@ def mirrored(
 
 
 def _early(name: str, where: str, values: Mapping[str, float]) -> bool:
-    known = all_effects().get(name)
+    known = _known(name)
     return known is not None and known.relative and values.get(_strength(name, where), 0.0) < 0.0
 
 
 def _strength(name: str, where: str) -> str:
-    return f"{name}@{where}.{all_effects()[name].strength.name}"
+    return f"{name}@{where}.{effect(name).strength.name}"
+
+
+def _known(name: str) -> Effect | None:
+    try:
+        return effect(name)
+    except (NotFoundError, InputError):
+        return None
 
 
 def _special(name: str) -> tuple[str, ...]:
-    known = all_effects().get(name)
+    known = _known(name)
     return () if known is None else tuple(sorted(known.refines))

@@ -12,6 +12,7 @@ from spacerobot.diagnosis.terms import parameters
 from spacerobot.diagnosis.terms.parameters import Free
 from spacerobot.effects.effect import Effect
 from spacerobot.effects.mechanism import Mechanism
+from spacerobot.effects.trend import NUMBER, SUFFIX
 from spacerobot.support.errors import InputError, SimulationError
 
 Label = tuple[tuple[str, str], ...]
@@ -118,6 +119,11 @@ class Hypothesis:
         """The sites whose effects act in a trial."""
         return tuple(s for s in self.sites if not s.trials or trial in s.trials)
 
+    @property
+    def changes(self) -> bool:
+        """Whether an effect is another in every trial."""
+        return any(s.effect.name.endswith(SUFFIX) for s in self.sites)
+
     def idle(self, trial: str) -> frozenset[str]:
         """Keys of effects' parameters that mean nothing in a trial."""
         return frozenset(
@@ -157,15 +163,21 @@ class Hypothesis:
             values[name] = 0.0
         return values
 
-    def edit(self, mechanism: Mechanism, free: Mapping[str, float], trial: str) -> Mechanism:
+    def edit(self, mechanism: Mechanism, free: Mapping[str, float], trial: str, number: int = 0) -> Mechanism:
         """The mechanism with every site's effect in it that acts in a trial.
+
+        Args:
+            mechanism: of the baseline.
+            free: values of the free parameters.
+            trial: which.
+            number: of the trial in the study, from 0: some effects change from one to the next.
 
         Raises:
             SimulationError: no body could be like that (more mass taken away than there is); a fit steps back from it.
         """
         try:
             for site in self.acting(trial):
-                inside = {p.name: free[site.key(p.name)] for p in site.effect.parameters}
+                inside = {p.name: free[site.key(p.name)] for p in site.effect.parameters} | {NUMBER: float(number)}
                 mechanism = site.effect.edit(mechanism, site.where, inside)
         except InputError as error:
             raise SimulationError(str(error)) from None
