@@ -15,7 +15,7 @@ ALLOWED["theory"] = {"theory"}
 for _layer in _ORDER[_ORDER.index("simulation") :]:
     ALLOWED[_layer].add("theory")
 NUMPY_ONLY = {"theory"}
-ROOMS = ["terms", "machines", "fitting", "locate", "selection", "answer", "forward"]
+ROOMS = ["terms", "machines", "fitting", "locate", "selection", "learning", "answer", "forward"]
 """Folders of diagnosis in the order of their imports; what lies beside them may import them all."""
 
 

@@ -44,12 +44,12 @@ def candidate_sites(mechanism: Mechanism, believed: Believed, without: Sequence[
         without: names of effects to leave out.
     """
     sites = []
-    for effect in all_effects().values():
-        if effect.name in without:
+    for one in all_effects().values():
+        if one.name in without:
             continue
-        for where in effect.places(mechanism):
-            if not stood_for(effect, where, believed.fitted):
-                sites.append(Site(effect, where))
+        for where in one.places(mechanism):
+            if not stood_for(one, where, believed.fitted):
+                sites.append(Site(one, where))
     return sites
 
 

@@ -1,0 +1,48 @@
+"""Friction that fades over the trials is found again, with its trend."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from spacerobot.diagnosis.fitting.workshop import Task, Workshop
+from spacerobot.effects import registry
+from spacerobot.effects.effect import Effect
+from spacerobot.effects.trend import NUMBER, SUFFIX, TREND, Trend
+
+from .rigs import write_study
+
+FIRST, FADES = 0.45, -0.1
+
+
+class _Fading(Trend):
+    """Each study's trial is made by itself: counts them, as the lab's days do."""
+
+    made = 0
+
+    def edit(self, mechanism, where, values):  # type: ignore[no-untyped-def]
+        """One trial more."""
+        number, _Fading.made = _Fading.made, _Fading.made + 1
+        return super().edit(mechanism, where, {**values, NUMBER: float(number)})
+
+
+def test_friction_that_fades_comes_back_with_its_trend(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    steady: Effect = registry.effect("coulomb_friction")
+    fading = _Fading(steady)
+    setattr(fading, "name", "fading")  # noqa: B010 - a name for this test alone
+    monkeypatch.setitem(registry._effects, "fading", fading)
+    _Fading.made = 0
+    planted = [("fading", "wrist", {"force_N": FIRST, TREND: FADES})]
+    workshop = Workshop(write_study(tmp_path, planted=planted, speeds=(0.06, 0.085, 0.11)))
+    assert _Fading.made == 6
+    single = workshop.run(Task((("coulomb_friction", "wrist"),), {"coulomb_friction@wrist.force_N": 0.2}))
+    assert single is not None and single.chi2 > 1.1 * single.samples
+    key = f"coulomb_friction{SUFFIX}@wrist."
+    label = (("coulomb_friction" + SUFFIX, "wrist"),)
+    start = {key + "force_N": 0.2, key + TREND: 0.0}
+    found = workshop.run(Task(label, start, near=single, max_iterations=30))
+    assert found is not None and found.chi2 < 1.03 * found.samples
+    low, high = found.errors()[key + TREND]
+    assert abs(found.values()[key + TREND] - FADES) < 4.0 * max(high - low, 1e-3)
+    assert found.values()[key + "force_N"] == pytest.approx(FIRST, rel=0.03)

@@ -1,0 +1,42 @@
+"""Effects that change over the trials: their share, their null, and their place beside the steady ones."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from spacerobot.diagnosis.terms.candidates import contains, redundant, refines
+from spacerobot.effects.registry import all_effects, effect
+from spacerobot.effects.trend import NUMBER, SUFFIX, TREND, may_change
+from spacerobot.simulation.rig import rig
+
+CHANGING = [e for e in all_effects().values() if may_change(e) and "wrist" in e.places(rig({}))]
+
+
+@given(force=st.floats(0.0, 10.0), trend=st.floats(-0.08, 0.5), number=st.integers(0, 11))
+def test_the_strength_changes_by_the_same_share_of_the_first_each_time(force: float, trend: float, number: int) -> None:
+    fading = effect("coulomb_friction" + SUFFIX)
+    values = {"force_N": force, TREND: trend, NUMBER: float(number)}
+    friction = fading.edit(rig({}), "wrist", values).frictions[-1]
+    assert friction.p[0] == pytest.approx(force * (1.0 + trend * number), abs=1e-12)
+
+
+@pytest.mark.parametrize("steady", CHANGING, ids=lambda e: e.name)
+def test_without_a_trend_an_effect_is_the_steady_one_in_every_trial(steady: object) -> None:
+    name = getattr(steady, "name")  # noqa: B009 - parametrised over what the registry holds
+    values = {p.name: p.starts[0] for p in effect(name).parameters}
+    for number in (0.0, 7.0):
+        changed = effect(name + SUFFIX).edit(rig({}), "wrist", {**values, TREND: 0.0, NUMBER: number})
+        plain = effect(name).edit(rig({}), "wrist", values)
+        assert changed.forces == plain.forces and changed.frictions == plain.frictions
+        assert changed.states == plain.states and changed.coordinates == plain.coordinates
+
+
+def test_a_changing_effect_holds_the_steady_one_and_its_special_cases() -> None:
+    changing = ("stribeck_friction" + SUFFIX, "wrist")
+    assert refines(changing[0], "stribeck_friction") and refines(changing[0], "coulomb_friction")
+    assert contains([changing], [("coulomb_friction", "wrist")])
+    assert not contains([("coulomb_friction", "wrist")], [changing])
+    assert redundant([("coulomb_friction", "wrist"), ("coulomb_friction" + SUFFIX, "wrist")])
+    assert not redundant([("coulomb_friction" + SUFFIX, "wrist"), ("table_tilt", "target")])
