@@ -53,6 +53,12 @@ def compiled(law: MemoryLaw) -> Any:
     return c_function(law, ARGUMENTS)
 
 
+GIVES = 1e-3
+"""Least share of the motion over which friction builds up, to be told from dry friction.
+
+What gives less is how a stop is drawn, in an engine or in a law, and no length that anybody could measure in the rig.
+"""
+
 AT_REST = 1e-12
 """Share of the state's size to which its rest is found."""
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, ClassVar
 
 from spacerobot.effects.effect import Effect, Parameter, positions
 from spacerobot.effects.mechanism import Mechanism
-from spacerobot.effects.memory import Memory
+from spacerobot.effects.memory import GIVES, Memory
 from spacerobot.effects.primitives import State
+from spacerobot.effects.sizes import Sizes
 
 
 def rate(z: float, rate: float, d: float, v: float, way: float, normal: float, p: Any) -> float:
@@ -38,13 +39,19 @@ class BoucWen(Effect):
     source = "Bouc (1967); Wen (1976), J. Eng. Mech. Div. 102, 249-263, Eq. 6 with n = 1, beta = gamma"
     parameters = (
         Parameter("force_N", "N", 0.0, 0.1, 0.0, 1e4, (0.2, 0.8, 3.0)),
-        Parameter("displacement_m", "m", 1e-3, 1e-3, 1e-6, 10.0, (3e-4, 1e-3, 4e-3), log=True, shape=True),
+        Parameter("displacement_m", "m", 1e-3, 1e-3, 1e-9, 10.0, (3e-4, 1e-3, 4e-3), log=True, shape=True),
     )
+    refines = ("coulomb_friction",)
+    limits: ClassVar[Mapping[str, float]] = {"displacement_m": 1e-8}
     replaces = ("{where}.equivalent_damping",)
 
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:
         """Guides and joints."""
         return positions(mechanism, "wrist", "joint")
+
+    def plausible(self, values: Mapping[str, float], sizes: Sizes) -> bool:
+        """The force builds up over a length that shows."""
+        return values["displacement_m"] > GIVES * sizes.length
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
         """A force beside what acts at the port."""

@@ -8,8 +8,9 @@ from typing import Any, ClassVar
 
 from spacerobot.effects.effect import Effect, Parameter, positions
 from spacerobot.effects.mechanism import Mechanism
-from spacerobot.effects.memory import Memory
+from spacerobot.effects.memory import GIVES, Memory
 from spacerobot.effects.primitives import State
+from spacerobot.effects.sizes import Sizes
 
 LEAST = 1e-9
 """Deflection [m or rad] below which a bristle's give is nothing that anybody could see."""
@@ -52,8 +53,14 @@ class DahlFriction(Effect):
         """Guides and joints."""
         return positions(mechanism, "wrist", "joint")
 
+    def plausible(self, values: Mapping[str, float], sizes: Sizes) -> bool:
+        """The bristle gives by a length that shows."""
+        return values["force_N"] / values["stiffness_N_m"] > GIVES * sizes.length
+
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
-        """A bristle beside what acts at the port."""
+        """A bristle beside what acts at the port; none where it can hold nothing."""
         level = values["force_N"]
+        if level <= 0.0:
+            return mechanism
         p = (level, max(level / values["stiffness_N_m"], LEAST))
         return mechanism.with_state(State(f"{self.name} at {where}", where, LAW, p, 1.0))

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 from spacerobot.effects.catalogue.stribeck_friction import SLOW
 from spacerobot.effects.effect import Effect, Parameter, positions
 from spacerobot.effects.mechanism import Mechanism
-from spacerobot.effects.memory import Memory
+from spacerobot.effects.memory import GIVES, Memory
 from spacerobot.effects.primitives import State
 from spacerobot.effects.sizes import Sizes
 
@@ -63,7 +63,9 @@ class LugreFriction(Effect):
         return positions(mechanism, "wrist", "joint")
 
     def plausible(self, values: Mapping[str, float], sizes: Sizes) -> bool:
-        """Friction falls with speed, within the speeds that were seen."""
+        """Friction falls with speed, within the speeds that were seen; the bristles give by a length that shows."""
+        if values["coulomb_force_N"] / values["bristle_stiffness_N_m"] <= GIVES * sizes.length:
+            return False
         slow = values["velocity_m_s"] < SLOW * sizes.length / sizes.time
         return values["static_force_N"] > values["coulomb_force_N"] and slow
 

@@ -42,7 +42,7 @@ from spacerobot.simulation.reduced.rosenbrock import (
     stiff_norm,
     stiff_stages,
 )
-from spacerobot.simulation.reduced.stepper import ORDER, dense, error_norm, stages
+from spacerobot.simulation.reduced.stepper import ORDER, dense, error_norm, interpolate, stages
 from spacerobot.support.jit import jit, lean
 
 OK, TOO_MANY_STEPS, TOO_MANY_EVENTS, NOT_FINITE = 0, 1, 2, 3
@@ -231,12 +231,15 @@ def integrate(
             shorten(q, theta)
             part = theta * full
             advance(y, part, q, new)
+        elif hit > c[FORCES] + c[FRICTIONS]:  # a memory's port turns: nothing jumps, and the interpolant is near enough
+            part = max(theta * full, 0.0)
+            interpolate(y, full, q, order, theta, new)
+            shorten(q, theta)
         elif hit >= 0:
             # the interpolant is less accurate than the step: redo the step to the event and polish its length
             part = max(theta * full, 0.0)
             stiff = stiff and part > 0.0
-            turns = hit > c[FORCES] + c[FRICTIONS]  # nothing jumps there: the interpolant is near enough
-            for _ in range(0 if turns else 4):
+            for _ in range(4):
                 _advance(x, c, laws, t, y, part, modes, u, w, k, o, stiff, new)
                 accelerate(x, c, laws, t + part, new, modes, u, w, slope)
                 guards(x, c, laws, modes, w, samples[0])

@@ -90,7 +90,7 @@ def hastiness(x: Any, c: Any, laws: Any, y: Any, modes: Any, w: Any, rtol: float
     for s in range(c[STATES]):
         p, way = c[c[STATE_PORT] + s], 1.0 * modes[first + s]
         z, d, v = w[c[Z] + s], w[c[D] + p], w[c[V] + p]
-        dz, dv = 1e-6 * (1.0 + abs(z)), 1e-6 * (1.0 + abs(v))
+        dz, dv = max(1e-6 * abs(z), atol[2 * n + s]), max(1e-6 * abs(v), atol[n])
         rate, force = remember(x, c, laws, s, z, d, v, way, 1.0)
         by_z = remember(x, c, laws, s, z + dz, d, v, way, 1.0)
         by_v = remember(x, c, laws, s, z, d, v + dv, way, 1.0)
