@@ -31,7 +31,7 @@ def study_evidence(study: Study, trials: Sequence[TrialData]) -> dict[str, Any]:
         for block in trial.blocks:
             for c, name in enumerate(block.channels):
                 good = block.weight[c] > 0.0
-                sigma = float(1.0 / block.weight[c][good][0]) if good.any() else None
+                sigma = float(1.0 / block.weight[c].max()) if good.any() else None
                 channels.setdefault(name, {"unit": unit_of(name), "sigma": sigma, "stream": block.stream})
     return {
         "title": study.title,
@@ -63,7 +63,9 @@ def traces(
                 rows = slice(row, row + block.time.size)
                 row += block.time.size
                 good = block.weight[c] > 0.0
-                sigma = float(1.0 / block.weight[c][good][0])
+                each = np.where(
+                    good, 1.0 / np.where(good, block.weight[c], 1.0), 0.0
+                )  # a rounded one's hangs on others
                 step = max(1, block.time.size // POINTS)
                 pick = slice(None, None, step)
                 measured = block.value[c]
@@ -73,12 +75,12 @@ def traces(
                         "condition": trial.condition,
                         "channel": channel,
                         "unit": unit_of(channel),
-                        "sigma": sigma,
+                        "sigma": float(1.0 / block.weight[c].max()),
                         "held_out": held_out,
                         "time": block.time[pick],
                         "measured": measured[pick],
-                        "before": (measured + before[trial.id][rows] * sigma)[pick],
-                        "after": (measured + after[trial.id][rows] * sigma)[pick],
+                        "before": (measured + before[trial.id][rows] * each)[pick],
+                        "after": (measured + after[trial.id][rows] * each)[pick],
                     }
                 )
     return out
