@@ -9,7 +9,8 @@ import pytest
 
 from spacerobot.diagnosis.answer.record import written
 from spacerobot.diagnosis.answer.spoiled import CLIPPED, GLITCH, left_out, noise_told
-from spacerobot.diagnosis.fitting.spoiled import CHANCE, clipped, glitches, quantum, repeats
+from spacerobot.diagnosis.fitting.glitches import CHANCE, glitches
+from spacerobot.diagnosis.fitting.spoiled import clipped, quantum, repeats
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
 from spacerobot.diagnosis.forward.wrist_rig import WristRig
 from spacerobot.recordings.study import Study, load_study

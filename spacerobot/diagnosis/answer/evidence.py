@@ -63,9 +63,8 @@ def traces(
                 rows = slice(row, row + block.time.size)
                 row += block.time.size
                 good = block.weight[c] > 0.0
-                each = np.where(
-                    good, 1.0 / np.where(good, block.weight[c], 1.0), 0.0
-                )  # a rounded one's hangs on others
+                weight = block.weight[c]
+                each = np.divide(1.0, weight, out=np.zeros_like(weight), where=good)  # one sigma for each reading
                 step = max(1, block.time.size // POINTS)
                 pick = slice(None, None, step)
                 measured = block.value[c]
