@@ -78,8 +78,9 @@ class Effect(ABC):
         stands_for: what its law is the simplest form of, where that has more to it; what it leaves may be its own.
         phrase: the title as the object of a sentence, "a time offset"; the title itself if empty.
         refines: effects that it equals at some of its values: richer laws of the same thing, one of which a place has.
-        same_as: last words of values of its place that act exactly as it does: "mass" of the wrist is wrist.mass. No
-            data tell the two apart, so where the value is fitted it stands for both.
+        same_as: last words of values of its place that act exactly as it does: "mass" of the wrist is wrist.mass,
+            "clock" of a sensor its own clock's offset. No data tell the two apart, so where the value is fitted it
+            stands for both.
         carried: acts on a floating body only where something carries or moors it, not on one that falls.
         relative: of a sensor; only the difference between two sensors shows, counted as positive at one of them.
         instant: shows in what is read just before and just after an impact, which has no duration.
