@@ -82,8 +82,9 @@ class Effect(ABC):
         refines: effects that it equals at some of its values: richer laws of the same thing, one of which a place has.
         limits: of a law that equals what it refines only as its shapes go to infinity or nothing, values at which it
             is as good as there; elsewhere it does so at any.
-        same_as: last words of values of its place that act exactly as it does: "mass" of the wrist is wrist.mass. No
-            data tell the two apart, so where the value is fitted it stands for both.
+        same_as: last words of values of its place that act exactly as it does: "mass" of the wrist is wrist.mass,
+            "clock" of a sensor its own clock's offset. No data tell the two apart, so where the value is fitted it
+            stands for both.
         carried: acts on a floating body only where something carries or moors it, not on one that falls.
         relative: of a sensor; only the difference between two sensors shows, counted as positive at one of them.
         instant: shows in what is read just before and just after an impact, which has no duration.

@@ -165,6 +165,7 @@ def load_trial(streams: Mapping[str, StreamSpec], root: Path, trial: Trial) -> R
                 stream.clock,
                 channel.si_unit,
                 channel.use,
+                channel.offset_sigma * factor,
             )
     specs = [c for name in trial.sources for c in streams[name].channels]
     turn_to_world(specs, series)

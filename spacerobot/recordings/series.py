@@ -33,6 +33,7 @@ class Series(Brief):
         clock: name of the clock; series of one clock share it exactly.
         unit: SI unit.
         use: "output" or "input".
+        zero: one standard deviation of where its zero is, SI; 0 where it is exact.
     """
 
     name: str
@@ -45,6 +46,7 @@ class Series(Brief):
     clock: str
     unit: str
     use: str = "output"
+    zero: float = 0.0
 
     def __len__(self) -> int:
         return len(self.time)

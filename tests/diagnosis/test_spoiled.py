@@ -9,7 +9,8 @@ import pytest
 
 from spacerobot.diagnosis.answer.record import written
 from spacerobot.diagnosis.answer.spoiled import CLIPPED, GLITCH, left_out, noise_told
-from spacerobot.diagnosis.fitting.spoiled import CHANCE, clipped, glitches, quantum
+from spacerobot.diagnosis.fitting.glitches import CHANCE, glitches
+from spacerobot.diagnosis.fitting.spoiled import clipped, quantum, repeats
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
 from spacerobot.diagnosis.forward.wrist_rig import WristRig
 from spacerobot.recordings.study import Study, load_study
@@ -62,11 +63,20 @@ def test_a_glitch_is_found_wherever_it_is(at: int) -> None:
     assert np.flatnonzero(glitches(value, 1.0)).tolist() == [at]
 
 
+@pytest.mark.parametrize("where", [(200,), (200, 201), (200, 202), (200, 203, 207), (200, 201, 203)])
+def test_glitches_close_together_are_told_from_what_is_between(where: tuple[int, ...]) -> None:
+    random = np.random.default_rng(9)
+    value = 50.0 * np.sin(0.1 * np.arange(400.0)) + random.standard_normal(400)
+    value[list(where)] += 25.0 * np.where(np.arange(len(where)) % 2, 1.0, -1.0)
+    assert np.flatnonzero(glitches(value, 1.0, pulses=True)).tolist() == list(where)
+
+
 def test_a_pulse_of_few_readings_is_none() -> None:
-    value = np.random.default_rng(8).standard_normal(400)
-    value[200:203] += [40.0, 90.0, 40.0]
-    assert not glitches(value, 1.0).any()
-    assert not glitches(value, 1.0, longest=2).any()
+    noise = np.random.default_rng(8).standard_normal(400)
+    for pulse in ([40.0, 90.0, 40.0], [40.0, 60.0]):
+        value = noise.copy()
+        value[200 : 200 + len(pulse)] += pulse
+        assert not glitches(value, 1.0, pulses=True).any()
 
 
 def test_a_peak_that_is_cut_off_is_left_out_and_a_high_one_is_not() -> None:
@@ -83,6 +93,7 @@ def test_rounding_is_seen_where_it_is_coarser_than_the_noise() -> None:
     assert quantum(np.round(track, 3) - 0.0123, 1.5e-4) == pytest.approx(1e-3)
     assert quantum(np.round(track, 5), 1.5e-4) == 0.0
     assert quantum(track, 1.5e-4) == 0.0
+    assert repeats(np.array([1.0, 1.0, 2.0, 3.0, 3.0, 3.0])).tolist() == [2.0, 2.0, 1.0, 3.0, 3.0, 3.0]
 
 
 @pytest.mark.parametrize("way", ["glitch", "outliers", "half", "double", "rounded", "clipped", "cut", "jitter"])

@@ -52,6 +52,18 @@ def test_the_damping_goes_with_it(tmp_path: Path) -> None:
     assert fit.chi2 < 1.05 * fit.samples
 
 
+def test_a_rig_whose_damping_nobody_stated_has_one(tmp_path: Path) -> None:
+    study = write_study(tmp_path)
+    lines = [line for line in study.path.read_text().splitlines() if "damping" not in line]
+    study.path.write_text("\n".join(lines) + "\n")
+    workshop = Workshop(load_study(study.path))
+    fit = workshop.run(Task((), {"wrist.equivalent_damping": 4.0}))
+    assert fit is not None
+    assert fit.chi2 < 1.05 * fit.samples
+    both = BELIEVED["wrist.damping"] + 5.0
+    assert fit.values()["wrist.equivalent_damping"] == pytest.approx(both, rel=0.05)
+
+
 def test_no_constant_is_below_zero_in_the_rig() -> None:
     both = {"wrist.damping": 2.0, "wrist.equivalent_damping": -0.5}
     assert together(both) == {"wrist.damping": 1.5, "wrist.equivalent_damping": 0.0}

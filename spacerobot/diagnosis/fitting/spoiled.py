@@ -1,7 +1,7 @@
-"""Readings that are no readings, found before anything is fitted: glitches, clipped peaks, and the noise as it is.
+"""What is no reading, and noise that is not what was stated: found before anything is fitted, from the readings alone.
 
-All of this is asked of the readings alone. A glitch is one reading that neither those before it, nor those after it,
-nor those on both sides lead to; what bends a track, a touch or a peak, agrees with one of them.
+Glitches and peaks that a sensor's range has cut off are left out, rounding counts as noise, and the noise of each
+channel is what its free approach shows.
 """
 
 from __future__ import annotations
@@ -10,25 +10,13 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy.stats import norm
 
+from spacerobot.diagnosis.fitting.glitches import SIDE, glitches
 from spacerobot.diagnosis.fitting.noise import reweighted
 from spacerobot.diagnosis.machines.wrist_rig import touch_time
 from spacerobot.diagnosis.terms.data import Block, TrialData
 from spacerobot.recordings.series import estimate_noise
 from spacerobot.support.errors import InputError
-
-CHANCE = 1e-6
-"""Probability that Gaussian noise of so many readings has one so far out."""
-
-BETWEEN = np.array([-1.0, 4.0, 4.0, -1.0]) / 6.0
-"""Weights of two readings to either side in the cubic through them, at the reading between."""
-
-SIDE = 5
-"""Readings on one side that say where the next should be."""
-
-LED_TO = 4.0
-"""Standard errors within which a side leads to a reading: beyond, one step in 15,000 would be taken for a glitch."""
 
 PLATEAU = 3
 """Equal readings in a row, at the largest value of all, that a sensor's end makes and noise does not."""
@@ -69,60 +57,15 @@ def without_spoiled(block: Block) -> Block:
             continue
         sigma = 1.0 / float(weight[c][good[0]])
         step = quantum(value, sigma)
-        weight[c] *= sigma / np.hypot(sigma, step / np.sqrt(12.0))
+        if step > 0.0:
+            weight[c] *= sigma / np.hypot(sigma, step / np.sqrt(12.0))
+            weight[c][good] /= np.sqrt(repeats(value))  # a reading that stands still is one
         noise = max(sigma, estimate_noise(value), step)
-        out = glitches(value, noise, longest=1 if channel.endswith(".force") else 2)
+        out = glitches(value, noise, pulses=channel.endswith(".force"))
         if channel.endswith(".force"):
             out |= clipped(value, noise)
         weight[c][good[out]] = 0.0
     return replace(block, weight=weight)
-
-
-def glitches(value: np.ndarray, sigma: float, longest: int = 1) -> np.ndarray:
-    """Readings that nothing around them leads to, shape (T,) bool.
-
-    A reading is suspected that is not where the cubic through its neighbours has it, which then are too. It is a
-    glitch where neither the readings before it nor those after it lead to it, the suspected apart, or only those of
-    them that stand out: a bend or a step is led to by one side.
-
-    Args:
-        value: shape (T,), in order of time, about evenly spaced.
-        sigma: standard deviation of their noise.
-        longest: readings in a row that may be one glitch; a pulse has more.
-    """
-    out = np.zeros(value.size, dtype=bool)
-    if value.size < 4 * SIDE:
-        return out
-    far = float(norm.isf(CHANCE / (2.0 * value.size)))
-    between = np.zeros(value.size)
-    outer, inner = value[:-4] + value[4:], value[1:-3] + value[3:-1]
-    between[2:-2] = np.abs(value[2:-2] - (BETWEEN[0] * outer + BETWEEN[1] * inner))
-    suspected = between > far * sigma * np.sqrt(1.0 + float(BETWEEN @ BETWEEN))
-    outstanding = suspected & (between >= np.maximum(np.roll(between, 1), np.roll(between, -1)))
-    for end in (suspected, outstanding):
-        end[[0, 1, -2, -1]] = True  # nothing is on both sides of these
-    for apart in (outstanding, suspected):
-        trusted = np.flatnonzero(~apart)
-        for i in np.flatnonzero(apart).tolist():
-            at = int(np.searchsorted(trusted, i))
-            sides = (trusted[max(at - SIDE, 0) : at], trusted[at : at + SIDE])
-            known = [off for rows in sides if (off := _off(value, sigma, i, rows)) is not None]
-            least = LED_TO if len(known) == 2 else far
-            out[i] |= bool(known) and (min(known) > least or max(known) < -least)
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], out.astype(int), [0]])))
-    for first, last in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
-        if last - first > longest:
-            out[first:last] = False
-    return out
-
-
-def _off(value: np.ndarray, sigma: float, at: int, rows: np.ndarray) -> float | None:
-    """How far a reading is from the parabola through some others, in standard errors; None where that says nothing."""
-    if rows.size < SIDE or np.abs(rows - at).min() > SIDE:
-        return None
-    basis = np.vander((rows - at).astype(float), 3, increasing=True)
-    weights = np.linalg.pinv(basis)[0]
-    return float(value[at] - weights @ value[rows]) / (sigma * float(np.sqrt(1.0 + weights @ weights)))
 
 
 def clipped(value: np.ndarray, sigma: float) -> np.ndarray:
@@ -133,6 +76,12 @@ def clipped(value: np.ndarray, sigma: float) -> np.ndarray:
     edges = np.flatnonzero(np.diff(np.concatenate([[0], top.astype(int), [0]])))
     longest = int((edges[1::2] - edges[::2]).max())
     return top if longest >= PLATEAU else np.zeros(value.size, dtype=bool)
+
+
+def repeats(value: np.ndarray) -> np.ndarray:
+    """How many equal readings in a row each one is among, shape (T,)."""
+    edges = np.concatenate([[0], 1 + np.flatnonzero(np.diff(value)), [value.size]])
+    return np.repeat(np.diff(edges), np.diff(edges)).astype(float)
 
 
 def quantum(value: np.ndarray, sigma: float) -> float:
@@ -169,7 +118,7 @@ def noise_found(trials: Sequence[TrialData]) -> dict[str, float]:
                 good = (block.time < touch - CLEAR_OF_TOUCH) & (block.weight[c] > 0.0)
                 if good.sum() < FEWEST:
                     continue
-                if quantum(block.value[c][good], 1.0 / float(block.weight[c][good][0])) > 0.0:
+                if quantum(block.value[c][good], 1.0 / float(block.weight[c][good].max())) > 0.0:
                     rounded.add(channel)
                 weighted = block.value[c][good] * block.weight[c][good]
                 span = block.time[good] - block.time[good].mean()

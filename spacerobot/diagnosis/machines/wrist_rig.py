@@ -76,8 +76,8 @@ class RigModel:
         along = float(np.dot(baseline.gravity, baseline.approach))
         if along:
             known["gravity.along"] = along
-        if not any(n in known for pair in ABSORBING.items() for n in pair):
-            known["wrist.equivalent_damping"] = 0.0  # not stated: found, as what is there to absorb is
+        absent = {name: 0.0 for name, added in ABSORBING.items() if name not in known and added not in known}
+        known |= absent  # not stated: found, as what is there to absorb is
         self.base: dict[str, float] = known
         self.beliefs = beliefs_of(study, DEFAULTS)
         sigma = {n: s for n, s in self.beliefs.sigma.items() if n in DEFAULTS and s > 0.0}
@@ -96,7 +96,7 @@ class RigModel:
             unknown,
             tuple(ABSORBING),
             clocks=clocks,
-            unheld=self.beliefs.free,
+            unheld={**self.beliefs.free, **absent},
             zeros=_zeros(study, channels),
         )
         self._number = {t.id: k for k, t in enumerate(study.trials)}
@@ -252,8 +252,9 @@ def _spring(trial: TrialData, known: Mapping[str, float]) -> float | None:
 
 def _zeros(study: Study, shown: set[str]) -> dict[str, float]:
     """Channels whose zero the lab has found, with its standard deviation [SI]."""
-    every = (c for s in study.streams.values() for c in s.channels)
-    return {c.name: c.offset_sigma * c.factor for c in every if c.name in shown and c.offset_sigma > 0.0}
+    stated = {c.name for s in study.streams.values() for c in s.channels if c.offset_sigma > 0.0}
+    rows = (study.recording(t) for t in study.trials) if stated & shown else ()
+    return {name: r[name].zero for r in rows for name in r if name in stated & shown}
 
 
 def turning(study: Study) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -44,6 +45,9 @@ ROUNDS = 2
 MOST = 4
 """Effects of a set, at most."""
 
+BEAM, TOP_LARGER = 4, 2
+"""Sets of one size that are grown, and further effects that are fitted beside each."""
+
 ALIKE = 0.9
 """Cosine between what two effects do to the baseline's residuals from which they count as twins."""
 
@@ -72,7 +76,10 @@ def pairs(pool: Pool, found: Found, first: Screen, report: Report) -> None:
 
 
 def more(pool: Pool, found: Found, report: Report) -> None:
-    """Sets of three effects and more: the best one with what promises most beside it, while more than noise is left.
+    """Sets of three effects and more: the best few of a size with what promises most beside each.
+
+    Not the best alone: where three are missing, the best pair may hold one that makes up for two. It goes on while
+    more than noise is left and a larger set earns its place.
 
     Args:
         pool: runs the fits.
@@ -80,17 +87,24 @@ def more(pool: Pool, found: Found, report: Report) -> None:
         report: told of progress.
     """
     grown = False
-    while not found.explained and 1 < len(found.best.hypothesis.label) < MOST:
-        best = found.best
-        rest = [s for s in found.singles if not redundant([*best.hypothesis.label, s.label])]
-        run_tasks(pool, found, _beside(found, best, screened(pool, best, rest)), report, "further effects")
-        if len(found.best.hypothesis.label) <= len(best.hypothesis.label):
+    for size in range(2, MOST):
+        sets = [f for f in found.fits.values() if len(f.hypothesis.label) == size]
+        if found.explained or not sets:
+            break
+        least = found.best.cost
+        for fit in sorted(sets, key=lambda f: f.cost)[:BEAM]:
+            rest = [s for s in found.singles if not redundant([*fit.hypothesis.label, s.label])]
+            tasks = [replace(t, patient=True) for t in _beside(found, fit, screened(pool, fit, rest))[:TOP_LARGER]]
+            run_tasks(pool, found, tasks, report, "further effects", stop=True)
+            if found.explained:
+                break
+        if found.best.cost > least - MARGIN:
             break
         grown = True
-        run_tasks(pool, found, _mirrored(found), report, "late for early")
         if not found.best.converged:
             on = Task(found.best.hypothesis.label, {}, near=found.best, max_iterations=30)
             run_tasks(pool, found, [on], report, "the best set to its end")
+        run_tasks(pool, found, _mirrored(found), report, "late for early")
     if grown:
         simplify(pool, found, report)
 

@@ -177,7 +177,9 @@ class Hypothesis:
         """
         try:
             for site in self.acting(trial):
-                inside = {p.name: free[site.key(p.name)] for p in site.effect.parameters} | {NUMBER: float(number)}
+                inside = {p.name: free[site.key(p.name)] for p in site.effect.parameters}
+                if site.effect.name.endswith(SUFFIX):
+                    inside[NUMBER] = float(number)
                 mechanism = site.effect.edit(mechanism, site.where, inside)
         except InputError as error:
             raise SimulationError(str(error)) from None
