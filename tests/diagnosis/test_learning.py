@@ -68,10 +68,12 @@ def _workshop(monkeypatch: pytest.MonkeyPatch, folder: Path, law: Any, numbers: 
 def test_a_worn_guide_is_learned_with_its_band_and_its_formula(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     workshop = _workshop(monkeypatch, tmp_path, worn, (1.6, 0.008, 0.003))
     baseline = workshop.run(Task((), {}))
-    assert baseline is not None and baseline.chi2 > 1.5 * baseline.samples
+    assert baseline is not None
+    assert baseline.chi2 > 1.5 * baseline.samples
     right = fit_curve(workshop, baseline, "wrist", "friction", "d")
     wrong = fit_curve(workshop, baseline, "wrist", "force", "d")
-    assert right is not None and wrong is not None
+    assert right is not None
+    assert wrong is not None
     assert right.fit.chi2 < 1.03 * right.fit.samples
     assert workshop.left_by(right.fit).adequate
     assert right.evidence > wrong.evidence + 100.0
@@ -79,7 +81,8 @@ def test_a_worn_guide_is_learned_with_its_band_and_its_formula(monkeypatch: pyte
     truth = np.array([worn(1.0, 0.0, x, (1.6, 0.008, 0.003)) for x in seen.x])
     assert np.mean((seen.low <= truth) & (truth <= seen.high)) >= 0.85
     told = describe(right)
-    assert told is not None and told.like == "coulomb_friction"
+    assert told is not None
+    assert told.like == "coulomb_friction"
     assert told.parameters["a_1"][0] == pytest.approx(1.6, rel=0.05)
     assert told.parameters["a_1_place"][0] == pytest.approx(0.008, rel=0.05)
     assert told.parameters["a_1_width"][0] == pytest.approx(0.003, rel=0.1)
@@ -92,11 +95,13 @@ def test_a_damper_of_one_stroke_is_learned_and_only_its_sum_with_the_damping_is_
     baseline = workshop.run(Task((), {}))
     assert baseline is not None
     right = fit_curve(workshop, baseline, "wrist", "force", "v")
-    assert right is not None and right.fit.chi2 < 1.03 * right.fit.samples
+    assert right is not None
+    assert right.fit.chi2 < 1.03 * right.fit.samples
     seen = band(right)
     assert "wrist.equivalent_damping" in seen.with_
     damping = sum(workshop.model.base[n] for n in ("wrist.damping", "wrist.equivalent_damping") if n in seen.with_)
     truth = damping * seen.x + 11.0 * np.minimum(seen.x, 0.0)
     assert np.mean((seen.low <= truth) & (truth <= seen.high)) >= 0.85
     told = describe(right)
-    assert told is not None and "one stroke" in told.words
+    assert told is not None
+    assert "one stroke" in told.words

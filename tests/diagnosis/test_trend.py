@@ -37,12 +37,14 @@ def test_friction_that_fades_comes_back_with_its_trend(monkeypatch: pytest.Monke
     workshop = Workshop(write_study(tmp_path, planted=planted, speeds=(0.06, 0.085, 0.11)))
     assert _Fading.made == 6
     single = workshop.run(Task((("coulomb_friction", "wrist"),), {"coulomb_friction@wrist.force_N": 0.2}))
-    assert single is not None and single.chi2 > 1.1 * single.samples
+    assert single is not None
+    assert single.chi2 > 1.1 * single.samples
     key = f"coulomb_friction{SUFFIX}@wrist."
     label = (("coulomb_friction" + SUFFIX, "wrist"),)
     start = {key + "force_N": 0.2, key + TREND: 0.0}
     found = workshop.run(Task(label, start, near=single, max_iterations=30))
-    assert found is not None and found.chi2 < 1.03 * found.samples
+    assert found is not None
+    assert found.chi2 < 1.03 * found.samples
     low, high = found.errors()[key + TREND]
     assert abs(found.values()[key + TREND] - FADES) < 4.0 * max(high - low, 1e-3)
     assert found.values()[key + "force_N"] == pytest.approx(FIRST, rel=0.03)

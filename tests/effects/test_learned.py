@@ -68,7 +68,8 @@ def test_a_name_holds_all_of_a_shape(shape: Shape) -> None:
 def test_a_name_that_is_none_is_refused_in_a_line(name: str) -> None:
     with pytest.raises(InputError) as raised:
         effect(name)
-    assert "learned law" in str(raised.value) and "\n" not in str(raised.value)
+    assert "learned law" in str(raised.value)
+    assert "\n" not in str(raised.value)
 
 
 @given(shape=SHAPES)
@@ -131,4 +132,5 @@ def test_friction_whose_level_grows_with_displacement_holds_still_where_it_is_st
     run = _run(name, values)
     position, rate = run.states(np.linspace(1.0, 1.2, 50))
     where, speed = run.port("wrist", position), run.port("wrist", rate)
-    assert np.abs(speed).max() < 1e-9 and where[0] > 1e-3  # pushed in, and held there against its spring
+    assert np.abs(speed).max() < 1e-9
+    assert where[0] > 1e-3

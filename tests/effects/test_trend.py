@@ -29,13 +29,16 @@ def test_without_a_trend_an_effect_is_the_steady_one_in_every_trial(steady: obje
     for number in (0.0, 7.0):
         changed = effect(name + SUFFIX).edit(rig({}), "wrist", {**values, TREND: 0.0, NUMBER: number})
         plain = effect(name).edit(rig({}), "wrist", values)
-        assert changed.forces == plain.forces and changed.frictions == plain.frictions
-        assert changed.states == plain.states and changed.coordinates == plain.coordinates
+        assert changed.forces == plain.forces
+        assert changed.frictions == plain.frictions
+        assert changed.states == plain.states
+        assert changed.coordinates == plain.coordinates
 
 
 def test_a_changing_effect_holds_the_steady_one_and_its_special_cases() -> None:
     changing = ("stribeck_friction" + SUFFIX, "wrist")
-    assert refines(changing[0], "stribeck_friction") and refines(changing[0], "coulomb_friction")
+    assert refines(changing[0], "stribeck_friction")
+    assert refines(changing[0], "coulomb_friction")
     assert contains([changing], [("coulomb_friction", "wrist")])
     assert not contains([("coulomb_friction", "wrist")], [changing])
     assert redundant([("coulomb_friction", "wrist"), ("coulomb_friction" + SUFFIX, "wrist")])
