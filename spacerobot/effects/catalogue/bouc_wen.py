@@ -42,7 +42,7 @@ class BoucWen(Effect):
         Parameter("displacement_m", "m", 1e-3, 1e-3, 1e-9, 10.0, (3e-4, 1e-3, 4e-3), log=True, shape=True),
     )
     refines = ("coulomb_friction",)
-    limits: ClassVar[Mapping[str, float]] = {"displacement_m": 1e-8}
+    limits: ClassVar[Mapping[str, float]] = {"displacement_m": 1e-9}
     replaces = ("{where}.equivalent_damping",)
 
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:
