@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import functools
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -16,6 +17,7 @@ from spacerobot.diagnosis.terms.hypothesis import Believed, Hypothesis
 from spacerobot.diagnosis.terms.parameters import zero_key
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import ChannelMap
+from spacerobot.effects.sizes import Sizes
 from spacerobot.recordings.beliefs import ABSORBING, beliefs_of
 from spacerobot.recordings.study import Study
 from spacerobot.simulation.reduced.run import ReducedRun, simulate
@@ -108,6 +110,21 @@ class RigModel:
         self._trials = {t.id: t for t in trials}
         self._touch = {t.id: touch_time(t) for t in trials}
         self._motion = {t.id: _nuisances(t, self.turning, self.sideways) for t in trials}
+
+    @functools.cached_property
+    def sizes(self) -> Sizes:
+        """Typical of the wrist: how far it moves, and against what, as the targets' speed has it."""
+        seen = [t.channel("wrist.x")[1] for t in self._trials.values() if "wrist.x" in t.channels]
+        spring = self.base.get("wrist.stiffness", 1.0)
+        moved = np.concatenate(seen) if seen else self._forces() / spring
+        length = max(float(np.std(moved)), 1e-9)
+        rates = [n.guess for motion in self._motion.values() for n in motion if n.coordinate == "target" and n.rate]
+        speed = max(float(np.sqrt(np.mean(np.square(rates)))), 1e-9)
+        return Sizes(spring * length, length, length / speed)
+
+    def _forces(self) -> np.ndarray:
+        seen = [t.channel("contact.force")[1] for t in self._trials.values() if "contact.force" in t.channels]
+        return np.concatenate(seen) if seen else np.ones(1)
 
     def of(self, trial: TrialData) -> RigModel:
         """The same rig, in this trial alone."""

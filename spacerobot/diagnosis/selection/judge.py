@@ -89,7 +89,7 @@ def judge(
         withdrawn: sets with an effect whose interval does not show it (`shown.py`); they are not named.
     """
     base = found.baseline
-    nameless = [f for f in found.fits.values() if f.hypothesis.label in withdrawn or held(f)]
+    nameless = [f for f in found.fits.values() if f.hypothesis.label in withdrawn or held(f) or not found.plausible(f)]
     candidates = [base, *(f for f in found.fits.values() if means(f) and f not in nameless)]
     inflation = min((left_of[id(f)].inflation for f in [*candidates, *nameless] if id(f) in left_of), default=1.0)
     scores = {id(f): score(f, inflation) for f in [*candidates, *nameless]}

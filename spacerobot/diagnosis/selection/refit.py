@@ -15,7 +15,7 @@ from spacerobot.diagnosis.fitting.screen import Screener, faint
 from spacerobot.diagnosis.fitting.starts import effect_starts, informed_starts
 from spacerobot.diagnosis.fitting.workshop import Task
 from spacerobot.diagnosis.selection.penalty import PENALTY
-from spacerobot.diagnosis.selection.search_state import Found, noise_of, run_tasks, share_of
+from spacerobot.diagnosis.selection.search_state import Found, noise_of, plausible_of, run_tasks, share_of
 from spacerobot.diagnosis.terms.candidates import contains, refines, simpler
 from spacerobot.diagnosis.terms.hypothesis import Label, Site, label_of
 from spacerobot.effects.registry import effect
@@ -43,7 +43,9 @@ def refit(pool: Pool, chosen: Sequence[Site], rivals: Sequence[Sequence[Site]], 
     assert baseline is not None  # the believed rig itself can be simulated, or RigModel had refused it
     sets = _with_parts(chosen, rivals)
     singles = {s.label: Site(s.effect, s.where) for one in sets.values() for s in one}
-    found = Found(baseline, singles=tuple(singles.values()), noise=noise_of(pool.workshop))
+    found = Found(
+        baseline, singles=tuple(singles.values()), noise=noise_of(pool.workshop), plausible=plausible_of(pool.workshop)
+    )
     mine = label_of(chosen)
     for label, sites in sets.items():
         run_tasks(pool, found, [_near(pool, found, label, sites, label == mine)], _silent, "")

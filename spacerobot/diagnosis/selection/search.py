@@ -21,6 +21,7 @@ from spacerobot.diagnosis.selection.search_state import (
     Report,
     effect_values,
     noise_of,
+    plausible_of,
     run_tasks,
     screened,
     share_of,
@@ -54,7 +55,7 @@ def search(pool: Pool, sites: Sequence[Site], report: Report, *, baseline: Fit |
         baseline = pool.here(Task((), {}))
         if baseline is None:  # each trial can be simulated as believed, or the door had refused it; a fit moved on
             raise InputError("the rig as believed cannot be fitted to these trials", where=str(workshop.study.path))
-    found = Found(baseline, singles=tuple(sites), noise=noise_of(workshop))
+    found = Found(baseline, singles=tuple(sites), noise=noise_of(workshop), plausible=plausible_of(workshop))
     report("screening", 0, len(sites))
     first = screened(pool, baseline, sites)
     found.screens.append(first)

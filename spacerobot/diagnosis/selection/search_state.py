@@ -14,6 +14,7 @@ from spacerobot.diagnosis.fitting.screen import Screen, Screened, Screener, toge
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
 from spacerobot.diagnosis.selection.nameable import nameable
 from spacerobot.diagnosis.selection.penalty import score, simplest
+from spacerobot.diagnosis.selection.plausible import plausible
 from spacerobot.diagnosis.terms.hypothesis import Label, Site
 
 EXPLAINED = 1.02
@@ -43,6 +44,7 @@ class Found:
         screened: predicted fall of the cost by set of effects, fitted or not.
         singles: every site that was tried.
         noise: whether a fit leaves nothing but noise.
+        plausible: whether a fit's numbers are such as its effects' names would survive.
     """
 
     baseline: Fit
@@ -51,6 +53,7 @@ class Found:
     screened: dict[Label, float] = field(default_factory=dict)
     singles: tuple[Site, ...] = ()
     noise: Callable[[Fit], bool] = lambda fit: True
+    plausible: Callable[[Fit], bool] = lambda fit: True
 
     def keep(self, fit: Fit | None) -> None:
         """Remember a fit if it is the best of its kind."""
@@ -76,7 +79,7 @@ class Found:
 
     def preferred(self, fits: Sequence[Fit]) -> Fit:
         """The one of these that a verdict would prefer; of those that it could not name, where there is no other."""
-        fits = [f for f in fits if nameable(f)] or fits
+        fits = [f for f in fits if nameable(f) and self.plausible(f)] or fits
         scores = {id(f): score(f) for f in fits}
         return simplest(sorted(fits, key=lambda f: scores[id(f)]), scores)
 
@@ -140,3 +143,9 @@ def effect_values(fit: Fit) -> Mapping[str, float]:
 def noise_of(workshop: Workshop) -> Callable[[Fit], bool]:
     """Whether a fit leaves nothing but noise, each asked once."""
     return functools.cache(lambda fit: workshop.left_by(fit).adequate)
+
+
+def plausible_of(workshop: Workshop) -> Callable[[Fit], bool]:
+    """Whether a fit is what its effects' names say, by what is typical of the recordings."""
+    sizes = {"": workshop.model.sizes}
+    return lambda fit: plausible(fit.hypothesis.sites, fit.values(), sizes)
