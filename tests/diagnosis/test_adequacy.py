@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from spacerobot.diagnosis.fitting.adequacy import left_over
+from spacerobot.diagnosis.fitting.adequacy import ChannelLeft, left_over
 from spacerobot.diagnosis.terms.data import Block, TrialData
 
 TRIALS, SAMPLES, TOUCH = 6, 600, 0.5
@@ -73,3 +74,11 @@ def test_physics_that_acts_in_the_approach_is_not_taken_for_noise() -> None:
     assert left.channels[0].bent
     assert left.channels[0].noise == pytest.approx(1.0, abs=0.15)
     assert not left.adequate
+
+
+def test_a_level_is_compared_with_what_few_samples_before_contact_can_say() -> None:
+    """Noise known from ten samples is known to 45 per cent; from a million, to the last digit."""
+    left = ChannelLeft("x", 1.0, 1.9, 100_000, 0.0, 0.0, 0.0, 0.0, "a")
+    assert not left.white
+    assert replace(left, early=10).white
+    assert not replace(left, early=10, level=3.5).white

@@ -13,6 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.signal import lfilter
 
+from spacerobot.diagnosis.fitting import profile
 from spacerobot.diagnosis.fitting.colour import inflations
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
@@ -98,6 +99,27 @@ def test_pulls_have_variance_one_whatever_the_noise(kind: tuple[float, float]) -
             assert abs((off[:, 0] / math.sqrt((1.0 + lag) / (1.0 - lag))).var() - 1.0) < 4.0 * math.sqrt(2.0 / len(off))
     if kind is LOUD:
         assert off.var(axis=0).max() > 1.0 + 4.0 * math.sqrt(2.0 / len(off))  # as stated, it is no error bar
+
+
+@pytest.mark.parametrize("inflation", [1.0, 4.0])
+def test_noise_that_counts_for_less_makes_intervals_wider(inflation: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a parabola: by the root of the inflation."""
+    free = SimpleNamespace(key="k", bounds=(-math.inf, math.inf), value=float, z=float, lower=-math.inf, upper=math.inf)
+    made = SimpleNamespace(free=(free,), sites=())
+
+    def held(_: Any, index: int, at: float) -> Any:
+        return SimpleNamespace(free=(SimpleNamespace(key="k", lower=at),))
+
+    class Parabola:
+        def fit(self, hypothesis: Any, **_: Any) -> Any:
+            return SimpleNamespace(cost=10.0 + hypothesis.free[0].lower ** 2)
+
+    monkeypatch.setattr(profile, "_held", held)
+    monkeypatch.setattr(profile, "known_rows", lambda *_: None)
+    fit = SimpleNamespace(hypothesis=made, z=np.zeros(1), covariance=None, cost=10.0, values=dict, initials=dict)
+    low, high = _Profiler(cast(Fitter, Parabola()), cast(Fit, fit), 0, inflation).profile().ends
+    assert high == pytest.approx(math.sqrt(inflation * LEVEL_95), rel=0.06)
+    assert low == pytest.approx(-high)
 
 
 class Walled(_Profiler):

@@ -100,3 +100,10 @@ def test_a_stiff_servo_that_fails_is_told_what_helps() -> None:
     assert "less servo damping" in advice(1e3, 1e6)
     assert "softer contact" in advice(1e3, 1.0)
     assert "more damping" not in advice(1e9, 1.0) + advice(1e3, 1e6)
+
+
+def test_a_free_chaser_that_falls_sideways_is_refused_and_one_that_falls_along_is_not() -> None:
+    chaser = Scene("chaser_pa10_wrist", approach=(1.0, 0.0, 0.0), target=Target(speed=0.06), duration=0.1)
+    with pytest.raises(InputError, match="falls sideways"):
+        simulate(replace(chaser, base="free", gravity=(0.0, -0.1, 0.0)), backend="reduced")
+    simulate(replace(chaser, base="free", gravity=(0.1, 0.0, 0.0)), backend="reduced")

@@ -225,3 +225,9 @@ def test_forces_on_a_body_of_unknown_mass_are_per_kilogram() -> None:
     assert "0.1 N m s/rad per kg m²" in text
     assert "0.1 rad" in text
     assert per_unit({"effects": effects, "detectable": []})["effects"] == effects
+
+
+def test_greater_values_are_drawn_further_up_and_to_the_right() -> None:
+    frame = svg.Frame(10.0, 20.0, 100.0, 50.0, (0.0, 10.0), (-1.0, 4.0))
+    assert (frame.px(0.0), frame.px(10.0)) == (10.0, 110.0)
+    assert (frame.py(4.0), frame.py(-1.0)) == (20.0, 70.0), "pixels count downwards"
