@@ -18,6 +18,7 @@ from spacerobot.simulation.reduced.arrays import (
     FRICTION,
     FRICTION_MATE,
     FRICTION_NORMAL,
+    FRICTION_PORT,
     FRICTIONS,
     GEOMETRY,
     HEADING,
@@ -96,7 +97,8 @@ def _excess(m: Any, r: int) -> float:
         force = np.hypot(force, w[c[FRICTION] + mate])
     if c[c[FRICTION_NORMAL] + r] == 1:
         normal = max(0.0, -w[c[FORCE] + c[CONTACT_FORCE]])
-    limit = level(m.x, c, m.laws, r, -TINY if force > 0.0 else TINY, normal)
+    d = w[c[D] + c[c[FRICTION_PORT] + r]]
+    limit = level(m.x, c, m.laws, r, -TINY if force > 0.0 else TINY, normal, d)
     return float(abs(force) - limit * (1.0 + 1e-12) - m.settings[SLACK])
 
 
