@@ -24,7 +24,7 @@ from spacerobot.diagnosis.selection.search_state import (
     screened,
     share_of,
 )
-from spacerobot.diagnosis.terms.candidates import contains, mirrored, redundant, simpler
+from spacerobot.diagnosis.terms.candidates import contains, mirrored, plainest, redundant, simpler
 from spacerobot.diagnosis.terms.hypothesis import Label, Site
 from spacerobot.effects.registry import effect
 from spacerobot.effects.trend import SUFFIX, TREND, may_change
@@ -88,11 +88,14 @@ def more(pool: Pool, found: Found, report: Report) -> None:
     """
     grown = False
     for size in range(2, MOST):
-        sets = [f for f in found.fits.values() if len(f.hypothesis.label) == size]
+        sets: dict[Label, Fit] = {}
+        for fit in sorted(found.fits.values(), key=lambda f: f.cost):
+            if len(fit.hypothesis.label) == size:
+                sets.setdefault(plainest(fit.hypothesis.label), fit)  # five laws of one friction are one set
         if found.explained or not sets:
             break
         least = found.best.cost
-        for fit in sorted(sets, key=lambda f: f.cost)[:BEAM]:
+        for fit in [*sets.values()][:BEAM]:
             rest = [s for s in found.singles if not redundant([*fit.hypothesis.label, s.label])]
             tasks = [replace(t, patient=True) for t in _beside(found, fit, screened(pool, fit, rest))[:TOP_LARGER]]
             run_tasks(pool, found, tasks, report, "further effects", stop=True)

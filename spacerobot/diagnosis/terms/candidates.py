@@ -28,6 +28,16 @@ def refines(general: str, special: str) -> bool:
     return known is not None and (special in known.refines or any(refines(own, special) for own in known.refines))
 
 
+def plainest(label: Sequence[tuple[str, str]]) -> tuple[tuple[str, str], ...]:
+    """A set with the plainest law of each thing in place of a richer one."""
+    out = []
+    for name, where in label:
+        while special := _special(name):
+            name = special[0]  # noqa: PLW2901 - down to a law that refines nothing
+        out.append((name, where))
+    return tuple(sorted(out))
+
+
 def redundant(label: Sequence[tuple[str, str]]) -> bool:
     """Whether one place has two laws of the same thing."""
     known = [(_known(name), name, where) for name, where in set(label)]
