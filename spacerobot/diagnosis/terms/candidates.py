@@ -33,7 +33,7 @@ def plainest(label: Sequence[tuple[str, str]]) -> tuple[tuple[str, str], ...]:
     out = []
     for name, where in label:
         while special := _special(name):
-            name = special[0]  # noqa: PLW2901 - down to a law that refines nothing
+            name = special[0]
         out.append((name, where))
     return tuple(sorted(out))
 
