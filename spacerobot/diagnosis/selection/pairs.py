@@ -108,8 +108,11 @@ def more(pool: Pool, found: Found, report: Report) -> None:
             on = Task(found.best.hypothesis.label, {}, near=found.best, max_iterations=30)
             run_tasks(pool, found, [on], report, "the best set to its end")
         run_tasks(pool, found, _mirrored(found), report, "late for early")
-    if grown:
+    for _ in range(MOST if grown else 0):  # what is left of a set may be too much still
+        before = found.preferred([*found.fits.values()])
         simplify(pool, found, report)
+        if found.preferred([*found.fits.values()]) is before:
+            break
 
 
 def changing(found: Found) -> list[Task]:
