@@ -89,6 +89,7 @@ class Effect(ABC):
         relative: of a sensor; only the difference between two sensors shows, counted as positive at one of them.
         instant: shows in what is read just before and just after an impact, which has no duration.
         learned: a curve found in recordings, which has no name.
+        curve: of a law of one variable, its shape in a word that a learned curve's description shares; empty elsewhere.
     """
 
     name: ClassVar[str]
@@ -108,6 +109,7 @@ class Effect(ABC):
     relative: ClassVar[bool] = False
     instant: ClassVar[bool] = False
     learned: ClassVar[bool] = False
+    curve: ClassVar[str] = ""
 
     @abstractmethod
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:

@@ -10,6 +10,7 @@ import numpy as np
 
 from spacerobot.diagnosis.learning.curves import Curve
 from spacerobot.diagnosis.selection.penalty import SMALL
+from spacerobot.effects.registry import all_effects
 
 MOST_TERMS = 3
 BUMPS = 24
@@ -23,7 +24,7 @@ class Term:
     Attributes:
         formula: with {} for its coefficient.
         words: what it is like.
-        like: effect of the catalogue that it is a relative of, or "".
+        curve: in the word of effects that it is a relative of, or "".
         shape: value at x, shape (T,) each.
         unit: of the coefficient.
         numbers: its own further numbers by name, SI.
@@ -31,7 +32,7 @@ class Term:
 
     formula: str
     words: str
-    like: str
+    curve: str
     shape: Callable[[np.ndarray], np.ndarray]
     unit: str
     numbers: tuple[tuple[str, float], ...] = ()
@@ -110,18 +111,23 @@ def describe(curve: Curve) -> Described | None:
         parts.append(term.formula.format(f"{found[k]:.4g}"))
     law = " + ".join(parts).replace("+ -", "- ")
     first = best[1][int(np.argmax([abs(x) for x in found]))]
-    return Described(law, "; ".join(t.words for t in best[1]), first.like, parameters, misfit, room)
+    return Described(law, "; ".join(t.words for t in best[1]), _like(first.curve), parameters, misfit, room)
+
+
+def _like(curve: str) -> str:
+    """The first effect of the catalogue that has such a curve."""
+    return next((e.name for e in all_effects().values() if curve and e.curve == curve), "")
 
 
 def _words(kind: str, of: str) -> tuple[Term, ...]:
     per = {"v": "s/m", "d": "/m", "z": "/N"}[of]
     unit = "N/m" if kind == "memory" else "N"
     first = "N s/m" if of == "v" else unit + per
-    one = Term("{}", "a constant", "coulomb_friction" if kind == "friction" else "preload", np.ones_like, unit)
-    rise = Term(rf"{{}}\,\max({of}, 0)", _way(kind, of, 1), "viscous_friction", lambda x: np.maximum(x, 0.0), first)
-    fall = Term(rf"{{}}\,\min({of}, 0)", _way(kind, of, -1), "viscous_friction", lambda x: np.minimum(x, 0.0), first)
-    odd = Term(rf"{{}}\,{of}|{of}|", "growing with the square", "quadratic_damping", lambda x: x * np.abs(x), unit)
-    cube = Term(rf"{{}}\,{of}^3", "growing with the cube", "cubic_stiffness", lambda x: x**3, unit)
+    one = Term("{}", "a constant", "a level of friction" if kind == "friction" else "a constant", np.ones_like, unit)
+    rise = Term(rf"{{}}\,\max({of}, 0)", _way(kind, of, 1), f"a line in {of}", lambda x: np.maximum(x, 0.0), first)
+    fall = Term(rf"{{}}\,\min({of}, 0)", _way(kind, of, -1), f"a line in {of}", lambda x: np.minimum(x, 0.0), first)
+    odd = Term(rf"{{}}\,{of}|{of}|", "growing with the square", f"a square in {of}", lambda x: x * np.abs(x), unit)
+    cube = Term(rf"{{}}\,{of}^3", "growing with the cube", f"a cube in {of}", lambda x: x**3, unit)
     even = Term(rf"{{}}\,|{of}|", "growing either way", "", np.abs, first)
     square = Term(rf"{{}}\,{of}^2", "growing with the square, either way", "", np.square, unit)
     straight = Term(f"{{}} {of}", "rising in a straight line", "", lambda x: x, first)
@@ -165,7 +171,7 @@ def _bump(kind: str, of: str, place: float, width: float) -> Term:
     return Term(
         formula,
         f"rises and falls: most at {place:.4g} {unit}",
-        "coulomb_friction" if kind == "friction" else "",
+        "a level of friction" if kind == "friction" else "",
         lambda x: np.exp(-(((x - place) / width) ** 2)),
         "N",
         (("place", place), ("width", width)),

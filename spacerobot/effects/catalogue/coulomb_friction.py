@@ -20,6 +20,7 @@ class CoulombFriction(Effect):
 
     name = "coulomb_friction"
     title = "Coulomb friction"
+    curve = "a level of friction"
     formula = r"f = -F_c \operatorname{sign}(v), \quad |f| \le F_c \text{ at rest}"
     source = "Coulomb (1785)"
     parameters = (Parameter("force_N", "N", 0.0, 0.1, 0.0, 1e4, (0.02, 0.2, 1.0)),)

@@ -26,6 +26,7 @@ class CubicStiffness(Effect):
 
     name = "cubic_stiffness"
     title = "cubic stiffness"
+    curve = "a cube in d"
     formula = r"f = -k_3\, d^3"
     source = "Duffing (1918)"
     parameters = (Parameter("k3_N_m3", "N/m^3", 0.0, 5e4, -1e9, 1e9, (5e4, -5e4, 5e5)),)

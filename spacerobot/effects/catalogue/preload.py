@@ -30,6 +30,7 @@ class Preload(Effect):
     name = "preload"
     title = "preload"
     phrase = "a preload"
+    curve = "a constant"
     formula = r"f = F_0"
     source = "constant force"
     same_as = ("bias",)

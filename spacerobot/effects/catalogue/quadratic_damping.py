@@ -24,6 +24,7 @@ class QuadraticDamping(Effect):
 
     name = "quadratic_damping"
     title = "quadratic damping"
+    curve = "a square in v"
     formula = r"f = -c\, |v|\, v"
     source = "Torricelli's orifice law"
     parameters = (Parameter("coefficient_Ns2_m2", "N s^2/m^2", 0.0, 5.0, 0.0, 1e6, (5.0, 50.0, 300.0)),)

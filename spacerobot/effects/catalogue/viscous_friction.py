@@ -15,6 +15,7 @@ class ViscousFriction(Effect):
 
     name = "viscous_friction"
     title = "viscous friction"
+    curve = "a line in v"
     formula = r"f = -c\, v"
     source = "Newton (1687)"
     parameters = (Parameter("coefficient_Ns_m", "N s/m", 0.0, 1.0, 0.0, 1e5, (0.3, 3.0, 30.0)),)
