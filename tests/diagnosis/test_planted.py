@@ -82,16 +82,32 @@ def loud(site: Site, folder: Path) -> tuple[Workshop, Fit, dict[str, float]]:
 
 @pytest.mark.parametrize("site", candidates(), ids=lambda s: "-".join(s.label))
 def test_what_is_planted_is_found_again(site: Site, tmp_path: Path) -> None:
-    """From the starts of a search: as good a fit as from the truth, and sizes that hold it."""
+    """From the starts of a search, to the end: as good a fit as from the truth, and sizes that hold it.
+
+    Of a law that comes to what it refines in a limit, the numbers that go there may not show: how far it has come is
+    then any of a wide range, and no error by the slope.
+    """
     shop, known, truth = loud(site, tmp_path)
     found = best(shop, site, [*effect_starts([site]), *informed_starts(site, shop.trials)])
+    if not found.converged:
+        on = shop.run(Task((site.label,), {}, near=found, max_iterations=40, patient=True))
+        found = found if on is None else on
     assert found.cost < known.cost + SLACK
     assert found.chi2 < QUIET * found.samples
     assert found.covariance is not None
-    errors = np.sqrt(np.diag(found.covariance))
-    for free, z, error in zip(found.hypothesis.free, found.z, errors, strict=True):
-        if free.kind == "effect":
-            assert abs(z - free.z(truth[free.key])) < APART * max(error, LEAST), free.key
+    hidden = {site.key(name) for name in site.effect.limits}
+    assert not [key for key in _misses(found, truth) if key not in hidden]
+
+
+def _misses(fit: Fit, truth: Mapping[str, float]) -> list[str]:
+    """Effects' numbers that are too many of their errors from the truth."""
+    assert fit.covariance is not None
+    errors = np.sqrt(np.diag(fit.covariance))
+    return [
+        free.key
+        for free, z, error in zip(fit.hypothesis.free, fit.z, errors, strict=True)
+        if free.kind == "effect" and abs(z - free.z(truth[free.key])) >= APART * max(error, LEAST)
+    ]
 
 
 def test_what_is_not_planted_does_not_fit(tmp_path: Path) -> None:

@@ -122,14 +122,15 @@ def test_marginal_covariance_is_the_block_of_the_whole_inverse(sizes: tuple[int,
     """Eliminating the trials' own values loses nothing: Schur's complement is the inverse's block."""
     shared, own, count = sizes
     rng = np.random.default_rng(5)
-    prior = rng.uniform(0.0, 2.0, shared)
+    root = rng.normal(size=(shared, shared))
+    prior = root @ root.T  # what is believed of values may hang together
     jacobians = [rng.normal(size=(12, shared + own)) for _ in range(count)]
     residuals = [rng.normal(size=12) for _ in range(count)]
     z = rng.normal(size=shared)
     found = Normal.build(jacobians, residuals, z, prior)
     whole = np.zeros((shared + own * count,) * 2)
     right = np.zeros(shared + own * count)
-    whole[:shared, :shared], right[:shared] = np.diag(prior), prior * z
+    whole[:shared, :shared], right[:shared] = prior, prior @ z
     for k, (j, r) in enumerate(zip(jacobians, residuals, strict=True)):
         at = np.r_[:shared, shared + own * k : shared + own * (k + 1)]
         whole[np.ix_(at, at)] += j.T @ j

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-KINDS = ("named", "ambiguous", "unknown", "nothing_missing", "wrong_parameter", "not_trusted")
+KINDS = ("named", "learned", "ambiguous", "unknown", "nothing_missing", "wrong_parameter", "not_trusted")
 
 SIGMA = {"target.x": 0.00015, "wrist.x": 0.00015, "contact.force": 0.25}
 UNIT = {"target.x": "m", "wrist.x": "m", "contact.force": "N"}
@@ -72,6 +72,29 @@ DELAY = {
 STIFFNESS = {"value": 561.3, "ci95": [559.0, 563.6], "unit": "N/m", "believed": 530.0, "sigma": 5.3}
 
 
+LEARNED: dict[str, Any] = {
+    "where": "wrist",
+    "kind": "force",
+    "depends_on": ["rate"],
+    "formula": r"s(v) = 11.05\,\min(v, 0)",
+    "law": "f = -s(v)",
+    "parameters": {"a_1": {"value": 11.05, "ci95": [10.9, 11.2], "unit": "N s/m"}},
+    "table": {
+        "variable": "v",
+        "unit": "m/s",
+        "value_unit": "N",
+        "x": [-0.1, 0.0, 0.1],
+        "law": [-1.105, 0.0, 0.0],
+        "total": [-1.5, 0.0, 0.4],
+        "low": [-1.6, -0.01, 0.3],
+        "high": [-1.4, 0.01, 0.5],
+        "total_with": ["wrist.equivalent_damping"],
+    },
+    "like": {"effect": "viscous_friction", "words": "like viscous damping, on one stroke only"},
+    "lead": 1234.5,
+}
+
+
 def verdict(kind: str) -> dict[str, Any]:
     """A verdict of the kind, complete."""
     before, after = {"nothing_missing": (1.01, 1.01), "unknown": (8.3, 6.1), "not_trusted": (7.0, 5.0)}.get(
@@ -86,7 +109,11 @@ def verdict(kind: str) -> dict[str, Any]:
         "seconds": 41.7,
         "verdict": kind,
         "confidence": 0.97 if kind == "named" else 0.62,
-        "effects": [copy.deepcopy(FRICTION)] if kind == "named" else [],
+        "effects": {
+            "named": [copy.deepcopy(FRICTION)],
+            "learned": [{"effect": "learned_law", "where": "wrist", "parameters": {}}],
+        }.get(kind, []),
+        **({"learned": [copy.deepcopy(LEARNED)]} if kind == "learned" else {}),
         "alternatives": [
             {"effects": [FRICTION], "parameters": {"coulomb_friction@wrist.force_N": 0.604}, "score": 0.0},
             {"effects": [STRIBECK], "parameters": {"stribeck_friction@wrist.static_force_N": 0.61}, "score": -0.002},

@@ -81,6 +81,7 @@ SAYS = {
     "ambiguous": "these data cannot tell which: Coulomb friction in the wrist's guide or Stribeck friction",
     "unknown": "no effect of the catalogue explains",
     "nothing_missing": "Nothing is missing that these data could show",
+    "learned": "What is missing is a force that depends on its rate, at the wrist: learned from the recordings",
     "wrong_parameter": "wrist stiffness is 561.3 N/m (95 %: 559.0 to 563.6), not 530 N/m, 5.9 of its stated sigmas",
     "not_trusted": "No answer: the fit failed its own checks: starts agree",
 }
@@ -158,7 +159,7 @@ def test_every_text_is_inert(tmp_path: Path, kind: str) -> None:
     told = _poisoned(verdict(kind))
     told["parameters"] = dict.fromkeys([HOSTILE] * len(told["parameters"]), STIFFNESS)
     for effect in told["effects"]:
-        effect["parameters"] = {HOSTILE: effect["parameters"]["force_N"]}
+        effect["parameters"] = dict.fromkeys([HOSTILE] * len(effect["parameters"]), STIFFNESS)
     page = Page(report(tmp_path, told, shown))
     assert not page.faults
     assert not page.all("img")

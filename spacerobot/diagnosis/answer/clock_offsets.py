@@ -41,7 +41,7 @@ def clock_offsets(study: Study, workshop: Workshop, fit: Fit, inflation: float) 
 def own_errors(workshop: Workshop, fit: Fit) -> dict[str, np.ndarray]:
     """Standard errors of each trial's own numbers, all others marginalised, shape (N,) in their own units."""
     fitter, rows = workshop.fitter(), workshop.fitter().rows_at(fit)
-    prior = np.array([f.prior for f in fit.hypothesis.free], dtype=float)
+    prior = fit.hypothesis.precision
     # a reading that was left out has no residual
     counted = [rows[t.id] * (fit.trials[t.id].residual != 0.0)[:, None] for t in fitter.trials]
     normal = Normal.build(counted, [fit.trials[t.id].residual for t in fitter.trials], fit.z, prior)

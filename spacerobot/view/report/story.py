@@ -185,11 +185,11 @@ _LAWS = {
 
 def _learned(verdict: Mapping[str, Any], evidence: Evidence) -> Story:
     law = verdict["learned"][0]
-    said = _LAWS[law["kind"]].format(on=joined(law["depends_on"]))
+    said = _LAWS.get(law["kind"], "a law").format(on=joined(law["depends_on"]))
     gained = improvement(verdict)
     like = law.get("like")
-    sentence = f"What is missing is {said}, at the {law['where']}: learned from the recordings, for no effect of the "
-    sentence += f"catalogue explains them. With it, {gained}." if gained else "catalogue explains them."
+    sentence = f"What is missing is {said}, at the {law['where']}: learned from the recordings, which nothing in the "
+    sentence += f"catalogue explains. With it, {gained}." if gained else "catalogue explains."
     more = (
         (f"Its curve {like['words']}." if like["words"].startswith("rises") else f"It is {like['words']}.",)
         if like

@@ -85,7 +85,7 @@ def test_motions_of_unlike_length_are_refused(tmp_path: Path) -> None:
     trial = model.trials[0]
     edited = effect("viscous_drag").edit(model.mechanism(model.base, trial), "base", {"coefficient_Ns_m": 1.0})
     with pytest.raises(AssertionError):
-        port_forces(edited, {"base": np.zeros(5)}, {"base": np.zeros(9)})
+        port_forces(edited, {"base": np.zeros(5)}, {"base": np.zeros(9)}, 0.05)
 
 
 def test_a_mean_at_the_ends_is_of_what_there_is() -> None:
