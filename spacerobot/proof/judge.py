@@ -8,6 +8,9 @@ from typing import Any
 
 from spacerobot.proof.engine.outsiders import OUTSIDERS
 
+NAMELESS = ("unknown", "learned")
+"""What an honest answer says of physics outside the catalogue: nothing, or its law without a name."""
+
 DEFINITE = ("named", "wrong_parameter", "nothing_missing")
 """Verdicts that claim to know."""
 
@@ -94,7 +97,7 @@ def _right(
     if expected == "nothing_missing":
         return said == "nothing_missing", said == "nothing_missing"
     if expected == "unknown":
-        return said == "unknown", said in ("unknown", "ambiguous", "not_trusted")
+        return said in NAMELESS, said in (*NAMELESS, "ambiguous", "not_trusted")
     moved = set(verdict.get("parameters", {}))
     recognised = said == "wrong_parameter" and set(truth["parameters"]) <= moved
     spelled = bool(hidden) and favourite == hidden  # a payload may be called a payload
