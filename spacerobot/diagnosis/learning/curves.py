@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -200,8 +200,3 @@ def _rougher(curve: Curve) -> float:
     found = bends @ curve.coefficients() / (shape.size * shape.roughness)
     unsure = np.einsum("bi,ij,bj->", bends, curve.covariance(), bends) / (shape.size * shape.roughness) ** 2
     return float(np.sqrt(np.clip(found @ found / max(len(bends) - unsure, 1e-3), 1e-4, 1e4)))
-
-
-def kinds() -> Sequence[tuple[Kind, Variable]]:
-    """What is tried at a port, the plainer first."""
-    return (("force", "v"), ("force", "d"), ("friction", "d"), ("friction", "v"), ("memory", "z"))

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from spacerobot.diagnosis.fitting.adequacy import Left
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
@@ -38,13 +37,11 @@ class Learnt:
 
     Attributes:
         curve: the most probable one.
-        left: what it leaves over.
         lead: log of its odds over the next other kind or port.
         held: how well trials are predicted by it that it was not fitted to.
     """
 
     curve: Curve
-    left: Left
     lead: float
     held: Unseen | None
 
@@ -81,11 +78,10 @@ def learn(pool: Pool, beside: Fit, report: Report) -> Learnt | None:
     if not curves:
         return None
     best = curves[0]
-    left = pool.workshop.left_by(best.fit)
-    if not left.adequate:
+    if not pool.workshop.left_by(best.fit).adequate:
         return None
     lead = best.evidence - curves[1].evidence if len(curves) > 1 else float("inf")
-    return Learnt(best, left, lead, _held(pool, best, beside, report))
+    return Learnt(best, lead, _held(pool, best, beside, report))
 
 
 def _first(pool: Pool, beside: Fit) -> tuple[Any, Any, Any]:
