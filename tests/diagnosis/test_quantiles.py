@@ -36,6 +36,14 @@ def test_chance_gains_what_it_is_said_to() -> None:
         assert np.mean([by_chance(g, parameters) for g in gains]) == pytest.approx(0.95, abs=0.006)
 
 
+def test_the_best_of_many_looks_is_held_to_the_tail_of_the_best() -> None:
+    """The largest gain of twenty directions that mean nothing passes in 95 of 100; priced as one look, hardly ever."""
+    rng = np.random.default_rng(4)
+    best = np.square(rng.normal(size=(20_000, 20))).max(axis=1)
+    assert np.mean([by_chance(g, 1, 20) for g in best]) == pytest.approx(0.95, abs=0.006)
+    assert np.mean([by_chance(g, 1) for g in best]) < 0.5
+
+
 def student_tail(t: float, freedom: int) -> float:
     """log of P(|T| > t) from the density, by the substitution x = t e^u, its peak taken out."""
 

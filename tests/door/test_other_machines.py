@@ -17,7 +17,7 @@ from spacerobot.diagnosis.selection.admission import admit
 from spacerobot.diagnosis.selection.bench import Bench
 from spacerobot.recordings.study import load_study
 from spacerobot.support.errors import InputError
-from tests.door.machines import MACHINES, Mutation, mutations, one_trial
+from tests.door.machines import MACHINES, Mutation, mutations, one_trial, rows
 
 
 def checked(folder: Path, capsys: pytest.CaptureFixture[str]) -> list[str]:
@@ -93,3 +93,22 @@ def test_a_motion_recorded_once_is_refused_by_both(tmp_path: Path, capsys: pytes
     assert "a second trial" in said
     assert main(["diagnose", str(folder)]) == 2
     assert said in capsys.readouterr().err
+
+
+def test_a_trial_that_is_cut_short_does_not_end_a_diagnosis(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Nothing can be located in five readings of a fall; the other fall is judged as it is."""
+    monkeypatch.setenv("SPACEROBOT_DEBUG", "1")
+    folder = MACHINES["body"](tmp_path / "study")
+    rows(0, 5)(folder)
+    assert checked(folder, capsys) == []
+    assert main(["diagnose", str(folder), "--jobs", "1"]) == 0
+
+
+def test_nothing_but_a_stub_is_refused_at_the_door(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = MACHINES["body"](tmp_path / "study")
+    one_trial(folder)
+    rows(0, 5)(folder)
+    (said,) = checked(folder, capsys)
+    assert "too few readings" in said

@@ -31,13 +31,17 @@ class Series:
         return float(np.median(np.diff(self.time))) if self.time.size > 1 else np.inf
 
 
+LEAST = 8
+"""Valid samples of a channel below which nothing can be seen in it."""
+
+
 def series_of(trial: TrialData) -> dict[str, Series]:
-    """Every channel of a trial with at least eight valid samples, in ascending time."""
+    """Every channel of a trial with enough valid samples for a test function, in ascending time."""
     out = {}
     for name in trial.channels:
         time, value, weight = trial.channel(name)
         fresh = np.concatenate([[True], np.diff(time) > 0.0]) if time.size else np.zeros(0, dtype=bool)
-        if fresh.sum() >= 8:
+        if fresh.sum() >= LEAST:
             out[name] = Series(name, time[fresh], value[fresh], 1.0 / weight[fresh])
     return out
 

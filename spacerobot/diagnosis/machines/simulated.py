@@ -19,6 +19,7 @@ from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Impulse, Readout
 from spacerobot.simulation.reduced.run import simulate
 from spacerobot.simulation.sensors import read_channels
+from spacerobot.support.errors import InputError
 
 BUDGET = 4_000
 """Readings that a fit looks at; windows of longer recordings are taken evenly over them."""
@@ -64,6 +65,9 @@ class Simulated(Model):
             at_rest: whether trials are known to begin at rest.
             budget: readings that a fit looks at.
             covered: effects, each with its place, that a fitted value stands for.
+
+        Raises:
+            InputError: no window holds enough readings.
         """
         self.name, self.build, self.believed, self.sizes = name, build, believed, sizes
         self.base = dict(believed.values)
@@ -72,6 +76,8 @@ class Simulated(Model):
         self.recorded = {t.id: t for t in recorded}
         self.at_rest, self.covered = at_rest, covered
         windows = [w for t in recorded for w in cut(t, window)]
+        if not windows:
+            raise InputError(f"{name} has too few readings in every trial", valid="five or more of a channel in one")
         self.trials = tuple(spread_over(windows, budget))
         self._hidden: tuple[TrialData, ...] = ()
         self._starts: dict[str, tuple[Nuisance, ...]] = {}

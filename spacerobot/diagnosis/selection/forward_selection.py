@@ -224,7 +224,7 @@ class _Search:
             if not rest or label_of(rest) not in tried:
                 continue
             fit = self.bench.fitted_as(chosen.fit, rest, {})
-            if fit is not None and by_chance(fit.cost - chosen.cost, len(site.effect.parameters)):
+            if fit is not None and by_chance(fit.cost - chosen.cost, len(site.effect.parameters), len(self.sites)):
                 self.say(f"  {words((site.label,))}: no more than chance would gain beside the others")
                 return self.without_chance(self.tested(Candidate(fit)), tried)
         return chosen

@@ -139,10 +139,17 @@ def but_for(model: Model, out: Sequence[str]) -> Model:
 
 
 def divided(model: Model) -> Model:
-    """The model, where there is but one trial left, with that in parts: a choice needs something to try itself on."""
+    """The model, where there is but one trial left, with that in parts: a choice needs something to try itself on.
+
+    Raises:
+        SimulationError: it is too short to be divided.
+    """
     if isinstance(model, Simulated) and len(model.trials) == 1:
         (trial,) = model.trials
-        return model.in_windows((trial.end - trial.start) / FOLDS)
+        parts = model.in_windows((trial.end - trial.start) / FOLDS)
+        if len(parts.trials) < 2:
+            raise SimulationError("what is left when a fold is left out is too short to choose by")
+        return parts
     return model
 
 

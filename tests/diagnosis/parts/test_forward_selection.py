@@ -54,7 +54,7 @@ def test_what_is_there_stands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
 
 def test_an_effect_whose_interval_holds_nothing_is_not_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Even where chance and unseen trials were to speak for it."""
-    monkeypatch.setattr(module, "by_chance", lambda gain, parameters: False)
+    monkeypatch.setattr(module, "by_chance", lambda *asked: False)
     monkeypatch.setattr(module, "pays", lambda new, old, trials: True)
     assert chosen_rashly(tmp_path, monkeypatch, known=("viscous_friction",)) == ()
     monkeypatch.setattr(module, "unshown", lambda fit: "")
