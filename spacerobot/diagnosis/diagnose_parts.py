@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import time
 from collections.abc import Sequence
 from dataclasses import replace
@@ -13,6 +14,7 @@ from spacerobot.diagnosis.answer.part_verdict import verdict_of
 from spacerobot.diagnosis.answer.result import Diagnosis
 from spacerobot.diagnosis.fitting.fit_store import Kept, Store
 from spacerobot.diagnosis.locate.of_model import has_balance, locate_model
+from spacerobot.diagnosis.locate.readings import NothingToBalance
 from spacerobot.diagnosis.machines.choose import some_models_for
 from spacerobot.diagnosis.selection.forward_selection import MOST, grow
 from spacerobot.diagnosis.selection.part_checks import checks_of
@@ -59,7 +61,10 @@ def diagnose_parts(
     for place, part in enumerate(parts):
         report("locating and checking", place, len(parts))
         # the flips of signs are a quadrature: the same for every seed, as no answer shall hang on them
-        located = locate_model(part.model, trials=part.trials) if has_balance(part.model) else None
+        located = None
+        if has_balance(part.model):
+            with contextlib.suppress(NothingToBalance):
+                located = locate_model(part.model, trials=part.trials)
         unseen = keep_aside(part.growth)
         checks = checks_of(part)
         if part.fit.hypothesis.sites:

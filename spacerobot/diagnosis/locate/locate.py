@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Mapping, Sequence
 
 from spacerobot.diagnosis.locate.clock import clocks
 from spacerobot.diagnosis.locate.dependence import extents
 from spacerobot.diagnosis.locate.located import Located
 from spacerobot.diagnosis.locate.prepared import Prepared
+from spacerobot.diagnosis.locate.readings import NothingToBalance
 from spacerobot.diagnosis.locate.search import Search
 from spacerobot.diagnosis.locate.surfaces import surfaces
 from spacerobot.diagnosis.machines.contract import Baseline
@@ -42,10 +44,15 @@ def locate(
         seed: of random sign flips.
 
     Raises:
-        InputError: a trial too short for a balance, or without a channel that measures the model.
+        NothingToBalance: every trial is too short for a balance, or without a channel that measures the model.
     """
     values = values_by_trial if values_by_trial is not None else believed_values(model, trials)
-    prepared = {t.id: Prepared(model, t, values[t.id], trials) for t in trials}
+    prepared: dict[str, Prepared] = {}
+    for t in trials:
+        with contextlib.suppress(NothingToBalance):  # the others say what they can
+            prepared[t.id] = Prepared(model, t, values[t.id], trials)
+    if not prepared:
+        raise NothingToBalance("every trial is too short for a balance", given=", ".join(t.id for t in trials))
     reach = extents(prepared)
     names = list(reach)
     search = Search()

@@ -10,11 +10,10 @@ import numpy as np
 from spacerobot.diagnosis.locate.driven import Driven, driven
 from spacerobot.diagnosis.locate.geometry import TARGET, WRIST, YAW, push
 from spacerobot.diagnosis.locate.phases import Touches, phases_of, touches_in_force, touches_in_penetration
-from spacerobot.diagnosis.locate.readings import Observers, Series, State, Track, observers, series_of
+from spacerobot.diagnosis.locate.readings import NothingToBalance, Observers, Series, State, Track, observers, series_of
 from spacerobot.diagnosis.locate.smoothing import Pieces, Smooth
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.effects.mechanism import Mechanism
-from spacerobot.support.errors import InputError
 
 EDGE = 5e-3
 """A force this close [s] to a stretch of contact still drives the expected motion."""
@@ -43,7 +42,7 @@ class Motion:
         self.observers: Observers = observers(mechanism, self.series)
         moving = [self.series[c] for c in self.observers.rows]
         if not moving:
-            raise InputError("no channel measures a coordinate of the model", where=f"trial {trial.id}")
+            raise NothingToBalance("no channel measures a coordinate of the model", where=f"trial {trial.id}")
         self.start = max(s.time[0] for s in moving)
         self.end = min(s.time[-1] for s in moving)
         self.step = max(s.step for s in moving)

@@ -10,7 +10,7 @@ import numpy as np
 from spacerobot.diagnosis.locate.beliefs import STEP, deviations
 from spacerobot.diagnosis.locate.locate import believed_values, locate
 from spacerobot.diagnosis.locate.located import Located
-from spacerobot.diagnosis.locate.readings import LEAST, series_of
+from spacerobot.diagnosis.locate.readings import LEAST
 from spacerobot.diagnosis.locate.series import BalanceSeries, locate_series
 from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
 from spacerobot.diagnosis.machines.machine import Model
@@ -36,16 +36,8 @@ DRIVE_NOISE = 0.01
 
 
 def has_balance(model: Model) -> bool:
-    """Whether a model has balances to be tested, and recordings long enough for one."""
-    if isinstance(model, Simulated):
-        return bool(_long_enough(model))
-    return isinstance(model, InverseDynamics | Platform)
-
-
-def _long_enough(model: Simulated) -> tuple[TrialData, ...]:
-    """Its pieces with a channel in which anything can be seen, the recorded inputs among the channels."""
-    pieces = (p for t in model.recorded.values() if series_of(t) for p in _pieces(_with_drive(model, t)))
-    return tuple(p for p in pieces if any(s not in model.given for s in series_of(p)))
+    """Whether a model has balances to be tested."""
+    return isinstance(model, InverseDynamics | Simulated | Platform)
 
 
 def locate_model(
@@ -65,14 +57,15 @@ def locate_model(
         seed: of random sign flips.
 
     Raises:
-        InputError: a model without balances, or trials too short for one.
+        InputError: a model without balances.
+        NothingToBalance: every trial is too short for one.
     """
     if isinstance(model, InverseDynamics):
         return locate_series(joint_series(model, values_by_trial, trials), seed=seed)
     if isinstance(model, Platform):
         return locate_series(track_series(model, values_by_trial), seed=seed)
     if isinstance(model, Simulated):
-        pieces = _long_enough(model)
+        pieces = tuple(p for t in model.recorded.values() for p in _pieces(_with_drive(model, t)))
         if values_by_trial is None:
             return locate(model, pieces, believed_values(model, pieces), noise_known=False, seed=seed)
         by_trial = {recorded_id(name): v for name, v in values_by_trial.items()}

@@ -11,6 +11,7 @@ from scipy.special import erf
 from spacerobot.diagnosis.locate.smoothing import BEYOND, Pieces
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.effects.mechanism import Mechanism
+from spacerobot.support.errors import InputError
 
 NEARBY = 0.06
 """Seconds around a motion that stands clear of its noise that count as moving too."""
@@ -29,6 +30,10 @@ class Series:
     def step(self) -> float:
         """Median distance of the samples [s]."""
         return float(np.median(np.diff(self.time))) if self.time.size > 1 else np.inf
+
+
+class NothingToBalance(InputError):
+    """A trial is too short for a balance, or none of its channels measures the model."""
 
 
 LEAST = 8

@@ -12,12 +12,11 @@ from spacerobot.diagnosis.locate.geometry import push
 from spacerobot.diagnosis.locate.integral import Integral, total
 from spacerobot.diagnosis.locate.motion import Motion
 from spacerobot.diagnosis.locate.phases import windows_of
-from spacerobot.diagnosis.locate.readings import Series, State
+from spacerobot.diagnosis.locate.readings import NothingToBalance, Series, State
 from spacerobot.diagnosis.locate.samples import Grid
 from spacerobot.diagnosis.locate.windows import Splines
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.effects.mechanism import Mechanism
-from spacerobot.support.errors import InputError
 
 SAMPLES_A_KNOT = 2.0
 """Knots of the test functions lie this many samples of the slowest position channel apart."""
@@ -48,7 +47,7 @@ class WeakTrial(Motion):
         self.spacing = max(SAMPLES_A_KNOT * self.step, (self.end - self.start) / MOST_PIECES)
         windows = windows_of(self.touches, self.phases, self.spacing)
         if windows is None:
-            raise InputError("a trial is too short for a balance", given=trial.id)
+            raise NothingToBalance("a trial is too short for a balance", given=trial.id)
         self.windows = windows
         self.smoothed = False
         self.nodes, weight = windows.nodes()
