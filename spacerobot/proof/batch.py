@@ -31,6 +31,7 @@ RATE = {
     "outsider": "outside",
     "withheld": "outside",
     "power": "power",
+    "spoiled": "spoiled",
 }
 """Kind of concealment -> rate that it counts in; all others have an effect to be named."""
 

@@ -16,6 +16,7 @@ from spacerobot.proof.campaign import Belief, Campaign, Readings, noisy, perform
 from spacerobot.proof.orders import COVERED, Order
 from spacerobot.proof.scenes import hideable, scene
 from spacerobot.proof.sizes import Kind, kind, peak_stroke
+from spacerobot.proof.spoiled import WAYS
 from spacerobot.proof.strength import DRAWN, NEAR, Strength, measure, reach
 from spacerobot.recordings.study import load_study
 from spacerobot.support.errors import InputError
@@ -29,11 +30,13 @@ class Concealed:
     Attributes:
         campaign: with what is hidden in it, and the belief that the lab will state.
         readings: as recorded.
-        expected: "named", "wrong_parameter", "nothing_missing" or "unknown": what an honest answer says.
+        expected: "named", "wrong_parameter", "nothing_missing" or "unknown": what an honest answer says; "spoiled"
+            where it names what is hidden, or says what the recordings suffer from.
         parameters: believed values that are wrong, where that is what is hidden.
         withheld: effect that the diagnosis must do without, None if it has them all.
         strength: size in detection limits, None where nothing is hidden.
         variance_ratio: residual variance after the baseline's refit over the noise variance.
+        way: of `WAYS` in which the recordings are spoiled; none where they are as the study says.
     """
 
     campaign: Campaign
@@ -43,6 +46,7 @@ class Concealed:
     withheld: str | None = None
     strength: float | None = None
     variance_ratio: float = 1.0
+    way: str = ""
 
     def about(self) -> dict[str, Any]:
         """What the seal says beside the effects."""
@@ -52,6 +56,7 @@ class Concealed:
             "withheld": self.withheld,
             "strength": self.strength,
             "variance_ratio": self.variance_ratio,
+            "spoiled": self.way,
             "contact.damping": self.campaign.as_built.get("contact.damping"),
         }
 
@@ -190,6 +195,20 @@ def _withheld(order: Order, rng: np.random.Generator) -> Concealed:
     return replace(made, expected="unknown", withheld=hidden.missing[0].effect)
 
 
+def _spoiled(order: Order, rng: np.random.Generator) -> Concealed:
+    """Each way in turn, without anything hidden and with friction in the wrist."""
+    way = list(WAYS)[order.number % len(WAYS)]
+    campaign, strength = scene(order.family, rng), None
+    if order.number % 2:  # there are an odd number of ways, so that each comes with and without
+        drawn = kind("coulomb_friction", "wrist", rng, campaign)
+        campaign, found = reach(campaign, drawn, limits=_strength(rng, lowest=8.0), near=DRAWN)
+        clean, strength = found.clean, found.limits
+    else:
+        clean = perform(campaign)
+    handed, readings = WAYS[way].spoil(campaign, clean, rng)
+    return Concealed(handed, readings, "spoiled", parameters=WAYS[way].values, strength=strength, way=way)
+
+
 def _as_effect(order: Order, hidden: Campaign, found: Strength) -> Concealed:
     covered = [m for m in hidden.missing if m.label in COVERED]
     expected = "wrong_parameter" if covered and len(covered) == len(hidden.missing) else "named"
@@ -290,4 +309,5 @@ MAKERS: dict[str, Callable[[Order, np.random.Generator], Concealed]] = {
     "two": _two,
     "outsider": _outsider,
     "withheld": _withheld,
+    "spoiled": _spoiled,
 }

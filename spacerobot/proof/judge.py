@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from spacerobot.proof.engine.outsiders import OUTSIDERS
+from spacerobot.proof.spoiled import WAYS
 
 NAMELESS = ("unknown", "learned")
 """What an honest answer says of physics outside the catalogue: nothing, or its law without a name."""
@@ -50,15 +51,17 @@ def labels(effects: Sequence[Mapping[str, Any]]) -> tuple[Label, ...]:
     return tuple(sorted((str(e["effect"]), str(e["where"])) for e in effects))
 
 
-def judge(truth: Mapping[str, Any], verdict: Mapping[str, Any] | None) -> Judgement:
+def judge(truth: Mapping[str, Any], verdict: Mapping[str, Any] | None, error: str = "") -> Judgement:
     """Compare a verdict with the seal.
 
     Args:
-        truth: of the seal: effects, expected, parameters, withheld, strength.
+        truth: of the seal: effects, expected, parameters, withheld, strength, spoiled.
         verdict: of verdict.json; None where the diagnosis failed.
+        error: what it said then.
     """
     if verdict is None:
-        return Judgement(False, False, False, True, "failed", (), None)
+        refused = WAYS[truth["spoiled"]].refused and "the noise of" in error if truth.get("spoiled") else False
+        return Judgement(refused, refused, False, True, "refused" if refused else "failed", (), None)
     said = str(verdict["verdict"])
     named = labels(verdict["effects"])
     sets = [labels(a["effects"]) for a in verdict.get("alternatives", [])]
@@ -94,6 +97,8 @@ def _right(
     said = str(verdict["verdict"])
     if expected == "named":
         return favourite == hidden, hidden in given
+    if expected == "spoiled":
+        return (_right_of_spoiled(hidden, str(truth["spoiled"]), verdict, favourite),) * 2
     if expected == "nothing_missing":
         return said == "nothing_missing", said == "nothing_missing"
     if expected == "unknown":
@@ -102,6 +107,21 @@ def _right(
     recognised = said == "wrong_parameter" and set(truth["parameters"]) <= moved
     spelled = bool(hidden) and favourite == hidden  # a payload may be called a payload
     return recognised or spelled, recognised or spelled or (bool(hidden) and hidden in given)
+
+
+def _right_of_spoiled(
+    hidden: tuple[Label, ...], way: str, verdict: Mapping[str, Any], favourite: tuple[Label, ...]
+) -> bool:
+    """Whether what is hidden is said and nothing else but what spoils the recordings, or that they are spoiled."""
+    said, known = str(verdict["verdict"]), WAYS[way]
+    if said not in DEFINITE:
+        told = bool(verdict.get("spoiled") or verdict.get("noise"))
+        return told or (bool(hidden) and hidden == favourite)
+    if said == "named":
+        return set(hidden) <= set(favourite) <= {*hidden, *known.effects}
+    if said == "wrong_parameter":
+        return not hidden and set(verdict.get("parameters", {})) <= set(known.values)
+    return not hidden
 
 
 def _parameters(

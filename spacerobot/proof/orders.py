@@ -25,6 +25,7 @@ KINDS = (
     "outsider",
     "withheld",
     "power",
+    "spoiled",
 )
 """Kinds of concealment, a row of the table each; "power" fills the power curves."""
 
@@ -102,6 +103,7 @@ FULL = Size(
         "imitated": 30,
         "two": 42,
         "outsider": 162,
+        "spoiled": 120,
     },
     withheld_rounds=2,
     curve_repeats=3,

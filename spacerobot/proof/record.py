@@ -97,7 +97,7 @@ def blind(order: Order, folder: Path, ready: Ready, began: float, command: Seque
         prepared = time.monotonic() - began
         answer = diagnose(study, without=ready.withheld, command=command)
         truth = json.loads(ready.sealed)
-        judged = judge(truth, answer.verdict)
+        judged = judge(truth, answer.verdict, answer.error)
         record = {
             "name": order.name,
             **asdict(order),

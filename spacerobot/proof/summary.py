@@ -43,6 +43,7 @@ TARGETS: dict[str, tuple[str, str, float]] = {
     "in_set": ("truth in the set given, from three detection limits on", ">=", 0.95),
     "wrong_parameter": ("wrong believed value recognised as such", ">=", 0.90),
     "abstained": ("abstention outside the catalogue", ">=", 0.90),
+    "spoiled": ("named, or said to be spoiled, where recordings are spoiled", ">=", 0.80),
     "coverage": ("truth inside the 95 % interval", "between", 0.90),
     "held_out_ratio": ("median held-out error over the oracle's", "<=", 1.05),
 }
@@ -107,7 +108,8 @@ def rates(records: Sequence[Record]) -> dict[str, Rate]:
         "in_set": rate(seen, lambda r: bool(r["in_set"])),
         "wrong_parameter": rate((r for r in counted if r["expected"] == "wrong_parameter"), lambda r: bool(r["top"])),
         "abstained": rate(apart, lambda r: bool(r["abstained"])),
-        "coverage": coverage(played),
+        "coverage": coverage([r for r in played if r["expected"] != "spoiled"]),
+        "spoiled": rate((r for r in counted if r["expected"] == "spoiled"), lambda r: bool(r["top"])),
     }
 
 
