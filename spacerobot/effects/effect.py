@@ -6,13 +6,16 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Final
 
 import numpy as np
 
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.sizes import Sizes
 from spacerobot.support.errors import InputError, NotFoundError
+
+FORM: Final = "~"
+"""What stands between the name of an effect and the form that it is in."""
 
 
 @dataclass(frozen=True)
@@ -88,6 +91,8 @@ class Effect(ABC):
         carried: acts on a floating body only where something carries or moors it, not on one that falls.
         relative: of a sensor; only the difference between two sensors shows, counted as positive at one of them.
         instant: shows in what is read just before and just after an impact, which has no duration.
+        forms: of a law that comes in discrete forms, their names; the effect itself is the plainest of them.
+        settings: of an effect in such a form, what it is called by: order, kind.
         learned: a curve found in recordings, which has no name.
         curve: of a law of one variable, its shape in a word that a learned curve's description shares; empty elsewhere.
     """
@@ -108,6 +113,8 @@ class Effect(ABC):
     carried: ClassVar[bool] = False
     relative: ClassVar[bool] = False
     instant: ClassVar[bool] = False
+    forms: ClassVar[tuple[str, ...]] = ()
+    settings: ClassVar[Mapping[str, float | str]] = {}
     learned: ClassVar[bool] = False
     curve: ClassVar[str] = ""
 
@@ -118,6 +125,14 @@ class Effect(ABC):
     @abstractmethod
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
         """The mechanism with this effect in it; at null values, the physics as before (but for what it removes)."""
+
+    def in_form(self, form: str) -> Effect:
+        """The effect in one of its forms.
+
+        Raises:
+            NotFoundError: it has none of the name.
+        """
+        raise NotFoundError(f"form of {self.name}", form, self.forms)
 
     def plausible(self, values: Mapping[str, float], sizes: Sizes) -> bool:
         """Whether the effect with these numbers is what its name says; bounds of parameters are seen to elsewhere.

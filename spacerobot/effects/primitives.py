@@ -209,15 +209,17 @@ class ChannelMap:
 
     Attributes:
         channel: which channel.
-        kind: "inertia" (F - m a of port `of`), "low_pass" (first order), "delay", "gain" or "offset".
+        kind: "inertia" (F - m a of port `of`), "low_pass", "delay", "gain" or "offset".
         value: kg, Hz, s, factor, or the channel's unit.
         of: the port whose acceleration an "inertia" map reads.
+        form: order and kind of a "low_pass" map, as `filters.first_orders` takes them.
     """
 
     channel: str
     kind: str
     value: float
     of: str | None = None
+    form: tuple[int, str] = (1, "butterworth")
 
     def __post_init__(self) -> None:
         if self.kind not in MAP_ORDER:

@@ -13,7 +13,7 @@ from pathlib import Path
 from types import ModuleType
 
 from spacerobot.effects import catalogue
-from spacerobot.effects.effect import Effect
+from spacerobot.effects.effect import FORM, Effect
 from spacerobot.effects.learned import PREFIX, LearnedLaw, parsed
 from spacerobot.effects.trend import SUFFIX, Trend
 from spacerobot.support.errors import InputError, NotFoundError
@@ -54,6 +54,8 @@ def effect(name: str) -> Effect:
         return _learned(name)
     if name.endswith(SUFFIX):
         return _changing(name.removesuffix(SUFFIX))
+    if FORM in name:
+        return _in_form(*name.rsplit(FORM, 1))
     known = all_effects()
     if name not in known:
         raise NotFoundError("effect", name, sorted(known))
@@ -63,6 +65,11 @@ def effect(name: str) -> Effect:
 @functools.cache
 def _changing(name: str) -> Effect:
     return Trend(effect(name))
+
+
+@functools.cache
+def _in_form(name: str, form: str) -> Effect:
+    return effect(name).in_form(form)
 
 
 @functools.cache

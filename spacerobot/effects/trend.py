@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final
 
-from spacerobot.effects.effect import Effect, Parameter
+from spacerobot.effects.effect import FORM, Effect, Parameter
 from spacerobot.effects.mechanism import Mechanism
 
-SUFFIX: Final = "~trend"
+SUFFIX: Final = FORM + "trend"
 """What stands behind the name of an effect that changes."""
 
 TREND = "trend_per_trial"

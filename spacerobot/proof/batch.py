@@ -32,6 +32,7 @@ RATE = {
     "withheld": "outside",
     "power": "power",
     "spoiled": "spoiled",
+    "relative": "spoiled",
 }
 """Kind of concealment -> rate that it counts in; all others have an effect to be named."""
 

@@ -109,12 +109,13 @@ def perform(campaign: Campaign) -> Readings:
     """
     found: Readings = {}
     for number, trial in enumerate(campaign.trials):
-        rig = apply(campaign.rig(number), campaign.missing)
+        missing = tuple(m.at(number) for m in campaign.missing)
+        rig = apply(campaign.rig(number), missing)
         position, velocity = dict(trial.position), dict(trial.velocity)
         log = run(rig, position, velocity, trial.duration)
         if not log.touches:
             raise InputError("the tip never touches", given=trial.id, where=campaign.title)
-        faults = [m for m in campaign.missing if m.at_sensor and m.shows(number)]
+        faults = [m for m in missing if m.at_sensor and m.shows(number)]
         found[trial.id] = {
             s.name: read(log, s, tuple(f for f in faults if f.where == s.sensor)) for s in campaign.streams
         }

@@ -209,6 +209,29 @@ def _spoiled(order: Order, rng: np.random.Generator) -> Concealed:
     return Concealed(handed, readings, "spoiled", parameters=WAYS[way].values, strength=strength, way=way)
 
 
+RELATIVES: tuple[tuple[str, str, str], ...] = (
+    ("low_pass", "force_sensor", "filter"),
+    ("coulomb_friction", "wrist", "trend"),
+    ("low_pass", "mocap", "filter"),
+    ("scale", "force_sensor", "trend"),
+    ("quadratic_damping", "wrist", "trend"),
+)
+"""Effects that are hidden in another form than the plain one: a filter of higher order, a strength that changes."""
+
+
+def _relative(order: Order, rng: np.random.Generator) -> Concealed:
+    effect, where, how = RELATIVES[order.number % len(RELATIVES)]
+    campaign = scene(order.family, rng)
+    plain = kind(effect, where, rng, campaign)
+    if how == "filter":
+        drawn = replace(plain, form=(int(rng.choice([2, 4])), str(rng.choice(["butterworth", "bessel"]))))
+    else:
+        most = 0.7 / (len(campaign.trials) - 1)  # to a third of what it was, or to nearly twice as much
+        drawn = replace(plain, trend=float(rng.choice([-1.0, 1.0]) * rng.uniform(0.5, 1.0) * most))
+    hidden, found = reach(campaign, drawn, limits=_strength(rng, lowest=15.0), near=DRAWN)
+    return _as_effect(order, hidden, found)
+
+
 def _as_effect(order: Order, hidden: Campaign, found: Strength) -> Concealed:
     covered = [m for m in hidden.missing if m.label in COVERED]
     expected = "wrong_parameter" if covered and len(covered) == len(hidden.missing) else "named"
@@ -310,4 +333,5 @@ MAKERS: dict[str, Callable[[Order, np.random.Generator], Concealed]] = {
     "outsider": _outsider,
     "withheld": _withheld,
     "spoiled": _spoiled,
+    "relative": _relative,
 }

@@ -140,7 +140,7 @@ def _parameters(
         claimed = [e for e in verdict["effects"] if (e["effect"], e["where"]) == label]
         for name, true in item.items():
             key = f"{item['effect']}@{item['where']}.{name}"
-            if name in ("effect", "where", "trials"):
+            if name in ("effect", "where", "trials", "order", "kind"):
                 continue
             if len(claimed) == 1 and name in claimed[0]["parameters"]:
                 found.append(_stated(key, true, claimed[0]["parameters"][name]))

@@ -16,7 +16,9 @@ from spacerobot.diagnosis.selection.held_out import MOST_FOLDS, folds
 from spacerobot.diagnosis.selection.unseen import foretell, nothing_foretold
 from spacerobot.diagnosis.terms.data import TrialData, trial_data
 from spacerobot.diagnosis.terms.hypothesis import Site
+from spacerobot.effects.effect import FORM
 from spacerobot.effects.registry import effect
+from spacerobot.effects.trend import SUFFIX, TREND
 from spacerobot.recordings.study import load_study
 
 Labels = Sequence[tuple[str, str]]
@@ -128,13 +130,29 @@ class Bench:
         return found
 
 
+def in_form(item: Mapping[str, object]) -> str:
+    """The name under which an effect of a seal, or of a verdict, is fitted: that of its form."""
+    stated = item.get("parameters", item)
+    assert isinstance(stated, Mapping)
+    name = str(item["effect"])
+    if "order" in stated:
+        order = stated["order"]["value"] if isinstance(stated["order"], Mapping) else stated["order"]
+        name += f"{FORM}{order:g}_{item['kind']}"
+    return name + SUFFIX if TREND in stated else name
+
+
+def fitted_labels(effects: Sequence[Mapping[str, object]]) -> tuple[tuple[str, str], ...]:
+    """(effect in its form, place) of each, sorted."""
+    return tuple(sorted((in_form(e), str(e["where"])) for e in effects))
+
+
 def only_of(effects: Sequence[Mapping[str, object]], trials: Sequence[str]) -> dict[tuple[str, str], tuple[str, ...]]:
     """In which trials alone effects act; a seal counts trials from 0, a verdict names them."""
     found = {}
     for item in effects:
         some = item.get("trials")
         if isinstance(some, Sequence) and some:
-            found[str(item["effect"]), str(item["where"])] = tuple(
+            found[in_form(item), str(item["where"])] = tuple(
                 trials[t] if isinstance(t, int) else str(t) for t in some
             )
     return found
@@ -149,5 +167,5 @@ def starts_of(effects: Sequence[Mapping[str, object]]) -> dict[str, float]:
         for name, value in parameters.items():
             number = value.get("value") if isinstance(value, Mapping) else value
             if isinstance(number, int | float):
-                found[f"{item['effect']}@{item['where']}.{name}"] = float(number)
+                found[f"{in_form(item)}@{item['where']}.{name}"] = float(number)
     return found

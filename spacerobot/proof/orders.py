@@ -26,6 +26,7 @@ KINDS = (
     "withheld",
     "power",
     "spoiled",
+    "relative",
 )
 """Kinds of concealment, a row of the table each; "power" fills the power curves."""
 
@@ -104,6 +105,7 @@ FULL = Size(
         "two": 42,
         "outsider": 162,
         "spoiled": 120,
+        "relative": 40,
     },
     withheld_rounds=2,
     curve_repeats=3,

@@ -17,7 +17,7 @@ from spacerobot.proof.campaign import seal, write_study
 from spacerobot.proof.conceal import conceal
 from spacerobot.proof.engine.outsiders import OUTSIDERS
 from spacerobot.proof.judge import Judgement, judge, labels
-from spacerobot.proof.oracle import Bench, Fitted, only_of, starts_of
+from spacerobot.proof.oracle import Bench, Fitted, fitted_labels, only_of, starts_of
 from spacerobot.proof.orders import Order
 from spacerobot.support.errors import InputError, SimulationError
 from spacerobot.support.jsonio import plain
@@ -156,13 +156,13 @@ def _compared(
         told = {n: v for n, v in truth["rig_as_built"].items() if isinstance(v, int | float)}
         ids = [t.id for t in bench.trials]
         starts = {**told, **starts_of(truth["effects"])}
-        oracle = bench.fitted(hidden, starts, only_of(truth["effects"], ids)) if known else None
+        oracle = bench.fitted(fitted_labels(truth["effects"]), starts, only_of(truth["effects"], ids)) if known else None
         if oracle is not None:
             out["oracle"] = _numbers(oracle)
         rival = _rival(favourite, verdict)
         if rival is None:
             return out
-        found = bench.fitted(labels(rival), starts_of(rival), only_of(rival, ids))
+        found = bench.fitted(fitted_labels(rival), starts_of(rival), only_of(rival, ids))
         out["favoured"], out["channels"] = _numbers(found), dict(found.channels)
         if oracle is None or labels(rival) == hidden:
             return out

@@ -29,6 +29,7 @@ class Kind:
         values: size -> parameters.
         largest: size beyond which it is no longer physical.
         trials: trials that show it; None for all.
+        trend, form: as `Missing` has them.
     """
 
     effect: str
@@ -36,10 +37,13 @@ class Kind:
     values: Callable[[float], Values]
     largest: float = 1e3
     trials: tuple[int, ...] | None = None
+    trend: float = 0.0
+    form: tuple[int, str] = (1, "butterworth")
 
     def at(self, size: float) -> Missing:
         """The effect of a size."""
-        return Missing(self.effect, self.where, self.values(min(size, self.largest)), self.trials)
+        values = self.values(min(size, self.largest))
+        return Missing(self.effect, self.where, values, self.trials, self.trend, self.form)
 
 
 def peak_stroke(trial: Trial) -> float:

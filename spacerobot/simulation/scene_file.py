@@ -155,8 +155,11 @@ def _effects(tables: Any) -> tuple[EffectAt, ...]:
         parameters = table.get("parameters", {})
         if not isinstance(parameters, dict):
             raise InputError("parameters must be a table", given=parameters, where=where)
-        values = {}
+        values: dict[str, float | str] = {}
         for name, value in parameters.items():
+            if name == "kind" and isinstance(value, str):  # of a filter
+                values[name] = value
+                continue
             infinite = isinstance(value, float) and math.isinf(value)  # a null value may be infinite
             values[name] = value if infinite else number(value, f"{where}.{name}")
         found.append(EffectAt(table["effect"], table["where"], values))

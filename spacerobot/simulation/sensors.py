@@ -10,6 +10,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from spacerobot.effects.filters import first_orders
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import ChannelMap, Readout
 from spacerobot.support.errors import NotFoundError
@@ -95,10 +96,10 @@ def _read(
     run: Run, readout: Readout, maps: list[ChannelMap], times: np.ndarray, taken: dict[float, _Taken]
 ) -> np.ndarray:
     late = sum(m.value for m in maps if m.kind == "delay")
-    cutoffs = [m.value for m in maps if m.kind == "low_pass" and math.isfinite(m.value)]
+    filters = [m for m in maps if m.kind == "low_pass" and math.isfinite(m.value)]
     inertias = [m for m in maps if m.kind == "inertia" and m.value != 0.0]
-    if cutoffs:
-        value = _filtered(run, readout, inertias, cutoffs, times - late)
+    if filters:
+        value = _filtered(run, readout, inertias, filters, times - late)
     else:
         if late not in taken:
             taken[late] = _Taken(run, times - late)
@@ -123,15 +124,16 @@ def _raw(run: Run, readout: Readout, inertias: list[ChannelMap], taken: _Taken) 
 
 
 def _filtered(
-    run: Run, readout: Readout, inertias: list[ChannelMap], cutoffs: list[float], times: np.ndarray
+    run: Run, readout: Readout, inertias: list[ChannelMap], filters: list[ChannelMap], times: np.ndarray
 ) -> np.ndarray:
-    """First-order filters, exact for an input that is linear between the points of a grid but for jumps at events.
+    """Low-pass filters, exact for an input that is linear between the points of a grid but for jumps at events.
 
     So the grid need not resolve the filter, only the channel: a contact lasts milliseconds, a body moves smoothly. A
     jump is taken when it happens: moved to the grid it would move the reading by its height, and the cost of a fit
     would jump wherever a touch crosses a point of the grid.
     """
     spacing = float(np.median(np.diff(times))) if times.size > 1 else 1e-3
+    cutoffs = [m.value for m in filters]
     fastest = 1.0 / (2.0 * math.pi * max(cutoffs))
     smooth = readout.kind == "position" and not inertias
     step = max(min(0.5 * spacing, 0.25 * fastest), 1e-3) if smooth else min(0.5 * spacing, 0.25 * fastest, 2e-4)
@@ -142,22 +144,33 @@ def _filtered(
     grid = np.arange(begin, times[-1] + step, step)
     value = _raw(run, readout, inertias, _Taken(run, grid))
     at, jump = _jumps(run, readout, inertias, grid)
-    from scipy.signal import lfilter, lfiltic
-
-    for cutoff in cutoffs:
-        a = 2.0 * math.pi * cutoff * step
-        decay = math.exp(-a)
-        late = 1.0 - (1.0 - decay) / a  # weight of the newer end of a linear piece
-        early = (1.0 - decay) - late
-        b, den = [late, early], [1.0, -decay]
-        value, _ = lfilter(b, den, value, zi=lfiltic(b, den, y=[value[0]], x=[value[0]]))
-        if at.size:  # by the next point a step has come through this far, the ramp that stands for it so far
-            after = np.searchsorted(grid, at)
-            beyond = np.zeros_like(grid)
-            np.add.at(beyond, after, jump * (-np.expm1(-a * (grid[after] - at) / step) - late))
-            value = value + lfilter([1.0], den, beyond)
-            at = at[:0]  # what comes out has no jumps
+    for m in filters:
+        value = _through(m, value, grid, at, jump)
+        at = at[:0]  # what comes out has no jumps
     return np.interp(times, grid, value)
+
+
+def _through(m: ChannelMap, value: np.ndarray, grid: np.ndarray, at: np.ndarray, jump: np.ndarray) -> np.ndarray:
+    """One filter's output on an even grid, shape (T,), of an input that jumps by `jump` at times `at`, shape (E,)."""
+    from scipy.signal import lfilter
+
+    step, out = float(grid[1] - grid[0]), np.zeros_like(value)
+    after = np.searchsorted(grid, at)
+    for rate, gain in first_orders(*m.form):
+        if rate.imag < 0.0:
+            continue  # the conjugate of another
+        a: Any = 2.0 * math.pi * m.value * step * (rate if rate.imag else rate.real)
+        decay, come = np.exp(-a), -np.expm1(-a)
+        late = 1.0 - come / a  # weight of the newer end of a linear piece
+        early = come - late
+        den = [1.0, -decay]
+        own, _ = lfilter([late, early], den, value, zi=[(early + decay) * value[0]])
+        if at.size:  # by the next point a step has come through this far, the ramp that stands for it so far
+            beyond = np.zeros_like(own)
+            np.add.at(beyond, after, jump * (-np.expm1(-a * (grid[after] - at) / step) - late))
+            own = own + lfilter([1.0], den, beyond)
+        out += (2.0 if rate.imag else 1.0) * (gain * own).real
+    return out
 
 
 def _jumps(run: Run, readout: Readout, inertias: list[ChannelMap], grid: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -10,7 +10,7 @@ from msgspec import UNSET, Meta, UnsetType
 
 from spacerobot.diagnosis.terms.hypothesis import Label
 from spacerobot.diagnosis.terms.kinds import Kind, LeadsTo, Told
-from spacerobot.effects.trend import SUFFIX
+from spacerobot.effects.effect import FORM
 from spacerobot.support.jsonio import plain
 
 FORMAT: Final = 1
@@ -51,6 +51,7 @@ class Effect(Placed, frozen=True, kw_only=True):
         Annotated[list[str], Meta(min_length=1, description="the only trials in which it acts; all if absent")]
         | UnsetType
     ) = UNSET
+    kind: Annotated[str, Meta(description="of a filter: butterworth or bessel")] | UnsetType = UNSET
     part: Annotated[str, Meta(description="of several joints, bodies or axes, which lacks it")] | UnsetType = UNSET
 
 
@@ -357,8 +358,8 @@ def placed(label: Label) -> list[Placed]:
 
 
 def said_name(effect: str) -> str:
-    """The name that a verdict gives an effect: a learned law's shape, or that it changes, is not a part of it."""
-    return effect.split("[")[0].removesuffix(SUFFIX)
+    """The name that a verdict gives an effect: a learned law's shape or a form is no part of it."""
+    return effect.split("[")[0].split(FORM)[0]
 
 
 def read(found: Mapping[str, Any]) -> Verdict:

@@ -56,7 +56,13 @@ def fitted_effects(fit: Fit, inflation: float, profiled: Intervals | None = None
                 p.name: _value(fit, site.key(p.name), p.unit, inflation, profiled)
                 for p in site.effect.parameters
                 if not site.effect.learned  # its numbers stand in a table of their own
+            }
+            | {
+                name: Value(value=value, ci95=None, unit="")
+                for name, value in site.effect.settings.items()
+                if not isinstance(value, str)
             },
+            kind=str(site.effect.settings["kind"]) if "kind" in site.effect.settings else UNSET,
             trials=list(site.trials) if site.trials else UNSET,
         )
         for site in sorted(fit.hypothesis.sites, key=lambda s: s.label)

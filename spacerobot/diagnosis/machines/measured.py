@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from spacerobot.effects.filters import first_orders
 from spacerobot.effects.kernel import padded
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.memory import at_rest
@@ -101,14 +102,24 @@ def port_forces(
     return out
 
 
+def _filtered(m: ChannelMap, value: np.ndarray, step: float) -> np.ndarray:
+    """A channel, shape (T,), through a low-pass filter that had settled at its first reading."""
+    from scipy.signal import lfilter
+
+    out = np.zeros_like(value)
+    for rate, gain in first_orders(*m.form):
+        if rate.imag >= 0.0:  # twice the real part of each pair
+            decay = np.exp(-2.0 * np.pi * m.value * step * (rate if rate.imag else rate.real))
+            own = lfilter([1.0 - decay], [1.0, -decay], value, zi=[decay * value[0]])[0]
+            out += (2.0 if rate.imag else 1.0) * (gain * own).real
+    return out
+
+
 def through_sensor(maps: tuple[ChannelMap, ...], value: np.ndarray, step: float) -> np.ndarray:
     """A channel on an even grid of `step` seconds, shape (T,), as its sensor's maps show it."""
     for m in sorted(maps, key=lambda m: m.rank):
         if m.kind == "low_pass" and np.isfinite(m.value):
-            from scipy.signal import lfilter
-
-            decay = float(np.exp(-2.0 * np.pi * m.value * step))
-            value = lfilter([1.0 - decay], [1.0, -decay], value, zi=[decay * value[0]])[0]
+            value = _filtered(m, value, step)
         elif m.kind == "delay" and m.value != 0.0:
             grid = np.arange(value.size) * step
             value = np.interp(grid - m.value, grid, value)

@@ -12,7 +12,7 @@ from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.selection.nameable import held, means
 from spacerobot.diagnosis.selection.penalty import MARGIN, PENALTY, defect, score, simplest
 from spacerobot.diagnosis.selection.search_state import Found
-from spacerobot.diagnosis.terms.candidates import contains
+from spacerobot.diagnosis.terms.candidates import by_name, contains
 from spacerobot.diagnosis.terms.hypothesis import Label
 from spacerobot.diagnosis.terms.kinds import (
     AMBIGUOUS,
@@ -111,7 +111,9 @@ def judge(
     parts = {id(p): _floor(p, best, scores[id(base)] - scores[id(p)], left_of) for p in _parts(best, ranked)}
     known = [p for p in ranked if id(p) in parts and _law_of_its_own(p, left_of)]
     favourite = next((p for p in known if scores[id(p)] - scores[id(best)] < parts[id(p)]), best)
-    rivals, equal, odds = [], [], 0.0
+    rivals: list[Rival] = []
+    equal: list[Fit] = []
+    odds = 0.0
     for fit in ranked:
         if fit is favourite:
             continue
@@ -122,6 +124,8 @@ def judge(
             behind = scores[id(favourite)] - scores[id(best)]
             odds += float(np.exp(-0.5 * MARGIN * (1.0 - behind / parts[id(favourite)])))
             lost = "not told apart: what it earns may be a defect of the favourite's own law"
+        elif by_name(fit.hypothesis.label) in [by_name(f.hypothesis.label) for f in (favourite, *equal)]:
+            lost = "another form of what stands here already"
         elif contains(fit.hypothesis.label, favourite.hypothesis.label):
             lost = "holds the favourite as a special case and gains too little by it"
         elif gap < MARGIN:

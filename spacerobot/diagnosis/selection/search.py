@@ -12,6 +12,7 @@ from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.screen import faint
 from spacerobot.diagnosis.fitting.starts import effect_starts, informed_starts, sized
 from spacerobot.diagnosis.fitting.workshop import Task
+from spacerobot.diagnosis.selection.forms import formed
 from spacerobot.diagnosis.selection.one_trial import knocks
 from spacerobot.diagnosis.selection.pairs import at_full_size, changing, more, pairs, simplify
 from spacerobot.diagnosis.selection.restarts import other_minima
@@ -109,6 +110,7 @@ def search(pool: Pool, sites: Sequence[Site], report: Report, *, baseline: Fit |
     )
     pairs(pool, found, first, report)
     more(pool, found, report)
+    formed(pool, found, report)
     if not found.explained:
         run_tasks(pool, found, changing(found), report, "effects that change over the trials")
     chosen = found.preferred([*found.fits.values()])

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from spacerobot.effects.effect import Parameter
+from spacerobot.effects.effect import Effect, Parameter
+from spacerobot.effects.filters import KINDS, ORDERS, HigherOrder
 from spacerobot.effects.sensor_effect import SensorEffect
 from spacerobot.effects.sizes import Sizes
 
@@ -14,7 +15,7 @@ QUICK = 0.1
 
 
 class LowPass(SensorEffect):
-    """A first-order filter on every channel of a sensor."""
+    """A filter on every channel of a sensor: of the first order, or in one of its forms."""
 
     name = "low_pass"
     title = "low-pass filter"
@@ -23,6 +24,13 @@ class LowPass(SensorEffect):
     source = "first-order filter"
     map_kind = "low_pass"
     parameters = (Parameter("cutoff_Hz", "Hz", math.inf, 20.0, 0.01, math.inf, (100.0, 30.0, 300.0), log=True),)
+    forms = tuple(f"{order}_{kind}" for order in ORDERS if order > 1 for kind in KINDS)
+
+    def in_form(self, form: str) -> Effect:
+        """A filter of higher order, e.g. "4_bessel"."""
+        if form not in self.forms:
+            return super().in_form(form)
+        return HigherOrder(self, form)
 
     def plausible(self, values: Mapping[str, float], sizes: Sizes) -> bool:
         """A sensor that needs longer to settle than this would blur the motion itself."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 SENSORS = ("force_sensor", "mocap")
@@ -18,12 +18,24 @@ class Missing:
         where: place.
         values: parameters, SI.
         trials: indices of the trials that show it; None for all.
+        trend: of an effect of one number, the share of its first strength that it gains from trial to trial.
+        form: order and kind of a filter.
     """
 
     effect: str
     where: str
     values: Mapping[str, float]
     trials: tuple[int, ...] | None = None
+    trend: float = 0.0
+    form: tuple[int, str] = (1, "butterworth")
+
+    def at(self, trial: int) -> Missing:
+        """As it is in a trial, counted from 0: its one number's distance from nothing grows or fades."""
+        if not self.trend:
+            return self
+        ((name, value),) = self.values.items()
+        null = 1.0 if name == "factor" else 0.0
+        return replace(self, values={name: null + (value - null) * (1.0 + self.trend * trial)}, trend=0.0)
 
     @property
     def label(self) -> tuple[str, str]:
@@ -42,6 +54,10 @@ class Missing:
     def as_json(self) -> dict[str, Any]:
         """As truth files hold it."""
         found: dict[str, Any] = {"effect": self.effect, "where": self.where, **self.values}
+        if self.trend:
+            found["trend_per_trial"] = self.trend
+        if self.form[0] > 1:
+            found["order"], found["kind"] = float(self.form[0]), self.form[1]
         if self.trials is not None:
             found["trials"] = list(self.trials)
         return found

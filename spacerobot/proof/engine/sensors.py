@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import butter, lfilter, lfilter_zi
+from scipy.signal import bessel, butter, lfilter, lfilter_zi, sosfilt, sosfilt_zi
 
 from spacerobot.proof.engine.missing import Missing
 from spacerobot.proof.engine.run import Log
@@ -132,6 +132,7 @@ def _channel(
     at: np.ndarray,
 ) -> np.ndarray:
     p = {f.effect: f.values for f in faults}
+    form = next((f.form for f in faults if f.effect == "low_pass"), (1, ""))
     late = stream.late
     if "sensor_inertia" in p and name == "contact.force":
         value = value - p["sensor_inertia"]["mass_kg"] * _acceleration(log)
@@ -140,9 +141,7 @@ def _channel(
         grid = np.arange(time[0], time[-1] + GRID, GRID)
         value, time = np.interp(grid, time, value), grid
         if cutoff is not None:
-            decay = math.exp(-2.0 * math.pi * cutoff * GRID)
-            b, a = [0.5 * (1.0 - decay), 0.5 * (1.0 - decay)], [1.0, -decay]
-            value, _ = lfilter(b, a, value, zi=value[0] * lfilter_zi(b, a))
+            value = _smoothed(value, cutoff, *form)
         if name == "contact.force":
             numerator, denominator = butter(2, ANTI_ALIAS, fs=1.0 / GRID)
             start = value[0] * lfilter_zi(numerator, denominator)
@@ -152,6 +151,20 @@ def _channel(
     found = np.interp(at - late, time, value)
     found = found * p.get("scale", {}).get("factor", 1.0)
     return found + p.get("bias", {}).get("value", 0.0)
+
+
+def _smoothed(value: np.ndarray, cutoff: float, order: int, kind: str) -> np.ndarray:
+    """An amplifier's filter on the grid: of the first order by its decay, of a higher one by scipy's digital design."""
+    if order == 1:
+        decay = math.exp(-2.0 * math.pi * cutoff * GRID)
+        b, a = [0.5 * (1.0 - decay), 0.5 * (1.0 - decay)], [1.0, -decay]
+        out, _ = lfilter(b, a, value, zi=value[0] * lfilter_zi(b, a))
+        return np.asarray(out)
+    made = {"butterworth": butter(order, cutoff, fs=1.0 / GRID, output="sos")}
+    if kind == "bessel":
+        made[kind] = bessel(order, cutoff, fs=1.0 / GRID, norm="mag", output="sos")
+    out, _ = sosfilt(made[kind], value, zi=value[0] * sosfilt_zi(made[kind]))
+    return np.asarray(out)
 
 
 def _acceleration(log: Log) -> np.ndarray:

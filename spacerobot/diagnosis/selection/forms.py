@@ -1,0 +1,41 @@
+"""Effects in their other forms: a sensor's filter of higher order, where the plain one does not leave noise alone."""
+
+from __future__ import annotations
+
+from spacerobot.diagnosis.fitting.pool import Pool
+from spacerobot.diagnosis.fitting.screen import faint
+from spacerobot.diagnosis.fitting.workshop import Task
+from spacerobot.diagnosis.selection.search_state import WORTH_A_FIT, Found, Report, run_tasks, screened, share_of
+from spacerobot.diagnosis.terms.hypothesis import Site
+from spacerobot.effects.effect import FORM
+from spacerobot.effects.registry import effect
+
+
+def formed(pool: Pool, found: Found, report: Report) -> None:
+    """Fit every form of an effect that comes in several, beside the best set without an effect at its place.
+
+    Where noise alone is left by one effect at that place, the plain form will do; where it takes two, a late reading
+    that is smoothed as well, one of another form may do it alone.
+
+    Args:
+        pool: runs the fits.
+        found: holds the plain forms, and takes the others.
+        report: told of progress.
+    """
+    tasks = []
+    for site in found.singles:
+        if not site.effect.forms:
+            continue
+        crowded = [where for _, where in found.best.hypothesis.label].count(site.where) > 1
+        if found.explained and not crowded:
+            continue
+        without = [f for f in found.fits.values() if all(where != site.where for _, where in f.hypothesis.label)]
+        beside = min([found.baseline, *without], key=lambda f: f.cost)
+        others = [Site(effect(site.effect.name + FORM + form), site.where) for form in site.effect.forms]
+        report("screening forms", 0, len(others))
+        for label, item in screened(pool, beside, others).best().items():
+            if item.gain > WORTH_A_FIT:
+                both = tuple(sorted((*beside.hypothesis.label, label)))
+                start = faint(item.site, item.start, share_of(item))
+                tasks.append(Task(both, start, near=beside, max_iterations=30, patient=True))
+    run_tasks(pool, found, tasks, report, "other forms of effects")

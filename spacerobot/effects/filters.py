@@ -1,0 +1,76 @@
+"""Analogue low-pass filters as sums of first-order ones, so that whatever runs one of them runs all."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Mapping
+
+import numpy as np
+
+from spacerobot.effects.effect import FORM, Effect
+from spacerobot.effects.mechanism import Mechanism
+from spacerobot.effects.primitives import ChannelMap
+from spacerobot.effects.sensor_effect import SensorEffect
+from spacerobot.effects.sizes import Sizes
+
+ORDERS = (1, 2, 4)
+KINDS = ("butterworth", "bessel")
+
+
+@functools.cache
+def first_orders(order: int, kind: str) -> tuple[tuple[complex, complex], ...]:
+    """Rates (in units of 2 pi times the cutoff) and gains of the first-order filters that add up to one of any order.
+
+    H(s) = sum_k g_k / (1 + s / r_k); complex ones come in conjugate pairs, the gains add up to 1. The cutoff is where
+    the gain is 3 dB down (a data sheet's bandwidth), of both kinds.
+
+    Args:
+        order: of the filter; all kinds of the first order are one.
+        kind: "butterworth" (flattest gain) or "bessel" (flattest delay).
+
+    Source: residues of the analogue prototypes (e.g. Oppenheim and Schafer 2010, App. B).
+    """
+    from scipy.signal import bessel, butter
+
+    if order == 1:
+        return ((1.0 + 0j, 1.0 + 0j),)
+    named = bessel(order, 1.0, analog=True, norm="mag", output="zpk") if kind == "bessel" else None
+    _, poles, gain = named or butter(order, 1.0, analog=True, output="zpk")
+    found = []
+    for k, p in enumerate(poles):
+        residue = gain / np.prod(p - np.delete(poles, k))
+        found.append((complex(-p), complex(-residue / p)))
+    return tuple(found)
+
+
+class HigherOrder(SensorEffect):
+    """A low-pass filter of another form than the plain one: of the same thing, though it equals it at no cutoff."""
+
+    map_kind = "low_pass"
+
+    def __init__(self, plain: Effect, form: str) -> None:
+        order, kind = form.split("_")
+        self.plain, self.form = plain, (int(order), kind)
+        given = {
+            "name": plain.name + FORM + form,
+            "title": f"{plain.title} ({kind.capitalize()}, order {order})",
+            "phrase": f"{plain.phrase} ({kind.capitalize()}, order {order})",
+            "formula": r"H(s) = \sum_k \frac{g_k}{1 + s / (2\pi f_c r_k)},\; |H(2\pi i f_c)|^2 = \tfrac{1}{2}",
+            "source": f"{kind.capitalize()} filter of order {order}",
+            "parameters": plain.parameters,
+            "refines": (plain.name,),
+            "settings": {"order": float(order), "kind": kind},
+        }
+        for key, value in given.items():
+            setattr(self, key, value)  # an instance is an effect of its own, as a class of the catalogue is
+
+    def plausible(self, values: Mapping[str, float], sizes: Sizes) -> bool:
+        """As the plain one."""
+        return self.plain.plausible(values, sizes)
+
+    def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
+        """The filter on each of the sensor's channels."""
+        (value,) = values.values()
+        return mechanism.with_map(
+            *(ChannelMap(c, self.map_kind, value, form=self.form) for c in mechanism.sensors[where])
+        )
