@@ -152,9 +152,7 @@ def only_of(effects: Sequence[Mapping[str, object]], trials: Sequence[str]) -> d
     for item in effects:
         some = item.get("trials")
         if isinstance(some, Sequence) and some:
-            found[in_form(item), str(item["where"])] = tuple(
-                trials[t] if isinstance(t, int) else str(t) for t in some
-            )
+            found[in_form(item), str(item["where"])] = tuple(trials[t] if isinstance(t, int) else str(t) for t in some)
     return found
 
 

@@ -156,7 +156,9 @@ def _compared(
         told = {n: v for n, v in truth["rig_as_built"].items() if isinstance(v, int | float)}
         ids = [t.id for t in bench.trials]
         starts = {**told, **starts_of(truth["effects"])}
-        oracle = bench.fitted(fitted_labels(truth["effects"]), starts, only_of(truth["effects"], ids)) if known else None
+        oracle = (
+            bench.fitted(fitted_labels(truth["effects"]), starts, only_of(truth["effects"], ids)) if known else None
+        )
         if oracle is not None:
             out["oracle"] = _numbers(oracle)
         rival = _rival(favourite, verdict)
