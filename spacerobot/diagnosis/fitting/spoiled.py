@@ -1,11 +1,12 @@
 """What is no reading, and noise that is not what was stated: found before anything is fitted, from the readings alone.
 
-Glitches and peaks that a sensor's range has cut off are left out, rounding counts as noise, and the noise of each
-channel is what its free approach shows.
+Glitches, markers taken for each other and peaks that a sensor's range has cut off are left out, rounding counts as
+noise, and the noise of each channel is what its free approach shows.
 """
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -13,6 +14,7 @@ import numpy as np
 
 from spacerobot.diagnosis.fitting.glitches import SIDE, glitches
 from spacerobot.diagnosis.fitting.noise import reweighted
+from spacerobot.diagnosis.fitting.swaps import swapped
 from spacerobot.diagnosis.machines.wrist_rig import touch_time
 from spacerobot.diagnosis.terms.data import Block, TrialData
 from spacerobot.recordings.series import estimate_noise
@@ -48,8 +50,13 @@ def cleaned(trials: Sequence[TrialData]) -> tuple[TrialData, ...]:
 
 
 def without_spoiled(block: Block) -> Block:
-    """A block whose glitches and clipped readings have no weight, and whose rounding counts as noise."""
+    """A block whose glitches, exchanged and clipped readings have no weight, and whose rounding counts as noise."""
     weight = block.weight.copy()
+    for one, other in itertools.combinations([c for c, name in enumerate(block.channels) if name.endswith(".x")], 2):
+        both = np.flatnonzero((weight[one] > 0.0) & (weight[other] > 0.0))
+        if both.size:
+            sigma = float(np.hypot(1.0 / weight[one][both[0]], 1.0 / weight[other][both[0]]))
+            weight[:, both[swapped(block.value[one][both], block.value[other][both], sigma)]] = 0.0
     for c, channel in enumerate(block.channels):
         good = np.flatnonzero(weight[c] > 0.0)
         value = block.value[c][good]
