@@ -98,7 +98,7 @@ def _right(
     if expected == "named":
         return favourite == hidden, hidden in given
     if expected == "spoiled":
-        return (_right_of_spoiled(hidden, str(truth["spoiled"]), verdict, favourite),) * 2
+        return (_right_of_spoiled(hidden, str(truth["spoiled"]), verdict, given),) * 2
     if expected == "nothing_missing":
         return said == "nothing_missing", said == "nothing_missing"
     if expected == "unknown":
@@ -110,15 +110,15 @@ def _right(
 
 
 def _right_of_spoiled(
-    hidden: tuple[Label, ...], way: str, verdict: Mapping[str, Any], favourite: tuple[Label, ...]
+    hidden: tuple[Label, ...], way: str, verdict: Mapping[str, Any], given: Sequence[tuple[Label, ...]]
 ) -> bool:
     """Whether what is hidden is said and nothing else but what spoils the recordings, or that they are spoiled."""
     said, known = str(verdict["verdict"]), WAYS[way]
+    spelled = any(one and set(hidden) <= set(one) <= {*hidden, *known.effects} for one in given)
     if said not in DEFINITE:
-        told = bool(verdict.get("spoiled") or verdict.get("noise"))
-        return told or (bool(hidden) and hidden == favourite)
+        return spelled or bool(verdict.get("spoiled") or verdict.get("noise"))
     if said == "named":
-        return set(hidden) <= set(favourite) <= {*hidden, *known.effects}
+        return spelled
     if said == "wrong_parameter":
         return not hidden and set(verdict.get("parameters", {})) <= set(known.values)
     return not hidden

@@ -235,6 +235,6 @@ WAYS: dict[str, Way] = {
     "jitter": Way(_jitter),
     "cut short": Way(_cut_short),
     "mislabelled": Way(_mislabelled, values=("target.mass",)),
-    "second day": Way(_second_day, effects=(("scale", "force_sensor"),)),
+    "second day": Way(_second_day, effects=(("scale", "force_sensor"), ("scale", "mocap"))),
 }
 """By name."""

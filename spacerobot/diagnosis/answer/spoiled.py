@@ -7,6 +7,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from spacerobot.diagnosis.answer.record import NoiseFound, Spoiled
+from spacerobot.diagnosis.fitting.labels import FORCE, mislabelled
+from spacerobot.diagnosis.fitting.spoiled import cleaned
 from spacerobot.diagnosis.machines.wrist_rig import readable
 from spacerobot.diagnosis.terms.data import Block, TrialData, trial_data
 from spacerobot.recordings.study import Study
@@ -19,8 +21,22 @@ GLITCH = "beyond anything that the readings around lead to"
 
 
 def left_out(study: Study, trials: Sequence[TrialData]) -> list[Spoiled]:
-    """Readings that were recorded and not used, by trial and channel."""
+    """Readings that were recorded and not used, by trial and channel, and trials that were labelled wrongly."""
+    recorded = trial_data(study, readable(study))
+    used_by_id = {t.id: t for t in trials}
+    unused = [t for t in recorded if t.id not in used_by_id]
+    labels = {m.trial: m for m in mislabelled(cleaned(recorded))} if unused else {}
     return [
+        Spoiled(
+            trial=t.id,
+            channel=FORCE,
+            why=f"states {labels[t.id].stated:g} kg and moves like the target of {labels[t.id].like:g} kg",
+            readings=t.samples,
+            times_s=[],
+        )
+        for t in unused
+        if t.id in labels
+    ] + [
         Spoiled(
             trial=raw.id,
             channel=raw_block.channels[c],
@@ -28,8 +44,9 @@ def left_out(study: Study, trials: Sequence[TrialData]) -> list[Spoiled]:
             readings=int(rows.sum()),
             times_s=[round(float(t), 6) for t in raw_block.time[rows][:LISTED] + raw_block.late],
         )
-        for raw, used in zip(trial_data(study, readable(study)), trials, strict=True)
-        for raw_block, used_block in zip(raw.blocks, used.blocks, strict=True)
+        for raw in recorded
+        if raw.id in used_by_id
+        for raw_block, used_block in zip(raw.blocks, used_by_id[raw.id].blocks, strict=True)
         for c, rows, why in _out(raw_block, used_block)
     ]
 

@@ -12,6 +12,7 @@ import numpy as np
 from spacerobot.diagnosis.fitting.adequacy import Left, left_over
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
+from spacerobot.diagnosis.fitting.labels import rightly_labelled
 from spacerobot.diagnosis.fitting.spoiled import cleaned
 from spacerobot.diagnosis.fitting.starts import fit_from, fit_near
 from spacerobot.diagnosis.machines.wrist_rig import RigModel, readable
@@ -71,7 +72,7 @@ class Workshop:
     made: Fitter | None = None
 
     def __post_init__(self) -> None:
-        self.trials = cleaned(trial_data(self.study, readable(self.study)))
+        self.trials = rightly_labelled(cleaned(trial_data(self.study, readable(self.study))))
         self.model = self.make_model(self.study, self.trials)
 
     def fitter(self) -> Fitter:

@@ -63,7 +63,7 @@ def knocks(fitter: Fitter, believed: Believed, near: Fit, sites: tuple[Site, ...
         promised = []
         for moment in moments(site, [odd]):
             start = {**moment, strength: FAINT * moment[strength]}
-            gain, amplitude = _promise(fitter, believed, near, alone, start, odd, rows)
+            gain, amplitude = promise(fitter, believed, near, alone, start, odd, rows)
             promised.append((gain, {**start, strength: float(start[strength] * np.clip(amplitude, -1e3, 1e3))}))
         promised.sort(key=lambda p: -p[0])
         label = tuple(sorted((*near.hypothesis.label, site.label)))
@@ -72,7 +72,7 @@ def knocks(fitter: Fitter, believed: Believed, near: Fit, sites: tuple[Site, ...
     return tasks
 
 
-def _promise(
+def promise(
     fitter: Fitter,
     believed: Believed,
     near: Fit,

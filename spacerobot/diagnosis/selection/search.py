@@ -27,6 +27,7 @@ from spacerobot.diagnosis.selection.search_state import (
     screened,
     share_of,
 )
+from spacerobot.diagnosis.selection.since import since
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Label, Site
 from spacerobot.support.errors import InputError
@@ -113,6 +114,9 @@ def search(pool: Pool, sites: Sequence[Site], report: Report, *, baseline: Fit |
     formed(pool, found, report)
     if not found.explained:
         run_tasks(pool, found, changing(found), report, "effects that change over the trials")
+        lone = {id(f): f for f in (found.baseline, found.preferred([*found.fits.values()] or [found.baseline]))}
+        later = [t for f in lone.values() for t in since(workshop.fitter(), workshop.model.believed, f, found.singles)]
+        run_tasks(pool, found, later, report, "sensors that change from some trial on")
     chosen = found.preferred([*found.fits.values()])
     other_minima(pool, found, report)
     if found.preferred([*found.fits.values()]) is not chosen:
