@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.screen import faint
 from spacerobot.diagnosis.fitting.workshop import Task
+from spacerobot.diagnosis.selection.pairs import simplify
 from spacerobot.diagnosis.selection.search_state import WORTH_A_FIT, Found, Report, run_tasks, screened, share_of
 from spacerobot.diagnosis.terms.hypothesis import Site
 from spacerobot.effects.effect import FORM
@@ -12,7 +14,7 @@ from spacerobot.effects.registry import effect
 
 
 def formed(pool: Pool, found: Found, report: Report) -> None:
-    """Fit every form of an effect that comes in several, beside the best set without an effect at its place.
+    """Fit every form of an effect that comes in several, beside what is best without an effect at its place.
 
     Where noise alone is left by one effect at that place, the plain form will do; where it takes two, a late reading
     that is smoothed as well, one of another form may do it alone.
@@ -22,20 +24,32 @@ def formed(pool: Pool, found: Found, report: Report) -> None:
         found: holds the plain forms, and takes the others.
         report: told of progress.
     """
-    tasks = []
+    before = found.best
     for site in found.singles:
         if not site.effect.forms:
             continue
         crowded = [where for _, where in found.best.hypothesis.label].count(site.where) > 1
         if found.explained and not crowded:
             continue
-        without = [f for f in found.fits.values() if all(where != site.where for _, where in f.hypothesis.label)]
-        beside = min([found.baseline, *without], key=lambda f: f.cost)
         others = [Site(effect(site.effect.name + FORM + form), site.where) for form in site.effect.forms]
-        report("screening forms", 0, len(others))
-        for label, item in screened(pool, beside, others).best().items():
-            if item.gain > WORTH_A_FIT:
-                both = tuple(sorted((*beside.hypothesis.label, label)))
-                start = faint(item.site, item.start, share_of(item))
-                tasks.append(Task(both, start, near=beside, max_iterations=30, patient=True))
-    run_tasks(pool, found, tasks, report, "other forms of effects")
+        for beside in _without(found, site.where):
+            report("screening forms", 0, len(others))
+            tasks = []
+            for label, item in screened(pool, beside, others).best().items():
+                if item.gain > WORTH_A_FIT:
+                    both = tuple(sorted((*beside.hypothesis.label, label)))
+                    start = faint(item.site, item.start, share_of(item))
+                    tasks.append(Task(both, start, near=beside, max_iterations=30, patient=True))
+            run_tasks(pool, found, tasks, report, "other forms of effects")
+            if found.explained:
+                break
+    if found.best is not before:
+        simplify(pool, found, report)
+
+
+def _without(found: Found, where: str) -> list[Fit]:
+    """The baseline, and the best single effect and the best set of those that have none at a place."""
+    others = [f for f in found.fits.values() if all(own != where for _, own in f.hypothesis.label)]
+    singles = [f for f in others if len(f.hypothesis.label) == 1]
+    best = [min(some, key=lambda f: f.cost) for some in (singles, others) if some]
+    return list({id(f): f for f in (found.baseline, *best)}.values())

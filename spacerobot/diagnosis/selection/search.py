@@ -110,8 +110,8 @@ def search(pool: Pool, sites: Sequence[Site], report: Report, *, baseline: Fit |
         stop=True,
     )
     pairs(pool, found, first, report)
-    more(pool, found, report)
     formed(pool, found, report)
+    more(pool, found, report)
     if not found.explained:
         run_tasks(pool, found, changing(found), report, "effects that change over the trials")
         lone = {id(f): f for f in (found.baseline, found.preferred([*found.fits.values()] or [found.baseline]))}

@@ -10,8 +10,8 @@ from spacerobot.effects.filters import KINDS, ORDERS, HigherOrder
 from spacerobot.effects.sensor_effect import SensorEffect
 from spacerobot.effects.sizes import Sizes
 
-QUICK = 0.1
-"""A filter's time constant is at most this share of the motion's own time."""
+QUICK = 0.5
+"""A filter's time constant is at most this share of the motion's own time: a slower one shows another motion."""
 
 
 class LowPass(SensorEffect):
