@@ -63,4 +63,6 @@ def _card(e: dict[str, Any]) -> str:
     for name, p in e["parameters"].items():
         numbers = "".join(f" {p[key]:>12.6g}" for key in ("null", "lower", "upper"))
         lines.append(f"  {name:28} {p['unit']:14}{numbers}")
+    if e["forms"]:
+        lines.append(f"  forms    {', '.join(e['forms'])} (in a scene: order and kind)")
     return "\n".join(lines)

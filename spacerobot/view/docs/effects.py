@@ -50,6 +50,7 @@ def entry(one: Effect) -> dict[str, Any]:
         "formula": one.formula,
         "source": one.source,
         "replaces": list(one.replaced("PORT")) if one.replaces else [],
+        "forms": list(one.forms),
         "proved": list(proved().get(one.name, ())),
     }
 
@@ -71,6 +72,9 @@ def _entry(one: Effect) -> list[str]:
     if one.replaces:
         taken = ", ".join(f"`{name}`" for name in one.replaced("PORT"))
         lines += [f"Takes over from {taken}, which is refitted freely.", ""]
+    if one.forms:
+        forms = ", ".join(f"`{one.name}~{form}`" for form in one.forms)
+        lines += [f"Also in the forms {forms}; a scene may state `order` and `kind` instead.", ""]
     hidden = proved().get(one.name, ())
     shown = f"Proved at {', '.join(f'`{place}`' for place in hidden)}." if hidden else "Not yet proved."
     return [*lines, f"Source: {one.source}. {shown}", ""]
