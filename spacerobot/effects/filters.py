@@ -14,7 +14,11 @@ from spacerobot.effects.sensor_effect import SensorEffect
 from spacerobot.effects.sizes import Sizes
 
 ORDERS = (1, 2, 4)
-KINDS = ("butterworth", "bessel")
+ANALOGUE = ("butterworth", "bessel")
+BOTH_WAYS = "zero_phase"
+"""Butterworth forwards and backwards over a finished recording, as tracking software does: 6 dB down at the cutoff."""
+
+KINDS = (*ANALOGUE, BOTH_WAYS)
 
 
 @functools.cache
@@ -26,7 +30,7 @@ def first_orders(order: int, kind: str) -> tuple[tuple[complex, complex], ...]:
 
     Args:
         order: of the filter; all kinds of the first order are one.
-        kind: "butterworth" (flattest gain) or "bessel" (flattest delay).
+        kind: "butterworth" (flattest gain), "bessel" (flattest delay) or "zero_phase", of which this is one way.
 
     Source: residues of the analogue prototypes (e.g. Oppenheim and Schafer 2010, App. B).
     """
@@ -49,14 +53,15 @@ class HigherOrder(SensorEffect):
     map_kind = "low_pass"
 
     def __init__(self, plain: Effect, form: str) -> None:
-        order, kind = form.split("_")
+        order, kind = form.split("_", 1)
+        how = kind.capitalize() if kind in ANALOGUE else "forwards and backwards"
         self.plain, self.form = plain, (int(order), kind)
         given = {
             "name": plain.name + FORM + form,
-            "title": f"{plain.title} ({kind.capitalize()}, order {order})",
-            "phrase": f"{plain.phrase} ({kind.capitalize()}, order {order})",
+            "title": f"{plain.title} ({how}, order {order})",
+            "phrase": f"{plain.phrase} ({how}, order {order})",
             "formula": r"H(s) = \sum_k \frac{g_k}{1 + s / (2\pi f_c r_k)},\; |H(2\pi i f_c)|^2 = \tfrac{1}{2}",
-            "source": f"{kind.capitalize()} filter of order {order}",
+            "source": f"filter of order {order}, {how}",
             "parameters": plain.parameters,
             "refines": (plain.name,),
             "settings": {"order": float(order), "kind": kind},

@@ -228,7 +228,7 @@ WAYS: dict[str, Way] = {
     "sigma halved": Way(_stated(0.5)),
     "sigma doubled": Way(_stated(2.0)),
     "sigma of another unit": Way(_stated(1000.0), refused=True),
-    "smoothed": Way(_smoothed),
+    "smoothed": Way(_smoothed, effects=(("low_pass", "mocap"),)),
     "rounded": Way(_rounded),
     "clipped": Way(_clipped),
     "gaps": Way(_gaps),

@@ -10,7 +10,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from spacerobot.effects.filters import first_orders
+from spacerobot.effects.filters import BOTH_WAYS, first_orders
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import ChannelMap, Readout
 from spacerobot.support.errors import NotFoundError
@@ -147,6 +147,8 @@ def _filtered(
     for m in filters:
         value = _through(m, value, grid, at, jump)
         at = at[:0]  # what comes out has no jumps
+        if m.form[1] == BOTH_WAYS:
+            value = _through(m, value[::-1], grid, at, jump)[::-1]
     return np.interp(times, grid, value)
 
 

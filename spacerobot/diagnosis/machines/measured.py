@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from spacerobot.effects.filters import first_orders
+from spacerobot.effects.filters import BOTH_WAYS, first_orders
 from spacerobot.effects.kernel import padded
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.memory import at_rest
@@ -120,6 +120,8 @@ def through_sensor(maps: tuple[ChannelMap, ...], value: np.ndarray, step: float)
     for m in sorted(maps, key=lambda m: m.rank):
         if m.kind == "low_pass" and np.isfinite(m.value):
             value = _filtered(m, value, step)
+            if m.form[1] == BOTH_WAYS:
+                value = _filtered(m, value[::-1], step)[::-1]
         elif m.kind == "delay" and m.value != 0.0:
             grid = np.arange(value.size) * step
             value = np.interp(grid - m.value, grid, value)

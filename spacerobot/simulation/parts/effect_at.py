@@ -50,7 +50,7 @@ class EffectAt:
         found = effect(self.effect)
         if not found.forms or not rest.keys() & {"order", "kind"}:
             return found, rest
-        order, kind = rest.pop("order", 1.0), rest.pop("kind", found.forms[0].split("_")[1])
+        order, kind = rest.pop("order", 1.0), rest.pop("kind", found.forms[0].split("_", 1)[1])
         given = f"{order:g}_{kind}" if isinstance(order, int | float) else f"{order}_{kind}"
         if order == 1 and any(form.endswith(f"_{kind}") for form in found.forms):
             return found, rest
@@ -58,7 +58,7 @@ class EffectAt:
             raise InputError(
                 "no such form of the effect",
                 given=f"order {order}, kind {kind}",
-                valid=", ".join(["order 1", *(f.replace("_", " ") for f in found.forms)]),
+                valid=", ".join(["order 1", *(f.replace("_", " ", 1) for f in found.forms)]),
                 where=f"{self.effect} at {self.where}",
             )
         return found.in_form(given), rest
