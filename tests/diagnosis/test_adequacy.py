@@ -16,10 +16,10 @@ TRIALS, SAMPLES, TOUCH = 6, 600, 0.5
 
 
 def made(
-    shape: Any = None, scale: float = 1.0, colour: float = 0.0, only: int | None = None
+    shape: Any = None, scale: float = 1.0, colour: float = 0.0, only: int | None = None, seed: int = 3
 ) -> tuple[Any, list[TrialData]]:
     """Noise residuals of one channel, plus `shape(t)` after touch in every trial, or in one."""
-    random = np.random.default_rng(3)
+    random = np.random.default_rng(seed)
     time = np.linspace(0.0, 2.0, SAMPLES)
     trials, residuals = [], {}
     for k in range(TRIALS):
@@ -51,6 +51,12 @@ def test_understated_or_coloured_sensor_noise_is_not_physics(how: dict[str, floa
     left = leaves(**how)
     assert left.adequate
     assert left.inflation > 1.3
+
+
+def test_noise_that_goes_on_and_on_is_less_sure_of_its_own_level() -> None:
+    """Smoothed tracks: each trial's level scatters twice as far as that of white noise, and none of it is physics."""
+    assert sum(leaves(colour=0.85, seed=seed).adequate for seed in range(20)) >= 19
+    assert not leaves(colour=0.85, shape=lambda t: 6.0 * np.sin(6.0 * t)).adequate
 
 
 def test_a_smooth_force_left_out_is_seen() -> None:

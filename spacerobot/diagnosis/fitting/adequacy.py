@@ -23,8 +23,20 @@ GROUP_LIMIT = 6.0
 """Excess of one channel of one trial, in standard errors of its chi-squared, that is too much."""
 
 
+MOST_COLOUR = 0.95
+"""Autocorrelation from sample to sample that is believed at most: beyond, hardly a sample says anything new."""
+
 STATED = 200
 """Samples before contact that the stated noise level counts for: few trials show too little of it themselves."""
+
+
+def _coloured(lag1: float) -> float:
+    """By what a variance is less sure where noise goes on from sample to sample: sqrt((1 + r^2) / (1 - r^2)).
+
+    Of a first-order process; only what the free approach shows of it counts. (Bartlett 1946.)
+    """
+    r = min(max(lag1, 0.0), MOST_COLOUR)
+    return float(np.sqrt((1.0 + r * r) / (1.0 - r * r)))
 
 
 @dataclass(frozen=True)
@@ -47,7 +59,8 @@ class ChannelLeft:
     def white(self) -> bool:
         """Whether its approach is free and it passes all three tests."""
         excess = self.level / self.noise - 1.0
-        significant = excess > max(LEVEL_LIMIT, 5.0 * np.sqrt(2.0 / max(self.samples, 1) + 2.0 / self.early))
+        error = _coloured(self.lag1_before) * np.sqrt(2.0 / max(self.samples, 1) + 2.0 / self.early)
+        significant = excess > max(LEVEL_LIMIT, 5.0 * error)
         return not (self.bent or significant or self.colour > COLOUR_LIMIT or self.worst > GROUP_LIMIT)
 
 
@@ -102,11 +115,12 @@ def _channel(name: str, before: Sequence[np.ndarray], after: Sequence[tuple[str,
     noise = (early.level * early.count + STATED) / known
     lag_before, n_before = lag1(early.parts) if early.count >= 30 else (0.0, 1_000_000)
     lag, n_after = lag1(late)
-    error = np.sqrt(1.0 / max(n_before, 1) + 1.0 / max(n_after, 1))
+    unsure = np.sqrt(1.0 / max(n_before, 1) + 1.0 / max(n_after, 1))
     worst, worst_trial = -np.inf, ""
     for trial, p in after:
         if p.size >= 20:
-            score = (float(p @ p) / p.size / noise - 1.0) / np.sqrt(2.0 / p.size + 2.0 / known)
+            error = _coloured(lag_before) * np.sqrt(2.0 / p.size + 2.0 / known)
+            score = (float(p @ p) / p.size / noise - 1.0) / error
             if score > worst:
                 worst, worst_trial = score, trial
     return ChannelLeft(
@@ -116,7 +130,7 @@ def _channel(name: str, before: Sequence[np.ndarray], after: Sequence[tuple[str,
         count,
         lag_before,
         lag,
-        (lag - lag_before) / error,
+        (lag - lag_before) / unsure,
         float(worst),
         worst_trial,
         known,
