@@ -55,8 +55,9 @@ def test_understated_or_coloured_sensor_noise_is_not_physics(how: dict[str, floa
 
 def test_noise_that_goes_on_and_on_is_less_sure_of_its_own_level() -> None:
     """Smoothed tracks: each trial's level scatters twice as far as that of white noise, and none of it is physics."""
-    assert sum(leaves(colour=0.85, seed=seed).adequate for seed in range(20)) >= 19
-    assert not leaves(colour=0.85, shape=lambda t: 6.0 * np.sin(6.0 * t)).adequate
+    smoothed = {"colour": 0.85, "scale": float(np.sqrt(1.0 - 0.85**2))}
+    assert sum(leaves(**smoothed, seed=seed).adequate for seed in range(20)) >= 19
+    assert not leaves(**smoothed, shape=lambda t: 3.0 * np.sin(6.0 * t)).adequate
 
 
 def test_a_smooth_force_left_out_is_seen() -> None:

@@ -119,8 +119,8 @@ def _channel(name: str, before: Sequence[np.ndarray], after: Sequence[tuple[str,
     worst, worst_trial = -np.inf, ""
     for trial, p in after:
         if p.size >= 20:
-            error = _coloured(lag_before) * np.sqrt(2.0 / p.size + 2.0 / known)
-            score = (float(p @ p) / p.size / noise - 1.0) / error
+            spread = _coloured(lag_before) ** 2 * (1.0 / p.size + 1.0 / known) / 4.5
+            score = (np.cbrt(float(p @ p) / p.size / noise) - 1.0 + spread) / np.sqrt(spread)  # Wilson and Hilferty
             if score > worst:
                 worst, worst_trial = score, trial
     return ChannelLeft(
