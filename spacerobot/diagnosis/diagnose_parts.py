@@ -12,7 +12,7 @@ from spacerobot.diagnosis.answer.mended_model import model_text
 from spacerobot.diagnosis.answer.part_verdict import verdict_of
 from spacerobot.diagnosis.answer.result import Diagnosis
 from spacerobot.diagnosis.fitting.fit_store import Kept, Store
-from spacerobot.diagnosis.locate.of_model import has_balance, locate_model
+from spacerobot.diagnosis.locate.of_model import locate_model
 from spacerobot.diagnosis.machines.choose import some_models_for
 from spacerobot.diagnosis.selection.forward_selection import MOST, grow
 from spacerobot.diagnosis.selection.part_checks import checks_of
@@ -58,8 +58,7 @@ def diagnose_parts(
     done = []
     for place, part in enumerate(parts):
         report("locating and checking", place, len(parts))
-        # the flips of signs are a quadrature: the same for every seed, as no answer shall hang on them
-        located = locate_model(part.model, trials=part.trials) if has_balance(part.model) else None
+        located = locate_model(part.model, part.trials)
         unseen = keep_aside(part.growth)
         checks = checks_of(part)
         if part.fit.hypothesis.sites:

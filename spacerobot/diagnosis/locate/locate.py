@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
+from spacerobot.diagnosis.locate.beliefs import believed_values
 from spacerobot.diagnosis.locate.clock import clocks
 from spacerobot.diagnosis.locate.dependence import extents
 from spacerobot.diagnosis.locate.located import Located
@@ -14,18 +15,11 @@ from spacerobot.diagnosis.machines.contract import Baseline
 from spacerobot.diagnosis.terms.data import TrialData
 
 
-def believed_values(model: Baseline, trials: Sequence[TrialData]) -> dict[str, dict[str, float]]:
-    """Trial id -> the values as believed, the trial's overrides on top."""
-    return {t.id: {**model.believed.unknown, **model.base, **t.overrides} for t in trials}
-
-
 def locate(
     model: Baseline,
     trials: Sequence[TrialData],
-    values_by_trial: Mapping[str, Mapping[str, float]] | None = None,
     *,
     noise_known: bool = True,
-    seed: int = 0,
 ) -> Located:
     """Test every balance that the channels allow against the sensors' noise.
 
@@ -35,17 +29,13 @@ def locate(
     Args:
         model: a rig or another model with `mechanism`, `believed` and `base`.
         trials: the recordings.
-        values_by_trial: trial id -> values to balance with, by dotted name (those of the refitted baseline); as
-            believed where absent.
         noise_known: whether the trials' weights state the sensors' noise; where they do not, the residual's own spread
             stands for it.
-        seed: of random sign flips.
 
     Raises:
         InputError: a trial too short for a balance, or without a channel that measures the model.
     """
-    values = values_by_trial if values_by_trial is not None else believed_values(model, trials)
-    prepared = {t.id: Prepared(model, t, values[t.id], trials) for t in trials}
+    prepared = {t.id: Prepared(model, t, believed_values(model, t), trials) for t in trials}
     reach = extents(prepared)
     names = list(reach)
     search = Search()
@@ -53,7 +43,7 @@ def locate(
         search.balance(name, prepared, reach[name])
     search.sensors(prepared)
     return Located(
-        search.rows(seed, noise_known),
+        search.rows(noise_known),
         surfaces(prepared, names),
         tuple(search.totals[name] for name in names),
         clocks(prepared),

@@ -83,7 +83,7 @@ class Search:
         """The collected scores of one test; `at` distinguishes its variants, shape (V,)."""
         return self.scores.setdefault(key, Score(at))
 
-    def rows(self, seed: int, noise_known: bool = True) -> tuple[Row, ...]:
+    def rows(self, noise_known: bool = True) -> tuple[Row, ...]:
         """All tests, most significant first, corrected for their number.
 
         Where the noise is not known, those found come in the order of how much of their residual they explain.
@@ -92,7 +92,7 @@ class Search:
         for key, score in self.scores.items():
             whole = self.scores.get((key[0], ALL, key[2]))
             least = 0.0 if whole is None else TOO_FAINT * float(np.max(whole.information))
-            found = score.verdict(least, seed, noise_known)
+            found = score.verdict(least, noise_known)
             if found is not None:
                 drafts.append((key, found))
         corrected = significance.holm([v.log_p for _, v in drafts])
