@@ -29,9 +29,9 @@ from spacerobot.diagnosis.selection.limits import Limit, Limits
 from spacerobot.diagnosis.selection.precompile import help_compiling
 from spacerobot.diagnosis.selection.rig_fold import hold_out
 from spacerobot.diagnosis.selection.search_state import Report
-from spacerobot.diagnosis.terms.candidates import candidate_sites
 from spacerobot.diagnosis.terms.hypothesis import Label, Site
 from spacerobot.diagnosis.terms.kinds import AMBIGUOUS, NAMED, UNKNOWN
+from spacerobot.effects.registry import all_effects
 from spacerobot.recordings.lacking import refuse_draft
 from spacerobot.recordings.study import Study
 from spacerobot.support.executors.base import Executor
@@ -78,8 +78,7 @@ def diagnose(
         return diagnose_parts(study, report=report, threads=jobs or 1, seed=seed, without=without, store=store)
     jobs = jobs or os.cpu_count() or 1
     workshop = Workshop(study)
-    mechanism = workshop.model.mechanism({**workshop.model.base, **workshop.trials[0].overrides})
-    sites = candidate_sites(mechanism, workshop.model.believed, without)
+    sites = workshop.model.sites(e for e in all_effects().values() if e.name not in without)
     if jobs > 1:
         help_compiling(workshop)
     with Pool(workshop, jobs, effects_files, store, workers) as pool:

@@ -19,7 +19,7 @@ _OTHERS = {
     "stated_noise test_functions tossed touch",
     "diagnosis/locate": "of_model series velocity_jump",
     "diagnosis/selection": "forward_selection likelihood_ratio nested_laws part_checks part_fold part_limits",
-    "diagnosis/answer": "alternatives events mended_model part_next_trial part_verdict",
+    "diagnosis/answer": "alternatives events mended_model part_verdict",
 }
 ELSEWHERE = tuple(
     f"{k}/{n}" if (ROOT / k / n).is_dir() else f"{k}/{n}.py" for k, v in _OTHERS.items() for n in v.split()

@@ -15,6 +15,7 @@ from spacerobot.diagnosis.fitting.adequacy import Left
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
+from spacerobot.diagnosis.machines.wrist_rig import RigModel
 from spacerobot.diagnosis.selection import checks, confirm
 from spacerobot.diagnosis.selection.check import Check
 from spacerobot.diagnosis.selection.judge import judge
@@ -199,7 +200,7 @@ def test_each_failed_check_reaches_the_verdict(tmp_path: Path) -> None:
     failed = Check("failed", False, "made to fail")
     for check in ("none", "nested", "synthetic", "confirm"):
         with pytest.MonkeyPatch.context() as patched:
-            patched.setattr(whole, "candidate_sites", lambda *a: [Site(effect("coulomb_friction"), "wrist")])
+            patched.setattr(RigModel, "sites", lambda *a: [Site(effect("coulomb_friction"), "wrist")])
             patched.setattr(whole, "_located", once)
             for name in ("nested", "synthetic", "confirm"):
                 said = failed if name == check else fine

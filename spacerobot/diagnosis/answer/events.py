@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 from spacerobot.diagnosis.answer.record import ClockOffset, Event, Value
 from spacerobot.diagnosis.locate.velocity_jump import jump
+from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
-from spacerobot.diagnosis.machines.machine import Model
 from spacerobot.diagnosis.machines.touch import Moment
 from spacerobot.recordings.recording import Recording
 from spacerobot.recordings.series import Series
@@ -41,7 +41,7 @@ class Touch:
         )
 
 
-def touches(models: Sequence[Model]) -> list[Touch]:
+def touches(models: Sequence[Machine]) -> list[Touch]:
     """Of every trial whose joints were logged, the moment at which its torque balance is first shaken."""
     found: dict[str, Touch] = {}
     done = set()

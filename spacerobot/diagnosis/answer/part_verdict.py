@@ -15,8 +15,8 @@ from spacerobot.diagnosis.answer.alternatives import alternatives
 from spacerobot.diagnosis.answer.events import clocks, touches
 from spacerobot.diagnosis.answer.held_out import of_parts
 from spacerobot.diagnosis.answer.mended_model import FILE, RUNS
+from spacerobot.diagnosis.answer.next_trial import next_trial_of_part
 from spacerobot.diagnosis.answer.not_predicted import not_predicted
-from spacerobot.diagnosis.answer.part_next_trial import next_trial
 from spacerobot.diagnosis.answer.record import FORMAT, Believed, Detectable, Effect, FoundModel, Moved, Number, Verdict
 from spacerobot.diagnosis.answer.verdict import all_moved, detectable, fitted_effects, moved_values, pattern
 from spacerobot.diagnosis.locate.located import LEVEL
@@ -50,7 +50,7 @@ def verdict_of(study: Study, parts: Sequence[Part], *, seed: int, seconds: float
     said = (AMBIGUOUS, NAMED) if verdict == AMBIGUOUS else (verdict,)
     speaking = [p for p, v in zip(parts, own, strict=True) if v in said]
     effects = [e for p in speaking for e in lacked(p, len(parts))] if verdict == NAMED else []
-    further = [next_trial(p) for p, v in zip(parts, own, strict=True) if v == AMBIGUOUS]
+    further = [next_trial_of_part(p) for p, v in zip(parts, own, strict=True) if v == AMBIGUOUS]
     seen = touches([p.model for p in parts])
     return Verdict(
         format=FORMAT,

@@ -11,8 +11,8 @@ from spacerobot.diagnosis.locate.beliefs import STEP, believed_values, deviation
 from spacerobot.diagnosis.locate.locate import locate
 from spacerobot.diagnosis.locate.located import Located
 from spacerobot.diagnosis.locate.series import BalanceSeries, locate_series
+from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
-from spacerobot.diagnosis.machines.machine import Model
 from spacerobot.diagnosis.machines.platform import Platform
 from spacerobot.diagnosis.machines.simulated import Simulated
 from spacerobot.diagnosis.machines.test_functions import Bump
@@ -33,7 +33,7 @@ DRIVE_NOISE = 0.01
 """Noise of a recorded drive as a share of its rms; how much matters little where the noise is not known."""
 
 
-def locate_model(model: Model, trials: Sequence[TrialData] = ()) -> Located | None:
+def locate_model(model: Machine, trials: Sequence[TrialData] = ()) -> Located | None:
     """Test a general model's balances; the noise is taken as unknown. None where it has none of its own.
 
     Args:

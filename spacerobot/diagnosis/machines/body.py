@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from spacerobot.diagnosis.machines.machine import FIRST_NOISE, conditions_of
+from spacerobot.diagnosis.machines.contract import FIRST_NOISE, conditions_of
 from spacerobot.diagnosis.machines.simulated import Build, Simulated
 from spacerobot.diagnosis.machines.sizes import Sizes, sizes_of
 from spacerobot.diagnosis.machines.windows import FOLDS, Drive, held

@@ -12,8 +12,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
-from spacerobot.diagnosis.machines.contract import Predicted
-from spacerobot.diagnosis.machines.machine import FIRST_NOISE, Model, conditions_of
+from spacerobot.diagnosis.machines.contract import FIRST_NOISE, Machine, Predicted, conditions_of
 from spacerobot.diagnosis.machines.measured import through_sensor
 from spacerobot.diagnosis.machines.sizes import Sizes
 from spacerobot.diagnosis.terms.data import Block, TrialData, piece_id
@@ -39,7 +38,7 @@ HALF = 0.5
 """Restitution to begin with where it is not stated."""
 
 
-class Impacts(Model):
+class Impacts(Machine):
     """Velocities after planar impacts, from those before and the contact's geometry."""
 
     metric = "velocities after the impact"
@@ -140,7 +139,7 @@ def _impulse(
     return n * normal + d * tangent
 
 
-def impact_models(study: Study) -> list[Model]:
+def impact_models(study: Study) -> list[Machine]:
     """The model of impacts of a planar body; none for other studies."""
     if any(study.value(n) is None for n in ("body.mass", "body.yaw_inertia")):
         return []

@@ -17,9 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
-from spacerobot.diagnosis.machines.contract import Nuisance, Predicted
+from spacerobot.diagnosis.machines.contract import FIRST_NOISE, Machine, Nuisance, Predicted, conditions_of
 from spacerobot.diagnosis.machines.links import robot_of
-from spacerobot.diagnosis.machines.machine import FIRST_NOISE, Model, conditions_of
 from spacerobot.diagnosis.machines.measured import port_forces, through_sensor
 from spacerobot.diagnosis.machines.sizes import Sizes, sizes_of
 from spacerobot.diagnosis.machines.windows import local
@@ -64,7 +63,7 @@ class Shape:
     spin: np.ndarray  # (T,) N m s about the base's origin, of the arm's motion seen from the base
 
 
-class Platform(Model):
+class Platform(Machine):
     """The track of a floating base, from its arm's known motion."""
 
     metric = "motion of the base"
@@ -265,7 +264,7 @@ def _thrust(recording: Recording) -> list[Series]:
     return [s for s in recording.inputs() if s.name.startswith(("base.force", "base.torque"))]
 
 
-def platform_models(study: Study) -> list[Model]:
+def platform_models(study: Study) -> list[Machine]:
     """The model of a free base whose joints follow a known motion; none for other studies."""
     if study.baseline.base != "free" or study.robot_source is None:
         return []

@@ -6,8 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from spacerobot.diagnosis.machines.contract import Nuisance, Predicted
-from spacerobot.diagnosis.machines.machine import FIRST_NOISE, Model, conditions_of
+from spacerobot.diagnosis.machines.contract import FIRST_NOISE, Machine, Nuisance, Predicted, conditions_of
 from spacerobot.diagnosis.machines.measured import through_sensor
 from spacerobot.diagnosis.machines.sizes import Sizes, sizes_of
 from spacerobot.diagnosis.terms.data import Block, TrialData, piece_id
@@ -23,7 +22,7 @@ FINER = 4
 """Points a reading on which the known motion is followed."""
 
 
-class Prescribed(Model):
+class Prescribed(Machine):
     """A channel that should show a recorded motion, up to where the two count from, and in which direction."""
 
     metric = "carried motion"

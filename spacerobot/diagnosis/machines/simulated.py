@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
 
 import numpy as np
 
-from spacerobot.diagnosis.machines.contract import Nuisance, Predicted
-from spacerobot.diagnosis.machines.machine import Model
+from spacerobot.diagnosis.machines.contract import FACTORS, Machine, Nuisance, Predicted, Variant
 from spacerobot.diagnosis.machines.sizes import Sizes
 from spacerobot.diagnosis.machines.windows import Drive, cut, local, spread_over
 from spacerobot.diagnosis.terms.data import TrialData
@@ -29,10 +28,13 @@ NEAR = 0.05
 LOOSEST = 1e-4
 """Relative tolerance of the integrator; drives that are joined by lines make it no better than this."""
 
+LONGER = 1.5
+"""By how much another trial may be lengthened."""
+
 Build = Callable[[Mapping[str, float], TrialData], Mechanism]
 
 
-class Simulated(Model):
+class Simulated(Machine):
     """Any mechanism of the reduced backend, with its recorded drives, window by window."""
 
     metric = "simulated motion"
@@ -108,6 +110,21 @@ class Simulated(Model):
             values = {**self.base, **self.believed.unknown, **trial.overrides}
             self._starts[trial.id] = tuple(self._start(self.build(values, trial), trial))
         return self._starts[trial.id]
+
+    def variants(self, trial: TrialData) -> Iterator[Variant]:
+        """Other drives, or else other initial speeds and longer trials; another mass where one is known."""
+        driven = {t: d for t, d in self.drives.items() if d.value}
+        for factor in FACTORS:
+            if driven:
+                other = copy(self)
+                other.drives = {t: d.times(factor) for t, d in driven.items()}
+                yield Variant({"drive": f"{factor:g} times the recorded one"}, other, rates=factor)
+            else:
+                yield Variant({"initial speed": f"{factor:g} times the recorded one"}, self, rates=factor)
+            if "body.mass" in self.trials[0].overrides or ("body.mass" in self.base and not self.relative_to):
+                yield Variant({"mass": f"{factor:g} times, with the same shape"}, self, masses=factor)
+        if not driven:
+            yield Variant({"length of the trial": f"{LONGER:g} times the recorded one"}, self, longer=LONGER)
 
     def _start(self, mechanism: Mechanism, trial: TrialData) -> list[Nuisance]:
         whole = self.recorded[trial.recorded]

@@ -18,7 +18,7 @@ from spacerobot.recordings.study import Study
 from spacerobot.support.errors import InputError, SpacerobotError
 
 if TYPE_CHECKING:
-    from spacerobot.diagnosis.machines.machine import Model
+    from spacerobot.diagnosis.machines.contract import Machine
 
 TRACK = "target.x"
 """Without it a trial of a wrist has no start."""
@@ -97,7 +97,7 @@ def moving(study: Study) -> None:
             )
 
 
-def of_model(study: Study, model: Model) -> Iterator[InputError]:
+def of_model(study: Study, model: Machine) -> Iterator[InputError]:
     """Why a machine's model cannot be fitted and tried: but one piece of data, a channel that has no weight."""
     from spacerobot.diagnosis.selection.held_out import folds
 

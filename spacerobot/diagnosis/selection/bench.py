@@ -14,7 +14,7 @@ from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.fitting.noise import floor_of, reweighted, rms_of
 from spacerobot.diagnosis.fitting.screen import FAINT, Screener, faint
 from spacerobot.diagnosis.fitting.starts import fit_near
-from spacerobot.diagnosis.machines.machine import Model
+from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.selection.held_out import MOST, HeldOut, folds, predict_held_out
 from spacerobot.diagnosis.selection.plausible import plausible
 from spacerobot.diagnosis.terms.data import TrialData
@@ -40,7 +40,7 @@ class Promise:
 class Bench:
     """A model, its trials under the present weights, and what is left out of them in turn."""
 
-    def __init__(self, model: Model, threads: int = 1, kept: Kept | None = None, most: int = MOST) -> None:
+    def __init__(self, model: Machine, threads: int = 1, kept: Kept | None = None, most: int = MOST) -> None:
         """`kept` holds what a run that was stopped had found; candidates are tried in at most `most` folds."""
         self.model, self.threads = model, threads
         self.kept = kept or Kept(None, model.name)
@@ -137,7 +137,7 @@ class Bench:
 
         about = ["near", *of_fit(near), sorted(start.items()), *self._weights()]
         fit = self.kept.fit(hypothesis(believed, sites, start), fitter, about, compute)
-        return fit if fit is not None and plausible(sites, fit.values(), self.model.sizes) else None
+        return fit if fit is not None and plausible(sites, fit.values(), self.model.size_at) else None
 
     def held_out(self, fit: Fit) -> HeldOut | None:
         """How well its hypothesis predicts unseen trials; None where it cannot."""

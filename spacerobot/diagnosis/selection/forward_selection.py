@@ -20,7 +20,7 @@ import numpy as np
 from spacerobot.diagnosis.fitting.fit_store import Kept
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.interval import interval
-from spacerobot.diagnosis.machines.machine import Model
+from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.selection.bench import Bench, Promise
 from spacerobot.diagnosis.selection.candidate import Candidate, words
 from spacerobot.diagnosis.selection.growth import Growth
@@ -73,7 +73,7 @@ class Ahead:
 
 
 def grow(
-    model: Model,
+    model: Machine,
     *,
     effects: Iterable[Effect] | None = None,
     most: int = MOST,

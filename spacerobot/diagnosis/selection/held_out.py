@@ -9,7 +9,7 @@ import numpy as np
 
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.fitting.noise import squares_of
-from spacerobot.diagnosis.machines.machine import Model
+from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.machines.windows import FOLDS
 from spacerobot.diagnosis.terms.data import TrialData, recorded_id
 from spacerobot.diagnosis.terms.hypothesis import Hypothesis
@@ -112,7 +112,7 @@ class HeldOut:
 
 def start_of(
     fitter: Fitter,
-    model: Model,
+    model: Machine,
     hypothesis: Hypothesis,
     z: np.ndarray,
     trial: TrialData,
@@ -147,7 +147,7 @@ def start_of(
 
 
 def predict_held_out(
-    model: Model,
+    model: Machine,
     trials: Sequence[TrialData],
     made: Hypothesis,
     warm: Mapping[str, float],
@@ -155,7 +155,7 @@ def predict_held_out(
     initials: Mapping[str, np.ndarray] | None = None,
     max_iterations: int = 12,
     *,
-    shown: Model | None = None,
+    shown: Machine | None = None,
     head: float = HEAD,
     trust: float = 1.0,
 ) -> HeldOut:

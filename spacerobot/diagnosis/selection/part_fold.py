@@ -19,7 +19,7 @@ import numpy as np
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.fitting.noise import reweighted, split
-from spacerobot.diagnosis.machines.machine import Model
+from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.machines.simulated import Simulated
 from spacerobot.diagnosis.machines.windows import FOLDS
 from spacerobot.diagnosis.selection.bench import STEPS, Bench
@@ -129,7 +129,7 @@ def _as_well(own: Growth, chosen: Label) -> bool:
     return chosen in tried and ratio(tried[chosen], tried[own.after.label]) < 1.0 + TIE
 
 
-def but_for(model: Model, out: Sequence[str]) -> Model:
+def but_for(model: Machine, out: Sequence[str]) -> Machine:
     """The model with its other trials alone."""
     if isinstance(model, Simulated):
         return model.but_for(out)
@@ -138,7 +138,7 @@ def but_for(model: Model, out: Sequence[str]) -> Model:
     return other
 
 
-def divided(model: Model) -> Model:
+def divided(model: Machine) -> Machine:
     """The model, where there is but one trial left, with that in parts: a choice needs something to try itself on."""
     if isinstance(model, Simulated) and len(model.trials) == 1:
         (trial,) = model.trials

@@ -147,5 +147,4 @@ def noise_of(workshop: Workshop) -> Callable[[Fit], bool]:
 
 def plausible_of(workshop: Workshop) -> Callable[[Fit], bool]:
     """Whether a fit is what its effects' names say, by what is typical of the recordings."""
-    sizes = {"": workshop.model.sizes}
-    return lambda fit: plausible(fit.hypothesis.sites, fit.values(), sizes)
+    return lambda fit: plausible(fit.hypothesis.sites, fit.values(), workshop.model.size_at)
