@@ -95,7 +95,7 @@ def diagnose(
             chosen, profiled = first.chosen, {}
         else:
             learnt = None
-        checks = [] if learnt else [nested(found, chosen)]
+        checks = [] if learnt else [nested([found.baseline, *found.fits.values()], chosen)]
         # begun together, asked for below
         copied = pool.aside(synthetic, chosen, first.lead) if first.verdict == NAMED else None
         whole = pool.aside(confirm, chosen) if first.verdict == NAMED else None

@@ -57,14 +57,14 @@ def found(base: Fit, chosen: Fit) -> Found:
 
 
 def test_a_sound_fit_passes_all(shop: Workshop, base: Fit, chosen: Fit) -> None:
-    assert checks.nested(found(base, chosen), chosen).passed
+    assert checks.nested([base, chosen], chosen).passed
     assert [c.passed for c in checks.synthetic(shop, chosen)] == [True, True]
     assert confirm.confirm(shop, chosen).passed
 
 
 def test_a_smaller_model_that_costs_less_is_noticed(base: Fit, chosen: Fit) -> None:
     cheap = replace(base, chi2=chosen.chi2 - 50.0, prior=0.0)
-    assert not checks.nested(found(cheap, chosen), chosen).passed
+    assert not checks.nested([cheap, chosen], chosen).passed
 
 
 def test_an_optimiser_that_stops_short_of_the_truth_is_noticed(
