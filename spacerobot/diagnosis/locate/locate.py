@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from spacerobot.diagnosis.locate.beliefs import believed_values
-from spacerobot.diagnosis.locate.clock import clocks
 from spacerobot.diagnosis.locate.dependence import extents
 from spacerobot.diagnosis.locate.located import Located
 from spacerobot.diagnosis.locate.prepared import Prepared
 from spacerobot.diagnosis.locate.search import Search
+from spacerobot.diagnosis.locate.sensor_faults import clocks
 from spacerobot.diagnosis.locate.surfaces import surfaces
 from spacerobot.diagnosis.machines.contract import Baseline
 from spacerobot.diagnosis.terms.data import TrialData

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from spacerobot.diagnosis.locate.driven import Driven, driven
-from spacerobot.diagnosis.locate.geometry import TARGET, WRIST, YAW, push
+from spacerobot.diagnosis.locate.laws import TARGET, WRIST, YAW, push
 from spacerobot.diagnosis.locate.phases import Touches, phases_of, touches_in_force, touches_in_penetration
 from spacerobot.diagnosis.locate.readings import Observers, Series, State, Track, observers, series_of
 from spacerobot.diagnosis.locate.smoothing import Pieces, Smooth

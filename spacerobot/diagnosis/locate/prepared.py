@@ -10,7 +10,7 @@ import numpy as np
 
 from spacerobot.diagnosis.locate.balances import Balance, balances
 from spacerobot.diagnosis.locate.beliefs import deviations, directions
-from spacerobot.diagnosis.locate.integral import Integral
+from spacerobot.diagnosis.locate.samples import Integral
 from spacerobot.diagnosis.locate.weak_trial import WeakTrial
 from spacerobot.diagnosis.locate.whitening import Whitener, noise, with_directions
 from spacerobot.diagnosis.machines.contract import Baseline

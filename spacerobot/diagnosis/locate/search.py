@@ -13,7 +13,7 @@ from spacerobot.diagnosis.locate.dependence import FREQUENCY, Extent, Pattern, r
 from spacerobot.diagnosis.locate.located import ALL, Row, Total
 from spacerobot.diagnosis.locate.prepared import Prepared
 from spacerobot.diagnosis.locate.scores import Score, Verdict
-from spacerobot.diagnosis.locate.sensors import faults
+from spacerobot.diagnosis.locate.sensor_faults import faults
 
 Key = tuple[str, str, str]
 """(balance, phase, depends_on)"""

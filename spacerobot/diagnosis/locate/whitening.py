@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from scipy.linalg import solve_triangular
 
-from spacerobot.diagnosis.locate.integral import Integral
+from spacerobot.diagnosis.locate.samples import Integral
 from spacerobot.diagnosis.locate.weak_trial import WeakTrial
 
 RIDGE = 1e-9

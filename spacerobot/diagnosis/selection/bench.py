@@ -16,7 +16,7 @@ from spacerobot.diagnosis.fitting.screen import FAINT, Screener, faint
 from spacerobot.diagnosis.fitting.starts import fit_near
 from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.selection.held_out import MOST, HeldOut, folds, predict_held_out
-from spacerobot.diagnosis.selection.plausible import plausible
+from spacerobot.diagnosis.selection.nameable import plausible
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Site, hypothesis
 from spacerobot.support.errors import SimulationError

@@ -18,16 +18,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from spacerobot.diagnosis.fitting.fit_store import Kept
-from spacerobot.diagnosis.fitting.fitted import Fit
-from spacerobot.diagnosis.fitting.interval import interval
+from spacerobot.diagnosis.fitting.fitted import Fit, interval
 from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.selection.bench import Bench, Promise
 from spacerobot.diagnosis.selection.candidate import Candidate, words
 from spacerobot.diagnosis.selection.growth import Growth
-from spacerobot.diagnosis.selection.likelihood_ratio import by_chance
 from spacerobot.diagnosis.selection.model_choice import TIE, WORTH_OF_REST, as_good, choice, distinct, pays, ratio
-from spacerobot.diagnosis.selection.nested_laws import inherited, not_excluded, wordings
-from spacerobot.diagnosis.selection.shown import not_shown
+from spacerobot.diagnosis.selection.nameable import not_shown
+from spacerobot.diagnosis.selection.nested_laws import by_chance, inherited, not_excluded, wordings
 from spacerobot.diagnosis.terms.candidates import contains, redundant
 from spacerobot.diagnosis.terms.hypothesis import Label, Site, label_of
 from spacerobot.effects.effect import Effect
