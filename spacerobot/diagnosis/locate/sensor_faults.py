@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
 from spacerobot.diagnosis.locate.laws import TARGET, push
 from spacerobot.diagnosis.locate.located import Clock
 from spacerobot.diagnosis.locate.motion import EDGE
+from spacerobot.diagnosis.locate.prepared import Prepared
+from spacerobot.diagnosis.locate.readings import Series
 from spacerobot.diagnosis.locate.samples import Integral, trapezoid
 from spacerobot.diagnosis.locate.weak_trial import WeakTrial
 
@@ -20,9 +21,9 @@ ROUNDS = 5
 """Halvings of the spread around the best delay so far; each tries five."""
 
 
-def clocks(prepared: Mapping[str, Any]) -> tuple[Clock, ...]:
+def clocks(prepared: Mapping[str, Prepared]) -> tuple[Clock, ...]:
     """The delay of the contact force against the target's track; none where either is not measured."""
-    used = [_Curve(p) for p in prepared.values() if p.weak.force is not None and TARGET in p.found]
+    used = [_Curve(p, p.weak.force) for p in prepared.values() if p.weak.force is not None and TARGET in p.found]
     used = [u for u in used if u.usable]
     if not used:
         return ()
@@ -44,9 +45,7 @@ def clocks(prepared: Mapping[str, Any]) -> tuple[Clock, ...]:
     if bend <= 0.0:
         return ()
     shift = 0.5 * step * (low - high) / bend
-    sensor = next(
-        (n for n, c in used[0].one.mechanism.sensors.items() if used[0].one.weak.force.channel in c), "contact.force"
-    )
+    sensor = next((n for n, c in used[0].one.mechanism.sensors.items() if used[0].force.channel in c), "contact.force")
     lowest = middle - (low - high) ** 2 / (8.0 * bend)
     return (Clock(sensor, best + shift, step * float(np.sqrt(2.0 / bend)), misfit(0.0) - lowest),)
 
@@ -54,20 +53,20 @@ def clocks(prepared: Mapping[str, Any]) -> tuple[Clock, ...]:
 class _Curve:
     """chi-squared of one trial's target balance against the delay of the force."""
 
-    def __init__(self, one: Any) -> None:
-        self.one = one
+    def __init__(self, one: Prepared, force: Series) -> None:
+        self.one, self.force = one, force
         weak = one.weak
         balance = one.found[TARGET]
         self.usable = bool(weak.touches.stretches)
         if not self.usable:
             return
         self.whiten = one.tested(TARGET).whiten
-        weight = trapezoid(weak.force.time)
+        weight = trapezoid(force.time)
         # only the contact is moved: outside it there is nothing but noise
-        pressed = weak.touches.inside(weak.force.time, EDGE)
-        by = push(one.mechanism, weak.yaw, weak.force.time)[TARGET]
-        self.time = weak.force.time[pressed]
-        self.drive = (by * weak.force.value * weight)[pressed]
+        pressed = weak.touches.inside(force.time, EDGE)
+        by = push(one.mechanism, weak.yaw, force.time)[TARGET]
+        self.time = force.time[pressed]
+        self.drive = (by * force.value * weight)[pressed]
         self.rest = balance.residual.value - self._integral(0.0)
 
     def _integral(self, delay: float) -> np.ndarray:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -26,6 +25,10 @@ STEPS = 15
 
 FINE = 1.0 / 30.0
 """Weights of a search expect a residual this small a part of the baseline's: what a good model may well leave."""
+
+
+Row = tuple[tuple[str, str], dict[str, float], float]
+"""A promise as a store holds it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,8 +110,10 @@ class Bench:
         """What each further effect promises, by its sensitivities at a fit."""
         by = {s.label: s for s in sites}
         about = [*sorted(by), *self._weights()]
-        rows = self.kept.values("promises", fit, about, lambda: [_as_row(p) for p in self._screened(fit, sites)])
-        return [Promise(by[effect, where], start, cost) for (effect, where), start, cost in rows]
+        found = self.kept.values(
+            "promises", fit, about, lambda: [_as_row(p) for p in self._screened(fit, sites)], list[Row]
+        )
+        return [Promise(by[label], start, cost) for label, start, cost in found]
 
     def _screened(self, fit: Fit, sites: Sequence[Site]) -> list[Promise]:
         screen = Screener(self.fitter(), self.model.believed).screen(fit, sites)
@@ -155,10 +160,9 @@ class Bench:
             fit,
             self._weights(),
             compute,
-            written=lambda found: {} if found is None else found.written(),
-            read=lambda kept: HeldOut.read(kept) if kept else None,
+            HeldOut | None,
         )
 
 
-def _as_row(promise: Promise) -> list[Any]:
-    return [list(promise.site.label), dict(promise.start), promise.cost]
+def _as_row(promise: Promise) -> Row:
+    return promise.site.label, dict(promise.start), promise.cost

@@ -98,17 +98,6 @@ class HeldOut:
         sums = squares_of(self.residual, trials, self.counted)
         return {c: float(np.sqrt(s / max(n, 1))) for c, (s, n) in sums.items()}
 
-    def written(self) -> dict[str, dict[str, list[float]]]:
-        """As JSON holds it: of a candidate that predicts every trial."""
-        both = {"residual": self.residual, "counted": self.counted}
-        return {name: {k: a.tolist() for k, a in arrays.items()} for name, arrays in both.items()}
-
-    @classmethod
-    def read(cls, kept: Mapping[str, Mapping[str, Sequence[float]]]) -> HeldOut:
-        """What was `written`."""
-        residual = {k: np.array(v, dtype=float) for k, v in kept["residual"].items()}
-        return cls(residual, {k: np.array(v, dtype=bool) for k, v in kept["counted"].items()})
-
 
 def start_of(
     fitter: Fitter,
