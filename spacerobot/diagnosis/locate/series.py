@@ -10,11 +10,9 @@ import numpy as np
 
 from spacerobot.diagnosis.locate import significance
 from spacerobot.diagnosis.locate.dependence import Extent, patterns_of_motion
-from spacerobot.diagnosis.locate.located import ALL, Located, Surface, Total
+from spacerobot.diagnosis.locate.located import ALL, BINS, Located, Surface, Total
 from spacerobot.diagnosis.locate.search import Search
 from spacerobot.support.errors import InputError
-
-BINS = 15
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,10 +8,8 @@ import numpy as np
 
 from spacerobot.diagnosis.locate.balances import LAW, STILL, Balance
 from spacerobot.diagnosis.locate.laws import depth_of
-from spacerobot.diagnosis.locate.located import Surface
+from spacerobot.diagnosis.locate.located import BINS, Surface
 from spacerobot.diagnosis.locate.prepared import Prepared
-
-BINS = 15
 
 USEFUL = 1e-3
 """Bins with less than this share of the median bin's information are left out."""

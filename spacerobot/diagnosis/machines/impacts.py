@@ -15,6 +15,7 @@ import numpy as np
 from spacerobot.diagnosis.machines.contract import FIRST_NOISE, Machine, Predicted, conditions_of
 from spacerobot.diagnosis.machines.measured import through_sensor
 from spacerobot.diagnosis.machines.sizes import Sizes
+from spacerobot.diagnosis.machines.windows import PIECES
 from spacerobot.diagnosis.terms.data import Block, TrialData, piece_id
 from spacerobot.diagnosis.terms.hypothesis import Believed, Site
 from spacerobot.effects.effect import Effect
@@ -30,9 +31,6 @@ BEFORE = tuple(f"body.velocity.{a}.before" for a in AXES)
 AFTER = tuple(f"body.velocity.{a}.after" for a in AXES)
 NORMAL = tuple(f"aux.normal_{a}" for a in AXES)
 TANGENT = tuple(f"aux.tangent_{a}" for a in AXES)
-
-PIECES = 8
-"""Into how many parts the events are cut, so that there is something to hold out."""
 
 HALF = 0.5
 """Restitution to begin with where it is not stated."""

@@ -22,6 +22,7 @@ from spacerobot.diagnosis.machines.sizes import Sizes, sizes_of
 from spacerobot.diagnosis.machines.stated_noise import Lens, stated_noise, still_below
 from spacerobot.diagnosis.machines.test_functions import Bump
 from spacerobot.diagnosis.machines.touch import Moment, first_shock
+from spacerobot.diagnosis.machines.windows import PIECES
 from spacerobot.diagnosis.terms.candidates import stood_for
 from spacerobot.diagnosis.terms.data import Block, TrialData, piece_id
 from spacerobot.diagnosis.terms.hypothesis import Believed, Site
@@ -46,9 +47,6 @@ FEWEST = 4
 
 FEWEST_READINGS = 4
 """That a piece holds at least."""
-
-PIECES = 8
-"""Into how many parts a trial is cut, so that there is something to hold out."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,6 +12,9 @@ from spacerobot.diagnosis.machines.measured import through_sensor
 from spacerobot.diagnosis.terms.data import Block, TrialData, piece_id
 from spacerobot.effects.primitives import ChannelMap
 
+PIECES = 8
+"""Into how many parts a trial, or its events, are cut, so that there is something to hold out."""
+
 FOLDS = 4
 """Into how many parts a study of one condition is divided."""
 

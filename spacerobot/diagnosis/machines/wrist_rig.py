@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from spacerobot.diagnosis.machines.contract import CLOCK, Machine, Nuisance, Predicted, Variant
-from spacerobot.diagnosis.machines.mechanism_cache import Lately
+from spacerobot.diagnosis.machines.mechanism_cache import MechanismCache
 from spacerobot.diagnosis.terms.candidates import candidate_sites
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed, Hypothesis, Site
@@ -113,7 +113,7 @@ class RigModel(Machine):
         )
         self._number = {t.id: k for k, t in enumerate(study.trials)}
         self.tolerance = tolerance
-        self._lately = Lately()
+        self._lately = MechanismCache()
         self._know(trials)
 
     def _know(self, trials: tuple[TrialData, ...]) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 
 from spacerobot.diagnosis.machines.mechanism_cache import MOST
 from spacerobot.diagnosis.machines.wrist_rig import LEAST, RigModel, readable
+from spacerobot.diagnosis.terms.alignment import TRACK
 from spacerobot.diagnosis.terms.data import TrialData, one_trial
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.recordings.recording import Recording
@@ -19,9 +20,6 @@ from spacerobot.support.errors import InputError, SpacerobotError
 
 if TYPE_CHECKING:
     from spacerobot.diagnosis.machines.contract import Machine
-
-TRACK = "target.x"
-"""Without it a trial of a wrist has no start."""
 
 
 def has_wrist(study: Study) -> bool:

@@ -24,6 +24,9 @@ MOST_FOLDS = 6
 HEAD = 1.0
 """Share of a held-out trial that tells how it starts; how it starts is not what is tested."""
 
+FIT_STEPS = 12
+"""Of each fit to the other trials: it begins at what all of them led to."""
+
 STEPS = 2
 """Gauss-Newton steps to a held-out trial's start; a start moves the track nearly in proportion."""
 
@@ -142,7 +145,6 @@ def predict_held_out(
     warm: Mapping[str, float],
     left_out: Sequence[tuple[str, tuple[str, ...]]],
     initials: Mapping[str, np.ndarray] | None = None,
-    max_iterations: int = 12,
     *,
     shown: Machine | None = None,
     head: float = HEAD,
@@ -156,7 +158,6 @@ def predict_held_out(
         made: which effects.
         warm, initials: where each fit begins.
         left_out: folds, each a name and ids of trials.
-        max_iterations: of each fit.
         shown: the same model cut into other pieces, which are predicted instead of the fold's own trials.
         head, trust: how an unseen trial's start is found, see `start_of`.
 
@@ -170,7 +171,7 @@ def predict_held_out(
         if not seen:
             raise SimulationError("nothing is left to fit when a fold is left out")
         own = None if initials is None else {t.id: initials[t.id] for t in seen}
-        fit = Fitter(model, seen).fit(made, warm=warm, initials=own, max_iterations=max_iterations, robust=False)
+        fit = Fitter(model, seen).fit(made, warm=warm, initials=own, max_iterations=FIT_STEPS, robust=False)
         if shown is None or shown is model:  # the pieces as they will be compared, with their own weights
             teller, unseen = model, [t for t in (trials if shown is None else shown.trials) if t.id in ids]
         else:
