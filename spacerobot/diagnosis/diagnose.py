@@ -6,10 +6,13 @@ import os
 import time
 from collections.abc import Mapping, Sequence
 
+import numpy as np
+
 from spacerobot.diagnosis.answer.clock_offsets import clock_offsets
 from spacerobot.diagnosis.answer.evidence import evidence_of_rig
 from spacerobot.diagnosis.answer.held_out import of_rivals
-from spacerobot.diagnosis.answer.next_trial import next_trial_of_rig
+from spacerobot.diagnosis.answer.next_trial import WHY_RIG, next_trial
+from spacerobot.diagnosis.answer.record import NextExperiment
 from spacerobot.diagnosis.answer.result import Diagnosis
 from spacerobot.diagnosis.answer.verdict import verdict_of_rig
 from spacerobot.diagnosis.fitting.fit_store import Store
@@ -120,8 +123,8 @@ def diagnose(
         smallest = sizes()
     base = found.baseline
     further = (
-        next_trial_of_rig(workshop.model, workshop.trials, judgement.alternatives)
-        if judgement.verdict == AMBIGUOUS
+        _next_trial(workshop, judgement.alternatives[:2])
+        if judgement.verdict == AMBIGUOUS and len(judgement.alternatives) > 1
         else None
     )
     verdict = verdict_of_rig(
@@ -163,6 +166,13 @@ def diagnose(
 def _limits(workshop: Workshop, chosen: Fit, sites: Sequence[Site], inflation: float) -> list[Limit]:
     limits = Limits(workshop.fitter(), workshop.model.believed, chosen, inflation)
     return list(limits.of(sites))
+
+
+def _next_trial(workshop: Workshop, pair: Sequence[Fit]) -> NextExperiment | None:
+    """The middle trial at another speed, or with another target."""
+    trial = workshop.trials[len(workshop.trials) // 2]
+    starts = {trial.id: np.array([n.guess for n in workshop.model.nuisances(trial)])}
+    return next_trial(pair, workshop.model, [trial], starts, why=WHY_RIG)
 
 
 def _not_shown(withdrawn: Mapping[Label, str]) -> list[str]:

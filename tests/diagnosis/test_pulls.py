@@ -14,11 +14,11 @@ import pytest
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.fitting.normal_equations import Normal
 from spacerobot.diagnosis.machines.contract import Machine, Nuisance, Predicted, conditions_of
-from spacerobot.diagnosis.machines.sizes import Sizes
 from spacerobot.diagnosis.terms.data import Block, TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed, hypothesis
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Coordinate
+from spacerobot.effects.sizes import Sizes
 
 TIME = np.linspace(0.0, 2.0, 60)
 SIGMA = np.array([1e-3, 4e-3])

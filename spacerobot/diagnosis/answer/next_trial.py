@@ -6,73 +6,58 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
+from msgspec import UNSET, UnsetType
 
 from spacerobot.diagnosis.answer.record import NextExperiment, placed
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.machines.contract import Machine, Variant
-from spacerobot.diagnosis.selection.candidate import Candidate
-from spacerobot.diagnosis.selection.nested_laws import least_alike
-from spacerobot.diagnosis.selection.part_result import Part
-from spacerobot.diagnosis.terms.candidates import contains
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.support.errors import InputError, SimulationError
 
-TRIALS = 6
-"""Recorded pieces of a part that are varied, evenly over all."""
-
-MARKER = {"hand.x": "a marker on the hand"}
-"""What a lab with a wrist may add where no other trial tells more."""
+WHY_RIG = (
+    "one such trial would separate the two by {most:.1f} sensor sigmas in all, "
+    "against {here:.1f} for a trial like those recorded"
+)
+WHY_PART = (
+    "such trials would separate the two by {most:.1f} sigmas of what the better one leaves over, "
+    "against {here:.1f} for trials like those recorded"
+)
 
 Starts = Mapping[str, np.ndarray]
 """By trial, initial values, shape (N,)."""
 
 
-def next_trial_of_rig(machine: Machine, trials: Sequence[TrialData], fits: Sequence[Fit]) -> NextExperiment | None:
-    """The change of speed and mass under which the two best explanations of a rig differ most, in sensor sigmas.
+def next_trial(
+    pair: Sequence[Fit],
+    machine: Machine,
+    trials: Sequence[TrialData],
+    starts: Starts,
+    *,
+    why: str,
+    part: str | UnsetType = UNSET,
+) -> NextExperiment | None:
+    """The variant of some trials under which two explanations differ most.
 
     Args:
-        machine: the rig.
-        trials: what was recorded; its middle trial is varied.
-        fits: the explanations, best first.
+        pair: the explanations, the better one first.
+        machine: both are of it.
+        trials: as recorded.
+        starts: from which they are simulated.
+        why: what is said of the distances `most` and `here`, one of those above.
+        part: of what, where the machine is one of several.
 
     Returns:
-        None for fewer than two explanations.
+        None where nothing tells more than these trials do, and the machine knows no other measurement either.
     """
-    if len(fits) < 2:
-        return None
-    trial = trials[len(trials) // 2]
-    starts = {trial.id: np.array([n.guess for n in machine.nuisances(trial)])}
-    best, most, here = furthest(fits[:2], machine, [trial], starts)
-    return NextExperiment(
-        change=dict(MARKER if best is None else best.change),
-        separates=[placed(f.hypothesis.label) for f in fits[:2]],
-        why=f"one such trial would separate the two by {most:.1f} sensor sigmas in all, "
-        f"against {here:.1f} for a trial like those recorded",
-    )
-
-
-def next_trial_of_part(part: Part) -> NextExperiment | None:
-    """The variant under which the chosen explanation of a part and its best rival differ most.
-
-    Returns:
-        None where there is no rival, or no variant of the part's trials tells more than these do.
-    """
-    if not part.rivals:
-        return None
-    rival = min(part.rivals, key=lambda c: c.error)
-    if contains(rival.label, part.chosen.label):
-        rival = Candidate(least_alike(rival.fit))
-    pair = (part.fit, rival.fit)
-    trials = part.trials[:: max(1, len(part.trials) // TRIALS)]
-    best, most, here = furthest(pair, part.model, trials, part.fit.initials())
-    if best is None:
+    best, most, here = furthest(pair, machine, trials, starts)
+    change = machine.otherwise if best is None else best.change
+    if not change:
         return None
     return NextExperiment(
-        part=part.name,
-        change=dict(best.change),
+        change=dict(change),
         separates=[placed(f.hypothesis.label) for f in pair],
-        why=f"such trials would separate the two by {most:.1f} sigmas of what the better one leaves over, "
-        f"against {here:.1f} for trials like those recorded",
+        why=why.format(most=most, here=here),
+        part=part,
     )
 
 

@@ -156,7 +156,7 @@ def known_load(weak: WeakTrial, mechanism: Mechanism, balance: Balance) -> np.nd
         if linear is not None and set(row) <= set(weak.observers.solution):
             out += factor * linear[0] * weak.port_state(dict(row), weak.nodes).moved
     time, load = weak.shaking(mechanism, names, 1.0)
-    return out + np.interp(weak.nodes, time, load)
+    return np.asarray(out + np.interp(weak.nodes, time, load))
 
 
 def extents(prepared: Mapping[str, Prepared]) -> dict[str, Extent]:

@@ -139,7 +139,7 @@ class Motion:
         """The softened contact force at any times [N]; zero where it is not measured."""
         if self.force is None:
             return np.zeros(times.shape)
-        return np.interp(times, self.force.time, self.soft_force)
+        return np.asarray(np.interp(times, self.force.time, self.soft_force))
 
     def shaking(self, mechanism: Mechanism, coordinates: Sequence[str], mass: float) -> tuple[np.ndarray, np.ndarray]:
         """Times (T,) and the known load on some coordinates over a mass [m/s^2 or rad/s^2], shape (T,) each.

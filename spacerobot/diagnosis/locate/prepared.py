@@ -76,7 +76,7 @@ class Prepared:
 
     def seen(self, name: str, patterns: np.ndarray) -> np.ndarray:
         """Patterns at the nodes, shape (Q, K), as one balance's kept rows see them, shape (R, K)."""
-        return np.asarray(self.weak.integral(0, patterns))[self.found[name].keep]
+        return np.asarray(self.weak.integral(0, patterns)[self.found[name].keep])
 
     @cached_property
     def suspects(self) -> dict[str, tuple[str, ...]]:

@@ -45,4 +45,4 @@ def with_directions(covariance: np.ndarray, directions: Mapping[str, np.ndarray]
     if not directions:
         return covariance
     columns = np.stack(list(directions.values()), axis=1)
-    return covariance + columns @ columns.T
+    return np.asarray(covariance + columns @ columns.T)

@@ -4,17 +4,21 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, fields
-from typing import Protocol
+from types import MappingProxyType
+from typing import Protocol, Self
 
 import numpy as np
 
-from spacerobot.diagnosis.machines.sizes import Sizes, scaled
+from spacerobot.diagnosis.machines.sizes import scaled
+from spacerobot.diagnosis.machines.touch import Moment
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed, Hypothesis, Site
 from spacerobot.effects.effect import Effect
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.registry import all_effects
+from spacerobot.effects.sizes import Sizes
 
 
 @dataclass(frozen=True)
@@ -112,6 +116,8 @@ class Machine(ABC):
     relative_to: tuple[str, ...] = ()
     given: frozenset[str] = frozenset()
     no_balance: str = ""
+    otherwise: Mapping[str, str] = MappingProxyType({})
+    """What else could be measured where no other trial tells more."""
     free_mass: str = "body.mass"
     """Name of the mass that another trial may change."""
 
@@ -154,6 +160,20 @@ class Machine(ABC):
             for where in dict.fromkeys(effect.places(plain)):
                 found.append(Site(scaled(effect, self.size_at(where)), where))
         return found
+
+    def but_for(self, out: Sequence[str]) -> Self:
+        """The same with its other trials alone."""
+        other = copy(self)
+        other.trials = tuple(t for t in self.trials if t.id not in out)
+        return other
+
+    def divided(self) -> Self:
+        """Where there is but one trial, the same with that in parts, if it can be cut: a choice is tried on some."""
+        return self
+
+    def shocks(self) -> Mapping[str, Moment]:
+        """By trial, when its balance is first shaken by a touch."""
+        return {}
 
     def size_at(self, where: str) -> Sizes:
         """What is typical at a place."""

@@ -14,7 +14,6 @@ import numpy as np
 
 from spacerobot.diagnosis.machines.contract import FIRST_NOISE, Machine, Predicted, conditions_of
 from spacerobot.diagnosis.machines.measured import through_sensor
-from spacerobot.diagnosis.machines.sizes import Sizes
 from spacerobot.diagnosis.machines.windows import PIECES
 from spacerobot.diagnosis.terms.data import Block, TrialData, piece_id
 from spacerobot.diagnosis.terms.hypothesis import Believed, Site
@@ -22,6 +21,7 @@ from spacerobot.effects.effect import Effect
 from spacerobot.effects.laws import CONTACT
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Contact, Coordinate
+from spacerobot.effects.sizes import Sizes
 from spacerobot.recordings.recording import Recording
 from spacerobot.recordings.study import Study
 from spacerobot.recordings.trial import Trial
@@ -134,7 +134,7 @@ def _impulse(
     compression = np.where((opens > 0.0) & (before_kink <= kink), before_kink, after_kink)
     normal = (1.0 + restitution) * compression
     tangent = first * np.minimum(normal, kink) + then * np.maximum(normal - kink, 0.0)
-    return n * normal + d * tangent
+    return np.asarray(n * normal + d * tangent)
 
 
 def impact_models(study: Study) -> list[Machine]:

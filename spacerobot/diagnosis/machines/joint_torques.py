@@ -18,7 +18,7 @@ from spacerobot.diagnosis.machines.contract import FACTORS, FIRST_NOISE, Machine
 from spacerobot.diagnosis.machines.grid import Grid
 from spacerobot.diagnosis.machines.links import carried_links, mass_of, with_masses
 from spacerobot.diagnosis.machines.measured import port_forces, through_sensor
-from spacerobot.diagnosis.machines.sizes import Sizes, sizes_of
+from spacerobot.diagnosis.machines.sizes import sizes_of
 from spacerobot.diagnosis.machines.stated_noise import Lens, stated_noise, still_below
 from spacerobot.diagnosis.machines.test_functions import Bump
 from spacerobot.diagnosis.machines.touch import Moment, first_shock
@@ -31,6 +31,7 @@ from spacerobot.effects.effect import Effect
 from spacerobot.effects.laws import DAMPER, SPRING
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Coordinate, Force
+from spacerobot.effects.sizes import Sizes
 from spacerobot.model.robot import Robot
 
 SHARP = 5

@@ -20,7 +20,7 @@ import pinocchio as pin
 from spacerobot.diagnosis.machines.contract import FIRST_NOISE, Machine, Nuisance, Predicted, conditions_of
 from spacerobot.diagnosis.machines.links import robot_of
 from spacerobot.diagnosis.machines.measured import port_forces, through_sensor
-from spacerobot.diagnosis.machines.sizes import Sizes, sizes_of
+from spacerobot.diagnosis.machines.sizes import sizes_of
 from spacerobot.diagnosis.machines.windows import local
 from spacerobot.diagnosis.terms.data import Block, TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed, Site
@@ -28,6 +28,7 @@ from spacerobot.dynamics.floating_base import floating_configuration
 from spacerobot.effects.effect import Effect
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Coordinate, Readout
+from spacerobot.effects.sizes import Sizes
 from spacerobot.model.robot import Robot
 from spacerobot.recordings.recording import Recording
 from spacerobot.recordings.series import Series

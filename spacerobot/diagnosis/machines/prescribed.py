@@ -8,11 +8,12 @@ import numpy as np
 
 from spacerobot.diagnosis.machines.contract import FIRST_NOISE, Machine, Nuisance, Predicted, conditions_of
 from spacerobot.diagnosis.machines.measured import through_sensor
-from spacerobot.diagnosis.machines.sizes import Sizes, sizes_of
+from spacerobot.diagnosis.machines.sizes import sizes_of
 from spacerobot.diagnosis.machines.windows import PIECES
 from spacerobot.diagnosis.terms.data import Block, TrialData, piece_id
 from spacerobot.diagnosis.terms.hypothesis import Believed
 from spacerobot.effects.mechanism import Mechanism
+from spacerobot.effects.sizes import Sizes
 from spacerobot.recordings.study import Study
 from spacerobot.recordings.trial import Trial
 

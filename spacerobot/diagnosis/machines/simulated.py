@@ -5,17 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
+from typing import Self
 
 import numpy as np
 
 from spacerobot.diagnosis.machines.contract import FACTORS, Machine, Nuisance, Predicted, Variant
-from spacerobot.diagnosis.machines.sizes import Sizes
-from spacerobot.diagnosis.machines.windows import Drive, cut, local, spread_over
+from spacerobot.diagnosis.machines.windows import FOLDS, Drive, cut, local, spread_over
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed, Site
 from spacerobot.effects.effect import Effect
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Impulse, Readout
+from spacerobot.effects.sizes import Sizes
 from spacerobot.simulation.reduced.run import simulate
 from spacerobot.simulation.sensors import read_channels
 
@@ -78,7 +79,7 @@ class Simulated(Machine):
         self._hidden: tuple[TrialData, ...] = ()
         self._starts: dict[str, tuple[Nuisance, ...]] = {}
 
-    def in_windows(self, length: float) -> Simulated:
+    def in_windows(self, length: float) -> Self:
         """The same recordings in windows of another length [s], all of them."""
         other = copy(self)
         windows = (w for t in self.recorded.values() for w in cut(t, length))
@@ -86,7 +87,7 @@ class Simulated(Machine):
         other._starts = {}
         return other
 
-    def but_for(self, out: Sequence[str]) -> Simulated:
+    def but_for(self, out: Sequence[str]) -> Self:
         """The same without some of its windows: nothing that it fits knows a reading of theirs."""
         other = copy(self)
         other.trials = tuple(t for t in self.trials if t.id not in out)
@@ -95,6 +96,13 @@ class Simulated(Machine):
         other._hidden = (*self._hidden, *(t for t in self.trials if t.id in out))
         other._starts = {}
         return other
+
+    def divided(self) -> Self:
+        """One trial alone is cut into windows."""
+        if len(self.trials) > 1:
+            return self
+        (trial,) = self.trials
+        return self.in_windows((trial.end - trial.start) / FOLDS)
 
     def mechanism(self, values: Mapping[str, float], trial: TrialData) -> Mechanism:
         """The baseline of one trial with these values."""

@@ -10,13 +10,14 @@ import numpy as np
 
 from spacerobot.diagnosis.machines.contract import FIRST_NOISE, Machine, Predicted, conditions_of
 from spacerobot.diagnosis.machines.measured import through_sensor
-from spacerobot.diagnosis.machines.sizes import Sizes, sizes_of
+from spacerobot.diagnosis.machines.sizes import sizes_of
 from spacerobot.diagnosis.terms.data import Block, TrialData, piece_id
 from spacerobot.diagnosis.terms.hypothesis import Believed, Site
 from spacerobot.effects.effect import Effect
 from spacerobot.effects.laws import CONTACT
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Contact, Coordinate
+from spacerobot.effects.sizes import Sizes
 from spacerobot.recordings.recording import Recording
 from spacerobot.recordings.study import Study
 from spacerobot.recordings.trial import Trial

@@ -7,6 +7,7 @@ import functools
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 import numpy as np
 
@@ -74,6 +75,7 @@ class RigModel(Machine):
 
     name = "wrist rig"
     metric = "simulated motion"
+    otherwise = MappingProxyType({"hand.x": "a marker on the hand"})
     free_mass = "target.mass"
 
     def __init__(self, study: Study, trials: tuple[TrialData, ...], *, tolerance: float = 1e-6) -> None:

@@ -66,7 +66,7 @@ def enough(study: Study, recording: Recording) -> None:
     Raises:
         InputError: fewer readings than a line through them needs; of events, fewer than pieces to hold out in turn.
     """
-    from spacerobot.diagnosis.machines.impacts import PIECES
+    from spacerobot.diagnosis.machines.windows import PIECES
 
     for series in recording.values():
         least = PIECES if study.streams[series.stream].kind == "events" else LEAST

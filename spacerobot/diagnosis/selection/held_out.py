@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from operator import attrgetter
 
 import numpy as np
 
@@ -39,7 +40,7 @@ def folds(trials: Sequence[TrialData], most: int = MOST) -> list[tuple[str, tupl
     Returns:
         (label, trial ids) each; at least two, unless there is but one trial in one piece.
     """
-    for label in (lambda t: t.condition, lambda t: t.recorded):
+    for label in (attrgetter("condition"), attrgetter("recorded")):
         names = list(dict.fromkeys(label(t) for t in trials))
         if len(names) > most:
             groups = [set(names[k::most]) for k in range(most)]
@@ -52,7 +53,7 @@ def folds(trials: Sequence[TrialData], most: int = MOST) -> list[tuple[str, tupl
 
 def scheme_of(trials: Sequence[TrialData], most: int = MOST) -> str:
     """What `folds` leaves out in turn, in words."""
-    for what, of in (("condition", lambda t: t.condition), ("trial", lambda t: t.recorded)):
+    for what, of in (("condition", attrgetter("condition")), ("trial", attrgetter("recorded"))):
         count = len({of(t) for t in trials})
         if count > most:
             return f"leave every {most}th {what} out"

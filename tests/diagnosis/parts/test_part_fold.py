@@ -84,7 +84,7 @@ def test_a_leak_would_be_seen(growth: Growth, monkeypatch: pytest.MonkeyPatch, l
         return model
 
     if leak == "trials":
-        monkeypatch.setattr(part_fold, "but_for", all_of_it)
+        monkeypatch.setattr(type(growth.bench.model), "but_for", all_of_it)
     else:
         whole = part_fold.among
 
