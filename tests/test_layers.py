@@ -66,7 +66,33 @@ def test_layer_imports_point_down(layer: str) -> None:
     assert not {k: v for k, v in bad.items() if v}
 
 
+def files_in_circles(sources: dict[str, str]) -> list[set[str]]:
+    """Files that import one another, by module's name to its source; what is merely typed or loaded late counts too."""
+    into: dict[str, set[str]] = {}
+    for name, source in sources.items():
+        named = {n for n in imports_of(source) if n in sources and n != name}
+        into[name] = {n for n in named if not any(m.startswith(f"{n}.") for m in named)}  # a folder stands for its file
+    reach: dict[str, set[str]] = {}
+    for name in into:
+        seen, front = set(), {name}
+        while front := {other for one in front for other in into[one]} - seen:
+            seen |= front
+        reach[name] = seen
+    circles = [{name, *(o for o in seen if name in reach[o])} for name, seen in reach.items() if name in seen]
+    return [c for k, c in enumerate(circles) if c not in circles[:k]]
+
+
+def test_no_files_import_one_another() -> None:
+    files = [f for f in ROOT.rglob("*.py") if f != ROOT / "__init__.py"]
+    names = {f: ".".join(f.relative_to(ROOT.parent).with_suffix("").parts).removesuffix(".__init__") for f in files}
+    assert not files_in_circles({name: f.read_text() for f, name in names.items()})
+
+
 def test_the_checker_can_fail() -> None:
+    assert files_in_circles({"a": "import b", "b": "def f():\n    import c", "c": "import a", "d": "import a"}) == [
+        {"a", "b", "c"}
+    ]
+    assert not files_in_circles({"a": "import b", "b": "import c", "c": ""})
     assert violations("model", "from spacerobot.simulation import scene")
     assert violations("theory", "def f():\n    import scipy.linalg")
     assert violations("effects", "if TYPE_CHECKING:\n    from spacerobot.cli.main import entry")

@@ -6,10 +6,13 @@ import os
 import time
 from collections.abc import Mapping, Sequence
 
+import numpy as np
+
 from spacerobot.diagnosis.answer.clock_offsets import clock_offsets
 from spacerobot.diagnosis.answer.evidence import evidence_of_rig
 from spacerobot.diagnosis.answer.held_out import of_rivals
-from spacerobot.diagnosis.answer.next_trial import next_trial_of_rig
+from spacerobot.diagnosis.answer.next_trial import WHY_RIG, next_trial
+from spacerobot.diagnosis.answer.record import NextExperiment
 from spacerobot.diagnosis.answer.result import Diagnosis
 from spacerobot.diagnosis.answer.verdict import verdict_of_rig
 from spacerobot.diagnosis.fitting.fit_store import Store
@@ -29,9 +32,9 @@ from spacerobot.diagnosis.selection.limits import Limit, Limits
 from spacerobot.diagnosis.selection.precompile import help_compiling
 from spacerobot.diagnosis.selection.rig_fold import hold_out
 from spacerobot.diagnosis.selection.search_state import Report
-from spacerobot.diagnosis.terms.candidates import candidate_sites
 from spacerobot.diagnosis.terms.hypothesis import Label, Site
 from spacerobot.diagnosis.terms.kinds import AMBIGUOUS, NAMED, UNKNOWN
+from spacerobot.effects.registry import all_effects
 from spacerobot.recordings.lacking import refuse_draft
 from spacerobot.recordings.study import Study
 from spacerobot.support.executors.base import Executor
@@ -78,8 +81,7 @@ def diagnose(
         return diagnose_parts(study, report=report, threads=jobs or 1, seed=seed, without=without, store=store)
     jobs = jobs or os.cpu_count() or 1
     workshop = Workshop(study)
-    mechanism = workshop.model.mechanism({**workshop.model.base, **workshop.trials[0].overrides})
-    sites = candidate_sites(mechanism, workshop.model.believed, without)
+    sites = workshop.model.sites(e for e in all_effects().values() if e.name not in without)
     if jobs > 1:
         help_compiling(workshop)
     with Pool(workshop, jobs, effects_files, store, workers) as pool:
@@ -96,7 +98,7 @@ def diagnose(
             chosen, profiled = first.chosen, {}
         else:
             learnt = None
-        checks = [] if learnt else [nested(found, chosen)]
+        checks = [] if learnt else [nested([found.baseline, *found.fits.values()], chosen)]
         # begun together, asked for below
         copied = pool.aside(synthetic, chosen, first.lead) if first.verdict == NAMED else None
         whole = pool.aside(confirm, chosen) if first.verdict == NAMED else None
@@ -121,8 +123,8 @@ def diagnose(
         smallest = sizes()
     base = found.baseline
     further = (
-        next_trial_of_rig(workshop.model, workshop.trials, judgement.alternatives)
-        if judgement.verdict == AMBIGUOUS
+        _next_trial(workshop, judgement.alternatives[:2])
+        if judgement.verdict == AMBIGUOUS and len(judgement.alternatives) > 1
         else None
     )
     verdict = verdict_of_rig(
@@ -164,6 +166,13 @@ def diagnose(
 def _limits(workshop: Workshop, chosen: Fit, sites: Sequence[Site], inflation: float) -> list[Limit]:
     limits = Limits(workshop.fitter(), workshop.model.believed, chosen, inflation)
     return list(limits.of(sites))
+
+
+def _next_trial(workshop: Workshop, pair: Sequence[Fit]) -> NextExperiment | None:
+    """The middle trial at another speed, or with another target."""
+    trial = workshop.trials[len(workshop.trials) // 2]
+    starts = {trial.id: np.array([n.guess for n in workshop.model.nuisances(trial)])}
+    return next_trial(pair, workshop.model, [trial], starts, why=WHY_RIG)
 
 
 def _not_shown(withdrawn: Mapping[Label, str]) -> list[str]:

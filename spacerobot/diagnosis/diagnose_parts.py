@@ -13,11 +13,11 @@ from spacerobot.diagnosis.answer.mended_model import model_text
 from spacerobot.diagnosis.answer.part_verdict import verdict_of
 from spacerobot.diagnosis.answer.result import Diagnosis
 from spacerobot.diagnosis.fitting.fit_store import Kept, Store
-from spacerobot.diagnosis.locate.of_model import has_balance, locate_model
+from spacerobot.diagnosis.locate.of_model import locate_model
 from spacerobot.diagnosis.locate.readings import NothingToBalance
 from spacerobot.diagnosis.machines.choose import some_models_for
+from spacerobot.diagnosis.selection.checks import checks_of_part
 from spacerobot.diagnosis.selection.forward_selection import MOST, grow
-from spacerobot.diagnosis.selection.part_checks import checks_of
 from spacerobot.diagnosis.selection.part_fold import keep_aside
 from spacerobot.diagnosis.selection.part_result import Part
 from spacerobot.diagnosis.selection.search_state import Report
@@ -60,13 +60,11 @@ def diagnose_parts(
     done = []
     for place, part in enumerate(parts):
         report("locating and checking", place, len(parts))
-        # the flips of signs are a quadrature: the same for every seed, as no answer shall hang on them
         located = None
-        if has_balance(part.model):
-            with contextlib.suppress(NothingToBalance):
-                located = locate_model(part.model, trials=part.trials)
+        with contextlib.suppress(NothingToBalance):
+            located = locate_model(part.model, part.trials)
         unseen = keep_aside(part.growth)
-        checks = checks_of(part)
+        checks = checks_of_part(part.model, part.trials, part.growth.before.fit, part.fit)
         if part.fit.hypothesis.sites:
             checks = (*checks, unseen.check(f"held out, {part.name}", whole=False))
         done.append(replace(part, located=located, checks=checks, unseen=unseen))

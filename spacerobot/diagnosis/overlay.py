@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from spacerobot import __version__
 from spacerobot.diagnosis.forward.base import ForwardModel, TrialOverlay
-from spacerobot.diagnosis.forward.elsewhere import model_of, overlays
+from spacerobot.diagnosis.forward.choose import model_of, overlays
 from spacerobot.diagnosis.forward.residuals import Residuals, by_channel, residuals
 from spacerobot.recordings.study import Study
 from spacerobot.support.errors import NotFoundError

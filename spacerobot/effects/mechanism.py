@@ -64,10 +64,6 @@ class Mechanism:
         if port not in self.ports and not (self.contact and port in ("contact", "contact.slide")):
             raise NotFoundError("port", port, self.ports, where=where)
 
-    def has_port(self, port: str) -> bool:
-        """Whether forces can act there."""
-        return port in self.ports or (self.contact is not None and port == "contact")
-
     def with_force(self, *forces: Force) -> Mechanism:
         """This mechanism with further forces."""
         return replace(self, forces=(*self.forces, *forces))

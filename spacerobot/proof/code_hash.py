@@ -16,10 +16,10 @@ AFTERWARDS = ("batch.py", "code_hash.py", "proved.py", "published.py", "rates.py
 _OTHERS = {
     "diagnosis": "forward diagnose_parts overlay study_check",
     "diagnosis/machines": "axis body choose grid impacts joint_torques links platform prescribed simulated "
-    "stated_noise test_functions tossed touch",
+    "stated_noise test_functions tossed",
     "diagnosis/locate": "of_model series velocity_jump",
-    "diagnosis/selection": "forward_selection likelihood_ratio nested_laws part_checks part_fold part_limits",
-    "diagnosis/answer": "alternatives events mended_model part_next_trial part_verdict",
+    "diagnosis/selection": "forward_selection nested_laws part_fold part_limits",
+    "diagnosis/answer": "alternatives events mended_model part_verdict",
 }
 ELSEWHERE = tuple(
     f"{k}/{n}" if (ROOT / k / n).is_dir() else f"{k}/{n}.py" for k, v in _OTHERS.items() for n in v.split()

@@ -124,7 +124,7 @@ def _scored(
 ) -> dict[str, Any]:
     out = {"claimed_held_out": _claimed(verdict), **_compared(study, truth, judged.favourite, verdict)}
     if rivals:
-        from spacerobot.proof.rivals import try_rivals
+        from spacerobot.proof.rivals.try_rivals import try_rivals
 
         out["rivals"] = try_rivals(study)
     return out

@@ -7,10 +7,8 @@ import re
 from spacerobot.recordings.study import Study
 from spacerobot.support.errors import InputError
 
-MARK = "# ?"
-"""Starts a question that `study new` could not answer; it stands until its comment is deleted."""
-
 _QUESTION = re.compile(r"(?:^|\s)# \?\s*(.*)$")
+"""What `study new` could not answer; it stands until its comment is deleted."""
 
 WRIST = ("wrist.mass", "wrist.stiffness", "contact.stiffness", "target.mass")
 """What a wrist rig's baseline is made of."""

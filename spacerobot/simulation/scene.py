@@ -27,7 +27,9 @@ from spacerobot.simulation.hand import Hand, hand_of
 from spacerobot.simulation.parts import ContactLaw, EffectAt, Motion, Servo, Target, Wrist
 from spacerobot.simulation.parts.checks import number, vector
 from spacerobot.simulation.scene_mechanism import baseline, edited
+from spacerobot.simulation.scene_toml import made_from_file, text_of
 from spacerobot.support.errors import InputError, NotFoundError
+from spacerobot.support.files import write_text
 from spacerobot.support.showing import brief
 
 BACKENDS = ("reduced", "multibody")
@@ -418,17 +420,19 @@ class Scene:
 
     @classmethod
     def from_toml(cls, path: str | Path) -> Scene:
-        """Read a scene from a TOML file; see `spacerobot.simulation.scene_file`."""
-        from spacerobot.simulation.scene_file import read_scene
-
-        return read_scene(path)
+        """Read a scene from a TOML file; see `spacerobot.simulation.scene_toml`."""
+        return made_from_file(cls, path)
 
     def to_toml(self, path: str | Path | None = None) -> str:
-        """The scene as TOML text, also written to `path`, whole or not at all."""
-        from spacerobot.simulation.scene_file import scene_text
-        from spacerobot.support.files import write_text
+        """The scene as TOML text, also written to `path`, whole or not at all.
 
-        text = scene_text(self)
+        A Robot made in Python is written by its name; a path as an absolute one.
+        """
+        robot = self.robot.name if isinstance(self.robot, Robot) else self.robot
+        if isinstance(robot, str) and robot.lstrip().startswith("<"):
+            robot = self.prepared.name
+        named = str(robot.resolve()) if isinstance(robot, Path) else robot
+        text = text_of({**{f.name: getattr(self, f.name) for f in fields(self)}, "robot": named})
         if path is not None:
             write_text(Path(path), text)
         return text

@@ -7,7 +7,6 @@ import json
 from pathlib import Path
 from typing import Any
 
-from spacerobot.simulation.scene_file import scene_text
 from spacerobot.support.errors import InputError
 from spacerobot.support.executors.choose import executor
 from spacerobot.support.runs import RunFolder, combined_hash
@@ -48,7 +47,7 @@ def run_sweep(
 
     text, base = read_sweep(sweep), Path(sweep).resolve().parent
     plan = plan_from_text(text, base, seed=seed, where=str(sweep))
-    key = combined_hash("sweep", text, scene_text(plan.scene), plan.poses, plan.seed)
+    key = combined_hash("sweep", text, plan.scene.to_toml(), plan.poses, plan.seed)
     with RunFolder(out, "sweep", key, overwrite=overwrite) as folder:
         if not folder.finished:
             job = Job(text, str(base), plan.seed, str(folder.folder), key)

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from spacerobot.diagnosis.terms.candidates import candidate_sites, contains, means, mirrored
 from spacerobot.diagnosis.terms.hypothesis import Believed
+from spacerobot.effects.registry import all_effects
 from spacerobot.simulation.rig import rig
 
 
 def labels(sigma: dict[str, float], without: tuple[str, ...] = ()) -> set[tuple[str, str]]:
     believed = Believed({}, sigma, {}, ("all",))
-    return {s.label for s in candidate_sites(rig({}), believed, without)}
+    effects = [e for e in all_effects().values() if e.name not in without]
+    return {s.label for s in candidate_sites(rig({}), believed, effects)}
 
 
 def test_a_believed_mass_covers_a_payload() -> None:

@@ -15,6 +15,7 @@ from spacerobot.diagnosis.fitting.adequacy import Left
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
+from spacerobot.diagnosis.machines.wrist_rig import RigModel
 from spacerobot.diagnosis.selection import checks, confirm
 from spacerobot.diagnosis.selection.check import Check
 from spacerobot.diagnosis.selection.judge import judge
@@ -56,14 +57,14 @@ def found(base: Fit, chosen: Fit) -> Found:
 
 
 def test_a_sound_fit_passes_all(shop: Workshop, base: Fit, chosen: Fit) -> None:
-    assert checks.nested(found(base, chosen), chosen).passed
+    assert checks.nested([base, chosen], chosen).passed
     assert [c.passed for c in checks.synthetic(shop, chosen)] == [True, True]
     assert confirm.confirm(shop, chosen).passed
 
 
 def test_a_smaller_model_that_costs_less_is_noticed(base: Fit, chosen: Fit) -> None:
     cheap = replace(base, chi2=chosen.chi2 - 50.0, prior=0.0)
-    assert not checks.nested(found(cheap, chosen), chosen).passed
+    assert not checks.nested([cheap, chosen], chosen).passed
 
 
 def test_an_optimiser_that_stops_short_of_the_truth_is_noticed(
@@ -199,7 +200,7 @@ def test_each_failed_check_reaches_the_verdict(tmp_path: Path) -> None:
     failed = Check("failed", False, "made to fail")
     for check in ("none", "nested", "synthetic", "confirm"):
         with pytest.MonkeyPatch.context() as patched:
-            patched.setattr(whole, "candidate_sites", lambda *a: [Site(effect("coulomb_friction"), "wrist")])
+            patched.setattr(RigModel, "sites", lambda *a: [Site(effect("coulomb_friction"), "wrist")])
             patched.setattr(whole, "_located", once)
             for name in ("nested", "synthetic", "confirm"):
                 said = failed if name == check else fine

@@ -12,7 +12,7 @@ from spacerobot.diagnosis.answer.result import Diagnosis
 from spacerobot.diagnosis.answer.schema import validate
 from spacerobot.diagnosis.diagnose import diagnose
 from spacerobot.diagnosis.fitting import pool as pools
-from spacerobot.diagnosis.fitting.interval import interval
+from spacerobot.diagnosis.fitting.fitted import interval
 from spacerobot.diagnosis.fitting.profile import profile_interval
 from spacerobot.diagnosis.fitting.workshop import Workshop
 from spacerobot.diagnosis.selection.check import Check

@@ -71,7 +71,7 @@ def test_what_follows_from_a_fit_is_kept_under_all_that_decides_it() -> None:
         ("shoulder", "figures", fit(), [2]),
     ]  # fmt: skip
     for number, (model, kind, one, about) in enumerate(asked):
-        assert Kept(shelf, model).values(kind, one, about, lambda n=number: n) == number
+        assert Kept(shelf, model).values(kind, one, about, lambda n=number: n, int) == number
     assert len(shelf) == len(asked)
-    assert Kept(shelf, "shoulder").values("figures", fit(), [1], lambda: -1) == 0
+    assert Kept(shelf, "shoulder").values("figures", fit(), [1], lambda: -1, int) == 0
     assert of_fit(fit(z=0.6)) != of_fit(fit())

@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 
 from spacerobot.diagnosis.answer.held_out import of_rig, of_rivals
 from spacerobot.diagnosis.answer.record import written
+from spacerobot.diagnosis.fitting.fit_store import again, plainly
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
@@ -69,10 +70,10 @@ def corrupted(workshop: Workshop, ids: Sequence[str]) -> Workshop:
     return again
 
 
-def known_before(fold: dict[str, Any]) -> dict[str, Any]:
+def known_before(fold: Predictions) -> dict[str, Any]:
     """All of a fold but what is taken from the trials that are predicted."""
-    told = {k: {n: fold[k][n] for n in ("label", "freed", "only", "values")} for k in TOLD}
-    return {**told, "leads_to": fold["leads_to"]}
+    told = {k: {n: getattr(getattr(fold, k), n) for n in ("label", "freed", "only", "values")} for k in TOLD}
+    return {**told, "leads_to": fold.leads_to}
 
 
 def test_a_fold_takes_back_what_it_does_not_show(workshop: Workshop, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -84,9 +85,9 @@ def test_a_fold_takes_back_what_it_does_not_show(workshop: Workshop, monkeypatch
 
     monkeypatch.setattr(intervals, "interval", holds_nothing)
     said = folded(workshop, out, [RUB], [], False)
-    assert said["leads_to"] == PART
-    assert list(said["selected"]["label"]) == []
-    assert said["after"]["label"]  # the chosen set predicts all the same
+    assert said.leads_to == PART
+    assert said.selected.label == ()
+    assert said.after.label  # the chosen set predicts all the same
 
 
 def test_readings_that_are_kept_aside_change_nothing_that_is_fitted_or_chosen(workshop: Workshop) -> None:
@@ -95,8 +96,9 @@ def test_readings_that_are_kept_aside_change_nothing_that_is_fitted_or_chosen(wo
     true = folded(workshop, out, [RUB], RIVALS, True)
     false = folded(corrupted(workshop, out), out, [RUB], RIVALS, True)
     assert known_before(true) == known_before(false)
-    assert [true[k]["starts"] for k in TOLD] != [false[k]["starts"] for k in TOLD]  # these are theirs
-    assert true["leads_to"] == SAME
+    starts, others = ({k: v.tolist() for k, v in fold.after.starts.items()} for fold in (true, false))
+    assert starts != others  # these are theirs
+    assert true.leads_to == SAME
 
 
 @pytest.mark.parametrize("leak", ["their readings are fitted", "the start is the optimum of all"])
@@ -207,13 +209,13 @@ def test_what_was_done_is_said(workshop: Workshop) -> None:
 
 def test_a_store_gives_back_the_same_to_the_last_bit(workshop: Workshop) -> None:
     (_, out), _ = folds(workshop.trials)
-    said = folded(workshop, out, [RUB], [], False)
-    there, back = Predictions.from_json(said), Predictions.from_json(json.loads(json.dumps(plain(said))))
+    there = folded(workshop, out, [RUB], [], False)
+    back = again(json.loads(json.dumps(plain(plainly(there)))), Predictions)
     for trial in workshop.trials[:2]:
         for name in TOLD:
             rows = [getattr(f, name).residual(workshop.model, trial) for f in (there, back)]
             np.testing.assert_array_equal(*rows)
-    assert back.as_json() == there.as_json()
+    assert plainly(back) == plainly(there)
 
 
 def test_a_rival_predicts_what_was_kept_aside_too(workshop: Workshop) -> None:

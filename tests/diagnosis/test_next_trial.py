@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from spacerobot.diagnosis.answer.next_trial import Variant, apart, furthest
+from spacerobot.diagnosis.answer.next_trial import apart, furthest
 from spacerobot.diagnosis.answer.verdict import alternative
+from spacerobot.diagnosis.machines.contract import Variant
 from spacerobot.diagnosis.selection.penalty import PENALTY, score
 
 
@@ -18,7 +19,16 @@ def explanation(slope: float) -> Any:
 
 
 class Ruler:
-    """A machine that shows slope times start at every reading."""
+    """A machine that shows slope times start at every reading; its starts can be made larger."""
+
+    def __init__(self, *sizes: float) -> None:
+        self.sizes = sizes
+
+    def nuisances(self, trial: Any) -> Any:
+        return [SimpleNamespace(rate=True)]
+
+    def variants(self, trial: Any) -> Any:
+        return [Variant({"size": size}, self, rates=size) for size in self.sizes]  # type: ignore[arg-type]
 
     def trial_mechanism(self, hypothesis: Any, z: float, trial: Any) -> float:
         return z
@@ -27,24 +37,28 @@ class Ruler:
         return SimpleNamespace(blocks=[np.full((1, 4), mechanism * start[0])])
 
 
-def plays(size: float, weight: float = 10.0) -> Any:
-    return [(Ruler(), SimpleNamespace(blocks=[SimpleNamespace(weight=np.full((1, 4), weight))]), np.array([size]))]
+def shown(size: float, weight: float = 10.0) -> float | None:
+    trial: Any = SimpleNamespace(id="one", blocks=[SimpleNamespace(weight=np.full((1, 4), weight))])
+    return apart(PAIR, Variant({}, Ruler()), [trial], {"one": np.array([size])})  # type: ignore[arg-type]
 
 
 PAIR: Any = [explanation(1.0), explanation(1.5)]
 
 
 def test_apart_counts_sensor_sigmas() -> None:
-    assert apart(PAIR, plays(2.0)) == pytest.approx(np.sqrt(4 * (0.5 * 2.0 * 10.0) ** 2))
-    assert apart(PAIR, plays(2.0, weight=0.0)) == 0.0, "readings that do not count tell nothing"
+    assert shown(2.0) == pytest.approx(np.sqrt(4 * (0.5 * 2.0 * 10.0) ** 2))
+    assert shown(2.0, weight=0.0) == 0.0, "readings that do not count tell nothing"
 
 
 def test_the_furthest_is_neither_the_first_nor_the_last() -> None:
-    some = [Variant({"k": k}, plays(size)) for k, size in enumerate((1.0, 5.0, 2.0))]
-    best, distance = furthest(PAIR, some)
-    assert best is some[1]
-    assert distance == apart(PAIR, plays(5.0))
-    assert furthest(PAIR, some, least=1e9) == (None, 1e9)
+    trial: Any = SimpleNamespace(id="one", blocks=[SimpleNamespace(weight=np.full((1, 4), 10.0))])
+    machine: Any = Ruler(1.0, 5.0, 2.0)
+    best, distance, here = furthest(PAIR, machine, [trial], {"one": np.ones(1)})
+    assert best is not None
+    assert best.change == {"size": 5.0}
+    assert (distance, here) == (shown(5.0), shown(1.0))
+    alike: Any = Ruler(1.0, 0.5)
+    assert furthest(PAIR, alike, [trial], {"one": np.ones(1)}) == (None, here, here), "no trial tells more than these"
 
 
 def fitted(cost: float, *, freed: tuple[str, ...] = (), moved: float = 0.0) -> Any:

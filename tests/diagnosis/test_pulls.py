@@ -13,13 +13,12 @@ import pytest
 
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.fitting.normal_equations import Normal
-from spacerobot.diagnosis.machines.contract import Nuisance, Predicted
-from spacerobot.diagnosis.machines.machine import Model, conditions_of
-from spacerobot.diagnosis.machines.sizes import Sizes
+from spacerobot.diagnosis.machines.contract import Machine, Nuisance, Predicted, conditions_of
 from spacerobot.diagnosis.terms.data import Block, TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed, hypothesis
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Coordinate
+from spacerobot.effects.sizes import Sizes
 
 TIME = np.linspace(0.0, 2.0, 60)
 SIGMA = np.array([1e-3, 4e-3])
@@ -27,7 +26,7 @@ BELIEVED = {"one.mass": 2.0, "two.mass": 5.0}
 DOUBT = {"one.mass": 0.003, "two.mass": 0.002}
 
 
-class Lines(Model):
+class Lines(Machine):
     """x(t) = x0 + v0 t + one sin(3 t) + two t^2 / 10, and y(t) = x0 + one cos(2 t) / 5."""
 
     metric = "lines"

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from spacerobot.diagnosis.selection.shown import at_bound, not_shown
+from spacerobot.diagnosis.selection.nameable import at_bound, not_shown
 from spacerobot.diagnosis.terms.hypothesis import Site
 from spacerobot.effects.effect import Parameter
 from spacerobot.effects.registry import all_effects

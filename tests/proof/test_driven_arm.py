@@ -14,7 +14,7 @@ import pytest
 
 from spacerobot.diagnosis.fitting.noise import rms_of
 from spacerobot.diagnosis.machines.choose import models_for
-from spacerobot.diagnosis.machines.machine import Model
+from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.selection.bench import Bench
 from spacerobot.model.library import load
 from spacerobot.proof.code_hash import ELSEWHERE, code_hashes, group
@@ -107,7 +107,7 @@ def left_over(folder: Path) -> dict[str, float]:
     return out
 
 
-def _noise(model: Model) -> float:
+def _noise(model: Machine) -> float:
     (noise,) = model.expected({}).values()
     return noise
 

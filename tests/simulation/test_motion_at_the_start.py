@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from spacerobot.simulation.parts import EffectAt, Motion, Servo, Target, Wrist
 from spacerobot.simulation.scene import Scene
-from spacerobot.simulation.scene_file import scene_from_text, scene_text
+from spacerobot.simulation.scene_file import scene_from_text
 from spacerobot.simulation.simulate import simulate
 from spacerobot.support.errors import InputError
 
@@ -103,8 +103,8 @@ def test_both_backends_agree_on_a_body_that_sloshes() -> None:
 def test_a_scene_file_keeps_it() -> None:
     motion = Motion(base_spin=(0.0, 0.1, 0.0), joint_rates={"S1": 0.2}, carried={"target.slosh": (0.01, 0.0)})
     scene = replace(CHASER, motion=motion, effects=(slosh(),))
-    assert scene_from_text(scene_text(scene)).motion == motion
-    assert "motion" not in scene_text(CHASER)
+    assert scene_from_text(scene.to_toml()).motion == motion
+    assert "motion" not in CHASER.to_toml()
 
 
 @pytest.mark.parametrize(

@@ -10,14 +10,12 @@ from typing import TypeVar
 import numpy as np
 
 from spacerobot.diagnosis.answer.record import Alternative, placed
+from spacerobot.diagnosis.answer.verdict import RIVALS
 from spacerobot.diagnosis.selection.candidate import Candidate
 from spacerobot.diagnosis.selection.part_result import Part
 from spacerobot.diagnosis.terms.kinds import AMBIGUOUS
 
 T = TypeVar("T")
-
-LISTED = 5
-"""Rivals that a verdict lists."""
 
 SETS = 32
 """Sets that an ambiguous verdict lists: those first in which fewest parts have another explanation than the best."""
@@ -34,7 +32,7 @@ def alternatives(parts: Sequence[Part], verdict: str) -> list[Alternative]:
         for part in parts:
             sites = part.fit.hypothesis.label
             others = [c for c in part.growth.considered if c.sites and c.label != sites]
-            out += [_alternative([(part, c)]) for c in others[: max(1, LISTED // len(parts))]]
+            out += [_alternative([(part, c)]) for c in others[: max(1, RIVALS // len(parts))]]
         return out
     choices = [[(p, c) for c in (p.chosen, *p.rivals)] for p in parts]
     ordered = itertools.chain.from_iterable(sets(choices, others) for others in range(len(parts) + 1))

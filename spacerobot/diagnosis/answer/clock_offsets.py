@@ -7,8 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from spacerobot.diagnosis.answer.record import ClockOffset, Value
-from spacerobot.diagnosis.fitting.fitted import Fit
-from spacerobot.diagnosis.fitting.interval import NORMAL_95
+from spacerobot.diagnosis.fitting.fitted import NORMAL_95, Fit
 from spacerobot.diagnosis.fitting.normal_equations import Normal
 from spacerobot.diagnosis.fitting.workshop import Workshop
 from spacerobot.diagnosis.machines.contract import CLOCK

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 
 from spacerobot.diagnosis.answer.record import ClockOffset, Event, Value
 from spacerobot.diagnosis.locate.velocity_jump import jump
-from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
-from spacerobot.diagnosis.machines.machine import Model
+from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.machines.touch import Moment
 from spacerobot.recordings.recording import Recording
 from spacerobot.recordings.series import Series
@@ -41,17 +40,16 @@ class Touch:
         )
 
 
-def touches(models: Sequence[Model]) -> list[Touch]:
+def touches(models: Sequence[Machine]) -> list[Touch]:
     """Of every trial whose joints were logged, the moment at which its torque balance is first shaken."""
     found: dict[str, Touch] = {}
-    done = set()
+    done: set[tuple[object, ...]] = set()
     for model in models:
-        if not isinstance(model, InverseDynamics):
-            continue
-        log = (model.joints, *dict.fromkeys(t.recorded for t in model.trials))
+        log = (type(model), model.given, *dict.fromkeys(t.recorded for t in model.trials))
         if log not in done:  # the joints of one log share their shocks
             done.add(log)
-            found |= {trial: Touch(trial, model.sensor, moment) for trial, moment in model.shocks().items()}
+            stream = model.trials[0].blocks[0].stream
+            found |= {trial: Touch(trial, stream, moment) for trial, moment in model.shocks().items()}
     return list(found.values())
 
 

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from spacerobot.diagnosis.answer.record import Learned, Like, Table, Value
+from spacerobot.diagnosis.fitting.fitted import NORMAL_95
 from spacerobot.diagnosis.learning.bands import band
 from spacerobot.diagnosis.learning.describe import describe
 from spacerobot.diagnosis.learning.learn import Learnt
-
-NORMAL = 1.959964
-"""97.5 % point of the normal distribution."""
 
 VARIABLES = {"d": ("displacement", "m"), "v": ("rate", "m/s"), "z": ("force remembered", "N")}
 
@@ -25,7 +23,7 @@ def learned_law(learnt: Learnt) -> Learned:
     }
     for name, (value, error, of) in (told.parameters if told else {}).items():
         known = error == error  # a place or a width has no error of its own
-        ends = (value - NORMAL * error, value + NORMAL * error) if known else None
+        ends = (value - NORMAL_95 * error, value + NORMAL_95 * error) if known else None
         numbers[name] = Value(value=value, ci95=ends, unit=of)
     return Learned(
         where=curve.site.where,

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from spacerobot.diagnosis.machines.machine import Model
+from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.selection.part_result import Part
 from spacerobot.diagnosis.terms.hypothesis import Hypothesis, hypothesis
 from spacerobot.effects.registry import effect
@@ -38,7 +38,7 @@ class Found:
     values: Mapping[str, float]
     effects: tuple[tuple[str, str], ...]
 
-    def hypothesis(self, model: Model) -> tuple[Hypothesis, np.ndarray]:
+    def hypothesis(self, model: Machine) -> tuple[Hypothesis, np.ndarray]:
         """It as a hypothesis of a study's model, with the parameters that make it what was found.
 
         Raises:

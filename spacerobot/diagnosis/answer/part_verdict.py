@@ -15,14 +15,26 @@ from spacerobot.diagnosis.answer.alternatives import alternatives
 from spacerobot.diagnosis.answer.events import clocks, touches
 from spacerobot.diagnosis.answer.held_out import of_parts
 from spacerobot.diagnosis.answer.mended_model import FILE, RUNS
+from spacerobot.diagnosis.answer.next_trial import WHY_PART, next_trial
 from spacerobot.diagnosis.answer.not_predicted import not_predicted
-from spacerobot.diagnosis.answer.part_next_trial import next_trial
-from spacerobot.diagnosis.answer.record import FORMAT, Believed, Detectable, Effect, FoundModel, Moved, Number, Verdict
+from spacerobot.diagnosis.answer.record import (
+    FORMAT,
+    Believed,
+    Detectable,
+    Effect,
+    FoundModel,
+    Moved,
+    NextExperiment,
+    Number,
+    Verdict,
+)
 from spacerobot.diagnosis.answer.verdict import all_moved, detectable, fitted_effects, moved_values, pattern
 from spacerobot.diagnosis.locate.located import LEVEL
 from spacerobot.diagnosis.selection.check import why_not
+from spacerobot.diagnosis.selection.nested_laws import least_alike
 from spacerobot.diagnosis.selection.part_limits import PartLimits
 from spacerobot.diagnosis.selection.part_result import Part, balance
+from spacerobot.diagnosis.terms.candidates import contains
 from spacerobot.diagnosis.terms.kinds import (
     AMBIGUOUS,
     NAMED,
@@ -50,7 +62,7 @@ def verdict_of(study: Study, parts: Sequence[Part], *, seed: int, seconds: float
     said = (AMBIGUOUS, NAMED) if verdict == AMBIGUOUS else (verdict,)
     speaking = [p for p, v in zip(parts, own, strict=True) if v in said]
     effects = [e for p in speaking for e in lacked(p, len(parts))] if verdict == NAMED else []
-    further = [next_trial(p) for p, v in zip(parts, own, strict=True) if v == AMBIGUOUS]
+    further = [next_trial_of(p) for p, v in zip(parts, own, strict=True) if v == AMBIGUOUS]
     seen = touches([p.model for p in parts])
     return Verdict(
         format=FORMAT,
@@ -84,6 +96,20 @@ def verdict_of(study: Study, parts: Sequence[Part], *, seed: int, seconds: float
         clocks=clocks(study, seen),
         parts=[_alone(p, v) for p, v in zip(parts, own, strict=True)],
     )
+
+
+TRIALS = 6
+"""Recorded pieces that are varied for the next trial, evenly over all."""
+
+
+def next_trial_of(part: Part) -> NextExperiment | None:
+    """The one under which the chosen explanation and its best rival differ most; None where there is no rival."""
+    if not part.rivals:
+        return None
+    rival = min(part.rivals, key=lambda c: c.error)
+    other = least_alike(rival.fit) if contains(rival.label, part.chosen.label) else rival.fit
+    trials = part.trials[:: max(1, len(part.trials) // TRIALS)]
+    return next_trial((part.fit, other), part.model, trials, part.fit.initials(), why=WHY_PART, part=part.name)
 
 
 def _known(parts: Sequence[Part]) -> set[str]:

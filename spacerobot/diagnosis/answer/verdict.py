@@ -27,8 +27,7 @@ from spacerobot.diagnosis.answer.record import (
     said_name,
 )
 from spacerobot.diagnosis.answer.spoiled import left_out, noise_told
-from spacerobot.diagnosis.fitting.fitted import Fit
-from spacerobot.diagnosis.fitting.interval import Intervals, interval
+from spacerobot.diagnosis.fitting.fitted import Fit, Intervals, interval
 from spacerobot.diagnosis.learning.learn import Learnt
 from spacerobot.diagnosis.locate.located import LEVEL, Located, Row
 from spacerobot.diagnosis.machines.wrist_rig import RigModel

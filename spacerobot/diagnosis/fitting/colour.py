@@ -109,7 +109,7 @@ def _series(trials: Sequence[TrialData], fit: Fit, influence: Influence) -> Iter
 
 def _lagged(x: np.ndarray, lag: int) -> np.ndarray:
     """Products of values so many samples apart, along the last axis."""
-    return x[..., : x.shape[-1] - lag] * x[..., lag:]
+    return np.asarray(x[..., : x.shape[-1] - lag] * x[..., lag:])
 
 
 def _levels(series: Sequence[_Series]) -> dict[str, float]:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, Protocol, TypeVar
+from typing import Any, Protocol, TypeVar, cast
 
+import msgspec
 import numpy as np
 
 from spacerobot.diagnosis.fitting.fitted import Fit, TrialFit
@@ -88,6 +89,16 @@ def from_json(kept: dict[str, Any], fitter: Fitter, made: Hypothesis) -> Fit | N
     )
 
 
+def plainly(found: Any) -> Any:
+    """What a store holds of typed records: tables and lists."""
+    return msgspec.to_builtins(found, enc_hook=lambda array: array.tolist())
+
+
+def again(kept: Any, of: Any) -> Any:
+    """What was kept by `plainly`, of this type; to the last bit."""
+    return msgspec.convert(kept, of, strict=False, dec_hook=lambda _, listed: np.array(listed))
+
+
 class Kept:
     """A store of one model's fits and predictions, each under everything that decides it.
 
@@ -124,9 +135,7 @@ class Kept:
         fit: Fit,
         about: Sequence[Any],
         compute: Callable[[], T],
-        *,
-        written: Callable[[T], Any] = lambda found: found,
-        read: Callable[[Any], T] = lambda kept: kept,
+        of: Any,
     ) -> T:
         """Whatever follows from a fit, kept or computed.
 
@@ -135,16 +144,16 @@ class Kept:
             fit: that it follows from.
             about: whatever else decides it.
             compute: it.
-            written, read: it as JSON holds it, and back.
+            of: its type.
         """
         if self.store is None:
             return compute()
         name = self._name(kind, fit.hypothesis, [fit.z.tolist(), *about])
         kept = self.store.load(name)
         if kept is not None:
-            return read(kept)
+            return cast(T, again(kept, of))
         found = compute()
-        self.store.save(name, written(found))
+        self.store.save(name, plainly(found))
         return found
 
     def _name(self, kind: str, made: Hypothesis, about: Sequence[Any]) -> str:

@@ -350,5 +350,5 @@ def _slope(shown: Callable[[float], np.ndarray], base: np.ndarray, step: float, 
         except SimulationError:
             continue
     if len(found) == 2:
-        return 0.5 * (found[0] + found[1])
+        return np.asarray(0.5 * (found[0] + found[1]))
     return found[0] if found else np.zeros_like(base)

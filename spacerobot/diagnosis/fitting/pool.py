@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
-from spacerobot.diagnosis.fitting.fit_store import Store, as_json, from_json, task_name
+from spacerobot.diagnosis.fitting.fit_store import Store, again, as_json, from_json, plainly, task_name
 from spacerobot.diagnosis.fitting.fitted import Fit
-from spacerobot.diagnosis.fitting.workshop import Task, Workshop
+from spacerobot.diagnosis.fitting.workshop import MakeModel, Task, Workshop
 from spacerobot.diagnosis.machines.wrist_rig import RigModel
 from spacerobot.diagnosis.terms.hypothesis import hypothesis
 from spacerobot.effects.registry import load_file
@@ -32,7 +32,7 @@ R = TypeVar("R")
 _workshop: Workshop | None = None
 
 
-def _open(study: Study, make_model: Callable[[Study, Any], Any], files: tuple[str, ...]) -> None:
+def _open(study: Study, make_model: MakeModel, files: tuple[str, ...]) -> None:
     global _workshop
     begin()
     for file in files:
@@ -84,7 +84,7 @@ class Shipment:
 
     key: str
     study: Study
-    make_model: Callable[[Study, Any], Any]
+    make_model: MakeModel
     files: tuple[str, ...]
     task: Task
 
@@ -209,23 +209,25 @@ class Pool:
 
         return Waiting(result, future)
 
-    def kept_aside(self, about: Sequence[Any], work: Callable[..., R], *arguments: Any) -> Waiting[R]:
-        """The same for a result that JSON can hold: not done again where the store holds it.
+    def kept_aside(self, of: type[R], about: Sequence[Any], work: Callable[..., R], *arguments: Any) -> Waiting[R]:
+        """The same for a result that a store can hold: not done again where it does.
 
         Args:
+            of: the result's type.
             about: all that decides the result, beside the study.
             work, arguments: as of `aside`.
         """
         name = "kept-" + combined_hash(*about)
-        known = None if self._store is None else self._store.load(name)
-        if known is not None:
+        kept = None if self._store is None else self._store.load(name)
+        if kept is not None:
+            known: R = again(kept, of)
             return Waiting(lambda: known)
         begun = self.aside(work, *arguments)
 
         def result() -> R:
             found = begun()
             if self._store is not None:
-                self._store.save(name, found)
+                self._store.save(name, plainly(found))
             return found
 
         return Waiting(result, begun.future)

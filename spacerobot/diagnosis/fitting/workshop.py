@@ -5,7 +5,6 @@ from __future__ import annotations
 import copy
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -16,7 +15,7 @@ from spacerobot.diagnosis.fitting.labels import rightly_labelled
 from spacerobot.diagnosis.fitting.spoiled import cleaned
 from spacerobot.diagnosis.fitting.starts import fit_from, fit_near
 from spacerobot.diagnosis.machines.wrist_rig import RigModel, readable
-from spacerobot.diagnosis.terms.data import trial_data
+from spacerobot.diagnosis.terms.data import TrialData, trial_data
 from spacerobot.diagnosis.terms.hypothesis import Label, Site
 from spacerobot.effects.registry import effect
 from spacerobot.recordings.study import Study
@@ -24,6 +23,10 @@ from spacerobot.support.errors import InputError, SimulationError
 
 Only = tuple[tuple[tuple[str, str], tuple[str, ...]], ...]
 """Effects and places that act in some trials alone, and which."""
+
+
+MakeModel = Callable[[Study, tuple[TrialData, ...]], RigModel]
+"""From a study and its trials, as fits read them, to the rig."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +71,7 @@ class Workshop:
     """What a worker needs: the model, its trials, and a fitter."""
 
     study: Study
-    make_model: Callable[[Study, Any], Any] = RigModel
+    make_model: MakeModel = RigModel
     made: Fitter | None = None
 
     def __post_init__(self) -> None:

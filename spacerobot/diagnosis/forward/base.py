@@ -48,7 +48,7 @@ class ChannelOverlay(Brief):
     @property
     def residual(self) -> np.ndarray:
         """Predicted minus measured, shape (T,)."""
-        return self.simulated - self.measured
+        return np.asarray(self.simulated - self.measured)
 
     def to_frame(self) -> pandas.DataFrame:
         """Measured, simulated and residual over time, SI, as a table of pandas.

@@ -172,7 +172,7 @@ class DrivenAxis(ForwardModel):
         if self._springy:
             return time[:1]
         count = max(1, int(np.ceil((time[-1] - time[0]) / RESTART - 0.1)))
-        return time[0] + RESTART * np.arange(count)
+        return np.asarray(time[0] + RESTART * np.arange(count))
 
 
 def start_state(time: np.ndarray, value: np.ndarray, start: float, span: float) -> tuple[float, float]:

@@ -13,7 +13,7 @@ from spacerobot.diagnosis.answer.mended_model import read_model
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.forward.base import ChannelOverlay, ForwardModel, TrialOverlay, Value, unit_of
 from spacerobot.diagnosis.machines.choose import models_for, some_models_for
-from spacerobot.diagnosis.machines.machine import Model
+from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.selection.bench import STEPS
 from spacerobot.diagnosis.selection.held_out import start_of
 from spacerobot.diagnosis.terms.data import TrialData
@@ -35,7 +35,7 @@ class Parts(ForwardModel):
     kind = "the machines of a diagnosis, part by part, as they are believed"
 
     study: Study
-    parts: tuple[tuple[Model, Hypothesis, np.ndarray], ...]
+    parts: tuple[tuple[Machine, Hypothesis, np.ndarray], ...]
 
     @classmethod
     def applies(cls, study: Study) -> bool:
@@ -147,7 +147,7 @@ def _unit(name: str) -> str:
     return ""
 
 
-def _believed(model: Model) -> tuple[Hypothesis, np.ndarray]:
+def _believed(model: Machine) -> tuple[Hypothesis, np.ndarray]:
     """A part without effects, its values as believed; those that are unknown as they fit best."""
     made = hypothesis(replace(model.believed, sigma={}), ())
     if not made.free:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -17,6 +16,8 @@ from spacerobot.diagnosis.selection.kept_aside import Unseen
 from spacerobot.diagnosis.selection.rig_fold import Predictions, unseen_of
 from spacerobot.diagnosis.selection.search_state import Report
 from spacerobot.diagnosis.selection.unseen import foretell
+from spacerobot.diagnosis.terms.data import TrialData
+from spacerobot.diagnosis.terms.hypothesis import Hypothesis
 from spacerobot.diagnosis.terms.kinds import LEARNED, SAME
 from spacerobot.effects.learned import Kind, Variable
 
@@ -84,7 +85,7 @@ def learn(pool: Pool, beside: Fit, report: Report) -> Learnt | None:
     return Learnt(best, lead, _held(pool, best, beside, report))
 
 
-def _first(pool: Pool, beside: Fit) -> tuple[Any, Any, Any]:
+def _first(pool: Pool, beside: Fit) -> tuple[Hypothesis, np.ndarray, TrialData]:
     return beside.hypothesis, beside.z, pool.workshop.trials[0]
 
 
@@ -99,13 +100,11 @@ def _held(pool: Pool, curve: Curve, beside: Fit, report: Report) -> Unseen | Non
     done = []
     for number, waiting in enumerate(begun):
         report("learning it again without a part of the trials", number, len(begun))
-        done.append(Predictions.from_json(waiting()))
+        done.append(waiting())
     return unseen_of(pool.workshop, done)
 
 
-def _fold(
-    workshop: Workshop, out: tuple[str, ...], beside: Task, where: str, kind: Kind, of: Variable
-) -> dict[str, Any]:
+def _fold(workshop: Workshop, out: tuple[str, ...], beside: Task, where: str, kind: Kind, of: Variable) -> Predictions:
     rest = workshop.but_for(out)
     unseen = [t for t in workshop.trials if t.id in out]
     baseline = rest.run(Task((), {}))
@@ -113,4 +112,4 @@ def _fold(
     curve = None if start is None else fit_curve(rest, start, where, kind, of)
     before = foretell(workshop.model, baseline, unseen)
     after = foretell(workshop.model, None if curve is None else curve.fit, unseen)
-    return Predictions(out, before, after, after, SAME).as_json()
+    return Predictions(out, before, after, after, SAME)

@@ -11,9 +11,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from spacerobot.diagnosis.locate.geometry import TARGET, WRIST, YAW, bulge, push
-from spacerobot.diagnosis.locate.integral import Integral, total
-from spacerobot.diagnosis.locate.laws import depth_of, linear_coefficients, slopes, values
+from spacerobot.diagnosis.locate.laws import (
+    TARGET,
+    WRIST,
+    YAW,
+    bulge,
+    depth_of,
+    linear_coefficients,
+    push,
+    slopes,
+    values,
+)
+from spacerobot.diagnosis.locate.samples import Integral, total
 from spacerobot.diagnosis.locate.weak_trial import WeakTrial
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Force

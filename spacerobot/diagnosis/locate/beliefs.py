@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from spacerobot.diagnosis.locate.balances import Balance
+from spacerobot.diagnosis.machines.contract import Baseline
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed
 
@@ -16,6 +17,11 @@ STEP = 1e-3
 
 FREE = 3.0
 """A value that is not stated, or whose job is to absorb what is left out, counts as wrong by this many times itself."""
+
+
+def believed_values(model: Baseline, trial: TrialData) -> dict[str, float]:
+    """The values as believed, the trial's overrides on top."""
+    return {**model.believed.unknown, **model.base, **trial.overrides}
 
 
 def deviations(believed: Believed, values: Mapping[str, float], trials: Sequence[TrialData]) -> dict[str, float]:

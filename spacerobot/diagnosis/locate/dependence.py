@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from spacerobot.diagnosis.locate.balances import BODY, LAW, STILL, Balance
 from spacerobot.diagnosis.locate.laws import depth_of, linear_coefficients
+from spacerobot.diagnosis.locate.prepared import Prepared
 from spacerobot.diagnosis.locate.weak_trial import WeakTrial
 from spacerobot.effects.mechanism import Mechanism
 
@@ -156,10 +156,10 @@ def known_load(weak: WeakTrial, mechanism: Mechanism, balance: Balance) -> np.nd
         if linear is not None and set(row) <= set(weak.observers.solution):
             out += factor * linear[0] * weak.port_state(dict(row), weak.nodes).moved
     time, load = weak.shaking(mechanism, names, 1.0)
-    return out + np.interp(weak.nodes, time, load)
+    return np.asarray(out + np.interp(weak.nodes, time, load))
 
 
-def extents(prepared: Mapping[str, Any]) -> dict[str, Extent]:
+def extents(prepared: Mapping[str, Prepared]) -> dict[str, Extent]:
     """Balance -> how far it went over all trials (`Prepared` by id)."""
     out: dict[str, Extent] = {}
     for one in prepared.values():

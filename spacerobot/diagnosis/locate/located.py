@@ -10,6 +10,9 @@ import numpy as np
 ALL = "all"
 """The phase of a row that takes the whole trial together."""
 
+BINS = 15
+"""Of a surface."""
+
 LEVEL = 0.01
 """p below which a row counts as found."""
 

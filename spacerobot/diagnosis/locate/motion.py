@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from spacerobot.diagnosis.locate.driven import Driven, driven
-from spacerobot.diagnosis.locate.geometry import TARGET, WRIST, YAW, push
+from spacerobot.diagnosis.locate.laws import TARGET, WRIST, YAW, push
 from spacerobot.diagnosis.locate.phases import Touches, phases_of, touches_in_force, touches_in_penetration
 from spacerobot.diagnosis.locate.readings import NothingToBalance, Observers, Series, State, Track, observers, series_of
 from spacerobot.diagnosis.locate.smoothing import Pieces, Smooth
@@ -138,7 +138,7 @@ class Motion:
         """The softened contact force at any times [N]; zero where it is not measured."""
         if self.force is None:
             return np.zeros(times.shape)
-        return np.interp(times, self.force.time, self.soft_force)
+        return np.asarray(np.interp(times, self.force.time, self.soft_force))
 
     def shaking(self, mechanism: Mechanism, coordinates: Sequence[str], mass: float) -> tuple[np.ndarray, np.ndarray]:
         """Times (T,) and the known load on some coordinates over a mass [m/s^2 or rad/s^2], shape (T,) each.

@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from spacerobot.diagnosis.locate.beliefs import STEP, deviations
-from spacerobot.diagnosis.locate.locate import believed_values, locate
+from spacerobot.diagnosis.locate.beliefs import STEP, believed_values, deviations
+from spacerobot.diagnosis.locate.locate import locate
 from spacerobot.diagnosis.locate.located import Located
 from spacerobot.diagnosis.locate.readings import LEAST
 from spacerobot.diagnosis.locate.series import BalanceSeries, locate_series
+from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
-from spacerobot.diagnosis.machines.machine import Model
 from spacerobot.diagnosis.machines.platform import Platform
 from spacerobot.diagnosis.machines.simulated import Simulated
 from spacerobot.diagnosis.machines.test_functions import Bump
-from spacerobot.diagnosis.terms.data import Block, TrialData, piece_id, recorded_id
-from spacerobot.support.errors import InputError
+from spacerobot.diagnosis.terms.data import Block, TrialData, piece_id
 
 DRIVE = "recorded drive"
 """Stream name of the inputs that are put among a trial's channels."""
@@ -35,56 +34,33 @@ DRIVE_NOISE = 0.01
 """Noise of a recorded drive as a share of its rms; how much matters little where the noise is not known."""
 
 
-def has_balance(model: Model) -> bool:
-    """Whether a model has balances to be tested."""
-    return isinstance(model, InverseDynamics | Simulated | Platform)
-
-
-def locate_model(
-    model: Model,
-    values_by_trial: Mapping[str, Mapping[str, float]] | None = None,
-    *,
-    trials: Sequence[TrialData] = (),
-    seed: int = 0,
-) -> Located:
-    """Test a general model's balances; the noise is taken as unknown.
+def locate_model(model: Machine, trials: Sequence[TrialData] = ()) -> Located | None:
+    """Test a general model's balances; the noise is taken as unknown. None where it has none of its own.
 
     Args:
         model: from `models.choose`.
-        values_by_trial: trial id -> values to balance with; as believed where absent.
         trials: the model's own, under the weights that a fit has given them; what believed values may be wrong by is
             weighed against these.
-        seed: of random sign flips.
 
     Raises:
-        InputError: a model without balances.
-        NothingToBalance: every trial is too short for one.
+        NothingToBalance: every trial is too short for a balance.
     """
     if isinstance(model, InverseDynamics):
-        return locate_series(joint_series(model, values_by_trial, trials), seed=seed)
+        return locate_series(joint_series(model, trials or model.trials))
     if isinstance(model, Platform):
-        return locate_series(track_series(model, values_by_trial), seed=seed)
+        return locate_series(track_series(model))
     if isinstance(model, Simulated):
         pieces = tuple(p for t in model.recorded.values() for p in _pieces(_with_drive(model, t)))
-        if values_by_trial is None:
-            return locate(model, pieces, believed_values(model, pieces), noise_known=False, seed=seed)
-        by_trial = {recorded_id(name): v for name, v in values_by_trial.items()}
-        whole = {p.id: by_trial[p.recorded] for p in pieces}
-        return locate(model, pieces, whole, noise_known=False, seed=seed)
-    raise InputError("this model has no balance of its own", given=model.name)
+        return locate(model, pieces, noise_known=False)
+    return None
 
 
-def joint_series(
-    model: InverseDynamics,
-    values_by_trial: Mapping[str, Mapping[str, float]] | None = None,
-    trials: Sequence[TrialData] = (),
-) -> list[BalanceSeries]:
+def joint_series(model: InverseDynamics, trials: Sequence[TrialData]) -> list[BalanceSeries]:
     """The torque balances of joint logs, a series for each joint and piece; `trials` as in `locate_model`."""
-    values = values_by_trial or believed_values(model, model.trials)
     none = np.zeros(0)
     out = []
-    for trial in trials or model.trials:
-        own = values[trial.id]
+    for trial in trials:
+        own = believed_values(model, trial)
         base = model.predict(model.mechanism(own, trial), trial, none).blocks[0]
         moved = {}
         for name, size in deviations(model.believed, own, model.trials).items():
@@ -113,18 +89,15 @@ def joint_series(
     return out
 
 
-def track_series(
-    model: Platform, values_by_trial: Mapping[str, Mapping[str, float]] | None = None
-) -> list[BalanceSeries]:
+def track_series(model: Platform) -> list[BalanceSeries]:
     """The force and torque balances of a floating base: what its track needs beyond what momentum gives it.
 
     The common motion of track and prediction, and with it any error of the start, has no second derivative: none is
     left in the test functions' integrals.
     """
-    values = values_by_trial or believed_values(model, model.trials)
     out = []
     for trial in model.trials:
-        mechanism = model.mechanism(values[trial.id], trial)
+        mechanism = model.mechanism(believed_values(model, trial), trial)
         start = np.array([n.guess for n in model.nuisances(trial)])
         shown = model.predict(mechanism, trial, start).blocks
         for (name, coordinate), block, predicted in zip(

@@ -10,7 +10,7 @@ import numpy as np
 
 from spacerobot.diagnosis.locate.balances import Balance, balances
 from spacerobot.diagnosis.locate.beliefs import deviations, directions
-from spacerobot.diagnosis.locate.integral import Integral
+from spacerobot.diagnosis.locate.samples import Integral
 from spacerobot.diagnosis.locate.weak_trial import WeakTrial
 from spacerobot.diagnosis.locate.whitening import Whitener, noise, with_directions
 from spacerobot.diagnosis.machines.contract import Baseline
@@ -76,7 +76,7 @@ class Prepared:
 
     def seen(self, name: str, patterns: np.ndarray) -> np.ndarray:
         """Patterns at the nodes, shape (Q, K), as one balance's kept rows see them, shape (R, K)."""
-        return np.asarray(self.weak.integral(0, patterns))[self.found[name].keep]
+        return np.asarray(self.weak.integral(0, patterns)[self.found[name].keep])
 
     @cached_property
     def suspects(self) -> dict[str, tuple[str, ...]]:

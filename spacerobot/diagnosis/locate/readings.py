@@ -127,7 +127,7 @@ class State:
     @property
     def way(self) -> np.ndarray:
         """Expected sign of v, in (-1, 1), zero at rest, shape (N,)."""
-        return erf(self.moving / (np.sqrt(2.0) * np.maximum(self.v_error, 1e-300)))
+        return np.asarray(erf(self.moving / (np.sqrt(2.0) * np.maximum(self.v_error, 1e-300))))
 
 
 def _clear(time: np.ndarray, value: np.ndarray, error: np.ndarray) -> np.ndarray:

@@ -57,7 +57,7 @@ class Score:
         self.information = self.information + squares.sum(axis=0)
         self._before = self._before + np.square(exact).sum(axis=0)
 
-    def verdict(self, least: float, seed: int, noise_known: bool) -> Verdict | None:
+    def verdict(self, least: float, noise_known: bool) -> Verdict | None:
         """Of the best variant; None where none has more information than `least`.
 
         Where the noise is not known, the units' own spread about the common coefficient stands for it (the sandwich
@@ -83,5 +83,5 @@ class Score:
             error = math.sqrt(float(left @ left) * told / (told - 1.0)) / float(information[k])
             log_p = significance.log_p_student(coefficient / error, told - 1)
         log_p = significance.combined(log_p, int(seen.sum()))
-        p_flips = significance.flip_p(scores[k], seed)
+        p_flips = significance.flip_p(scores[k])
         return Verdict(log_p, coefficient / error, fall, coefficient, error, p_flips, float(self.at[k]))

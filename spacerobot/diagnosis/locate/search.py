@@ -13,7 +13,7 @@ from spacerobot.diagnosis.locate.dependence import FREQUENCY, Extent, Pattern, r
 from spacerobot.diagnosis.locate.located import ALL, Row, Total
 from spacerobot.diagnosis.locate.prepared import Prepared
 from spacerobot.diagnosis.locate.scores import Score, Verdict
-from spacerobot.diagnosis.locate.sensors import faults
+from spacerobot.diagnosis.locate.sensor_faults import faults
 
 Key = tuple[str, str, str]
 """(balance, phase, depends_on)"""
@@ -83,7 +83,7 @@ class Search:
         """The collected scores of one test; `at` distinguishes its variants, shape (V,)."""
         return self.scores.setdefault(key, Score(at))
 
-    def rows(self, seed: int, noise_known: bool = True) -> tuple[Row, ...]:
+    def rows(self, noise_known: bool = True) -> tuple[Row, ...]:
         """All tests, most significant first, corrected for their number.
 
         Where the noise is not known, those found come in the order of how much of their residual they explain.
@@ -92,7 +92,7 @@ class Search:
         for key, score in self.scores.items():
             whole = self.scores.get((key[0], ALL, key[2]))
             least = 0.0 if whole is None else TOO_FAINT * float(np.max(whole.information))
-            found = score.verdict(least, seed, noise_known)
+            found = score.verdict(least, noise_known)
             if found is not None:
                 drafts.append((key, found))
         corrected = significance.holm([v.log_p for _, v in drafts])

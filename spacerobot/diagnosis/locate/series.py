@@ -10,11 +10,9 @@ import numpy as np
 
 from spacerobot.diagnosis.locate import significance
 from spacerobot.diagnosis.locate.dependence import Extent, patterns_of_motion
-from spacerobot.diagnosis.locate.located import ALL, Located, Surface, Total
+from spacerobot.diagnosis.locate.located import ALL, BINS, Located, Surface, Total
 from spacerobot.diagnosis.locate.search import Search
 from spacerobot.support.errors import InputError
-
-BINS = 15
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,13 +52,12 @@ class BalanceSeries:
         return "N m" if self.angular else "N"
 
 
-def locate_series(series: Sequence[BalanceSeries], *, noise_known: bool = False, seed: int = 0) -> Located:
+def locate_series(series: Sequence[BalanceSeries], *, noise_known: bool = False) -> Located:
     """Test the residuals of some balances for what they depend on.
 
     Args:
         series: all trials of all balances.
         noise_known: whether the sigmas are those of the sensors; else the residuals' own spread stands for them.
-        seed: of random sign flips.
 
     Raises:
         InputError: nothing to test.
@@ -90,7 +87,7 @@ def locate_series(series: Sequence[BalanceSeries], *, noise_known: bool = False,
         # noise that is not known accounts for none of it: a pattern's share is one of all that is left over
         search.totals[name] = Total(name, own[0].unit, chi2, freedom if noise_known else 0, p)
         drawn += _surfaces(own)
-    return Located(search.rows(seed, noise_known), tuple(drawn), tuple(search.totals[n] for n in names))
+    return Located(search.rows(noise_known), tuple(drawn), tuple(search.totals[n] for n in names))
 
 
 class _LowRank:

@@ -63,23 +63,23 @@ def combined(log_p: float, tries: int) -> float:
     return math.log(-math.expm1(tries * math.log1p(-min(p, 1.0 - 1e-16))))
 
 
-@functools.lru_cache(maxsize=2)
-def _random_signs(seed: int) -> np.ndarray:
-    rng = np.random.default_rng(seed)
+@functools.cache
+def _random_signs() -> np.ndarray:
+    rng = np.random.default_rng(0)  # always the same: no answer hangs on it
     flips = np.where(rng.random((RANDOM_FLIPS, MOST_UNITS)) < 0.5, -1.0, 1.0).astype(np.float32)
     flips[0] = 1.0
     return flips
 
 
-def sign_flips(units: int, seed: int = 0) -> np.ndarray:
+def sign_flips(units: int) -> np.ndarray:
     """Rows of +-1, the first all +1, shape (B, units): all of them, or as many at random, at most MOST_UNITS."""
     if units <= MOST_EXACT:
         codes = np.arange(2 ** max(units - 1, 0))  # the other half are mirror images
         return 1.0 - 2.0 * ((codes[:, None] >> np.arange(units)) & 1)
-    return _random_signs(seed)[:, :units]
+    return _random_signs()[:, :units]
 
 
-def flip_p(scores: np.ndarray, seed: int = 0) -> float:
+def flip_p(scores: np.ndarray) -> float:
     """Share of sign patterns under which the units' scores, shape (U,), agree at least as well as they do.
 
     Units without any score are left out; of very many, neighbours flip together.
@@ -87,7 +87,7 @@ def flip_p(scores: np.ndarray, seed: int = 0) -> float:
     told = scores[np.abs(scores) > 1e-9 * np.abs(scores).max(initial=0.0)]
     if told.size > MOST_UNITS:
         told = np.add.reduceat(told, np.arange(0, told.size, -(-told.size // MOST_UNITS)))
-    sums = np.abs(sign_flips(told.size, seed) @ (told / max(np.abs(told).max(initial=0.0), 1e-300)))
+    sums = np.abs(sign_flips(told.size) @ (told / max(np.abs(told).max(initial=0.0), 1e-300)))
     return float(np.mean(sums >= sums[0] * (1.0 - 1e-6)))
 
 

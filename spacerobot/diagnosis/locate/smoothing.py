@@ -81,7 +81,7 @@ class Smooth:
 
     def error(self, times: np.ndarray, order: int = 0) -> np.ndarray:
         """Standard error of the same, shape (len(times),)."""
-        return np.sqrt(np.square(_basis(times, self.knots, order) @ self.root).sum(axis=1))
+        return np.asarray(np.sqrt(np.square(_basis(times, self.knots, order) @ self.root).sum(axis=1)))
 
 
 LEAST_SAMPLES = 8

@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 
 from spacerobot.diagnosis.locate.balances import LAW, STILL, Balance
 from spacerobot.diagnosis.locate.laws import depth_of
-from spacerobot.diagnosis.locate.located import Surface
-
-BINS = 15
+from spacerobot.diagnosis.locate.located import BINS, Surface
+from spacerobot.diagnosis.locate.prepared import Prepared
 
 USEFUL = 1e-3
 """Bins with less than this share of the median bin's information are left out."""
 
 
-def surfaces(prepared: Mapping[str, Any], names: Sequence[str]) -> tuple[Surface, ...]:
+def surfaces(prepared: Mapping[str, Prepared], names: Sequence[str]) -> tuple[Surface, ...]:
     """Every balance against displacement and velocity (a contact against penetration, a still port against force)."""
     out = []
     for name in names:
@@ -39,19 +37,22 @@ def _quantities(balance: Balance) -> list[tuple[str, str]]:
     return [("displacement", length), ("velocity", f"{length}/s"), ("force", "N")]
 
 
-def _of(one: Any, balance: Balance, quantity: str) -> np.ndarray:
+def _of(one: Prepared, balance: Balance, quantity: str) -> np.ndarray:
     weak = one.weak
     if quantity == "force" or balance.kind == LAW:
         force = weak.pressing(weak.nodes)
         if quantity == "force":
             return np.asarray(force)
         contact = one.mechanism.contact
+        assert contact is not None  # it is the contact's own law that is balanced
         return depth_of(contact.kernel, contact.p)(force)
     state = weak.port_state(balance.row, weak.nodes)
     return np.asarray(state.moved if quantity == "displacement" else state.moving)
 
 
-def _surface(prepared: Mapping[str, Any], name: str, quantity: str) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+def _surface(
+    prepared: Mapping[str, Prepared], name: str, quantity: str
+) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
     present = [p for p in prepared.values() if name in p.found]
     x = [_of(p, p.found[name], quantity) for p in present]
     low, high = min(float(q.min()) for q in x), max(float(q.max()) for q in x)

@@ -8,12 +8,11 @@ from copy import copy
 import numpy as np
 from scipy.sparse import csr_array
 
-from spacerobot.diagnosis.locate.geometry import push
-from spacerobot.diagnosis.locate.integral import Integral, total
+from spacerobot.diagnosis.locate.laws import push
 from spacerobot.diagnosis.locate.motion import Motion
 from spacerobot.diagnosis.locate.phases import windows_of
 from spacerobot.diagnosis.locate.readings import NothingToBalance, Series, State
-from spacerobot.diagnosis.locate.samples import Grid
+from spacerobot.diagnosis.locate.samples import Grid, Integral, total
 from spacerobot.diagnosis.locate.windows import Splines
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.effects.mechanism import Mechanism

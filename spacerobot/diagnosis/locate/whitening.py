@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from scipy.linalg import solve_triangular
 
-from spacerobot.diagnosis.locate.integral import Integral
+from spacerobot.diagnosis.locate.samples import Integral
 from spacerobot.diagnosis.locate.weak_trial import WeakTrial
 
 RIDGE = 1e-9
@@ -45,4 +45,4 @@ def with_directions(covariance: np.ndarray, directions: Mapping[str, np.ndarray]
     if not directions:
         return covariance
     columns = np.stack(list(directions.values()), axis=1)
-    return covariance + columns @ columns.T
+    return np.asarray(covariance + columns @ columns.T)

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from spacerobot.diagnosis.machines import torque_log
-from spacerobot.diagnosis.machines.machine import FIRST_NOISE, conditions_of
+from spacerobot.diagnosis.machines.contract import FIRST_NOISE, conditions_of
 from spacerobot.diagnosis.machines.simulated import Build, Simulated
 from spacerobot.diagnosis.machines.sizes import sizes_of
 from spacerobot.diagnosis.machines.windows import Drive, band_limited, refinement

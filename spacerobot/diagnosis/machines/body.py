@@ -7,9 +7,9 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from spacerobot.diagnosis.machines.machine import FIRST_NOISE, conditions_of
+from spacerobot.diagnosis.machines.contract import FIRST_NOISE, conditions_of
 from spacerobot.diagnosis.machines.simulated import Build, Simulated
-from spacerobot.diagnosis.machines.sizes import Sizes, sizes_of
+from spacerobot.diagnosis.machines.sizes import sizes_of
 from spacerobot.diagnosis.machines.windows import FOLDS, Drive, held
 from spacerobot.diagnosis.terms.candidates import stood_for
 from spacerobot.diagnosis.terms.data import Block, TrialData
@@ -18,6 +18,7 @@ from spacerobot.effects.laws import DAMPER
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Coordinate, Field, Force, Input, Readout
 from spacerobot.effects.registry import all_effects
+from spacerobot.effects.sizes import Sizes
 from spacerobot.recordings.study import Study
 from spacerobot.recordings.trial import Trial
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from spacerobot.diagnosis.machines.axis import axis_model
 from spacerobot.diagnosis.machines.body import axes_of, body_models
+from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.machines.grid import even_grid
 from spacerobot.diagnosis.machines.impacts import impact_models
 from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
 from spacerobot.diagnosis.machines.links import robot_of
-from spacerobot.diagnosis.machines.machine import Model
 from spacerobot.diagnosis.machines.platform import platform_models
 from spacerobot.diagnosis.machines.prescribed import carried
 from spacerobot.diagnosis.machines.tossed import tossed_models
@@ -19,13 +19,13 @@ from spacerobot.recordings.trial import Trial
 from spacerobot.support.errors import InputError
 
 
-def models_for(study: Study) -> tuple[Model, ...]:
+def models_for(study: Study) -> tuple[Machine, ...]:
     """One model for each part of the study that can be told apart from the others: a joint, a body, a sensor.
 
     Raises:
         InputError: nothing that was recorded can be compared with the baseline.
     """
-    found: list[Model] = []
+    found: list[Machine] = []
     for joints, trials in _logged(study).items():
         if len(joints) == 1 and _sprung(study, joints[0]):
             found.append(axis_of(study, trials, joints[0]))
@@ -46,7 +46,7 @@ def models_for(study: Study) -> tuple[Model, ...]:
     return tuple(found)
 
 
-def some_models_for(study: Study) -> tuple[Model, ...]:
+def some_models_for(study: Study) -> tuple[Machine, ...]:
     """As `models_for`, at least one.
 
     Raises:
@@ -90,7 +90,7 @@ def _sprung(study: Study, joint: str) -> bool:
     return name in study.baseline.unknown or bool(study.value(name))
 
 
-def axis_of(study: Study, trials: list[Trial], joint: str) -> Model:
+def axis_of(study: Study, trials: list[Trial], joint: str) -> Machine:
     """The simulated axis."""
     robot = robot_of(study)
     index = robot.velocity_index(joint)
@@ -98,7 +98,7 @@ def axis_of(study: Study, trials: list[Trial], joint: str) -> Model:
     return axis_model(study, trials, joint, mass, joint_axis(robot.model, robot.joint_id(joint))[0])
 
 
-def balances(study: Study, trials: list[Trial], joints: tuple[str, ...]) -> list[Model]:
+def balances(study: Study, trials: list[Trial], joints: tuple[str, ...]) -> list[Machine]:
     """A torque balance for each joint."""
     robot = robot_of(study)
     fully = all(f"joint.{j}.velocity" in study.recording(t) for j in joints for t in trials)
@@ -109,7 +109,7 @@ def balances(study: Study, trials: list[Trial], joints: tuple[str, ...]) -> list
     values = {n: v for n, v in study.values().items() if n.startswith("joint.")}
     logs = [study.recording(t)[c] for t in trials for c in channels]
     noise = {s.name: s.sigma for s in logs if s.sigma_stated}
-    found: list[Model] = []
+    found: list[Machine] = []
     for joint in joints:
         unknown = [n for n in sorted(study.baseline.unknown) if n.startswith(f"joint.{joint}.")]
         found.append(

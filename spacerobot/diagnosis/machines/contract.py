@@ -1,16 +1,24 @@
-"""What a fit asks of a machine: the wrist rig's answer and every other's are alike."""
+"""The contract of a machine: what locating, fits and a verdict ask of it, whatever it is."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Protocol
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Mapping, Sequence
+from copy import copy
+from dataclasses import dataclass, fields
+from types import MappingProxyType
+from typing import Protocol, Self
 
 import numpy as np
 
+from spacerobot.diagnosis.machines.sizes import scaled
+from spacerobot.diagnosis.machines.touch import Moment
 from spacerobot.diagnosis.terms.data import TrialData
-from spacerobot.diagnosis.terms.hypothesis import Believed, Hypothesis
+from spacerobot.diagnosis.terms.hypothesis import Believed, Hypothesis, Site
+from spacerobot.effects.effect import Effect
 from spacerobot.effects.mechanism import Mechanism
+from spacerobot.effects.registry import all_effects
+from spacerobot.effects.sizes import Sizes
 
 
 @dataclass(frozen=True)
@@ -30,8 +38,31 @@ class Nuisance:
     scale: float
 
 
+FIRST_NOISE = 0.02
+"""Noise of a channel as a share of its own size, before the best model's residual tells it."""
+
+FACTORS = (0.5, 2.0, 3.0)
+"""By how much another trial changes a speed, a drive or a mass."""
+
 CLOCK = "clock:"
 """Starts the name of a nuisance that is a clock's offset [s]: by how much its stream's readings are late."""
+
+
+@dataclass(frozen=True, eq=False)
+class Variant:
+    """Trials as a lab might record them next.
+
+    Attributes:
+        change: what is different, by name; nothing where they are as they were.
+        machine: that shows them.
+        rates, masses, longer: factors on the trials' initial speeds, on the mass that is free, on their length.
+    """
+
+    change: Mapping[str, float | str]
+    machine: Machine
+    rates: float = 1.0
+    masses: float = 1.0
+    longer: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -59,21 +90,115 @@ class Baseline(Protocol):
         ...
 
 
-class Machine(Baseline, Protocol):
-    """Runs hypotheses too: a trial's start, and what its channels would show."""
+class Machine(ABC):
+    """Base of what fits can run. An implementer sets the attributes and gives `mechanism` and `predict`.
 
-    def trial_mechanism(self, hypothesis: Hypothesis, z: np.ndarray, trial: TrialData, /) -> Mechanism:
-        """The mechanism of one trial with a hypothesis' effects in it."""
-        ...
+    Attributes:
+        name: what it models, for reports: a joint, a body, a part of the study.
+        trials: the recordings as this model compares them (filtered, or cut into windows).
+        believed: values with their sigma, and what is unknown, for hypotheses.
+        base: values by dotted name, the trials' overrides apart.
+        sizes: what is typical, by place; "" for all others.
+        stated: channels whose noise the study states; the weights of others come from what the best model leaves.
+        relative_to: values that are not known and take part as 1: forces are told per unit of them.
+        given: channels that it takes as they were recorded: drives, motion that is followed.
+        no_balance: why nothing can be located in its balance, where it has none.
+        metric: what the residual is, for tables, e.g. "torque balance" or "simulated motion".
+    """
 
-    def nuisances(self, trial: TrialData, /) -> tuple[Nuisance, ...]:
+    name: str
+    trials: tuple[TrialData, ...]
+    believed: Believed
+    base: dict[str, float]
+    sizes: Mapping[str, Sizes]
+    metric: str
+    stated: frozenset[str] = frozenset()
+    relative_to: tuple[str, ...] = ()
+    given: frozenset[str] = frozenset()
+    no_balance: str = ""
+    otherwise: Mapping[str, str] = MappingProxyType({})
+    """What else could be measured where no other trial tells more."""
+    free_mass: str = "body.mass"
+    """Name of the mass that another trial may change."""
+
+    @abstractmethod
+    def mechanism(self, values: Mapping[str, float], trial: TrialData) -> Mechanism:
+        """The baseline of one trial with these values."""
+
+    @abstractmethod
+    def predict(self, mechanism: Mechanism, trial: TrialData, initial: np.ndarray) -> Predicted:
+        """What the trial's channels would show; `initial` has one value a nuisance."""
+
+    def expected(self, values: Mapping[str, float]) -> Mapping[str, float]:
+        """Channel -> noise of what is compared [SI], where it is no reading but made of several whose noise is stated.
+
+        Args:
+            values: by dotted name; the believed ones where a name is missing.
+        """
+        return {}
+
+    def nuisances(self, trial: TrialData) -> tuple[Nuisance, ...]:
         """What is free in this trial alone."""
-        ...
+        return ()
 
-    def approach_start(self, trial: TrialData, initial: np.ndarray, residual: np.ndarray, /) -> np.ndarray:
-        """Initial values to try again from, shape (N,), where a trial's cost has several minima."""
-        ...
+    def approach_start(self, trial: TrialData, initial: np.ndarray, residual: np.ndarray) -> np.ndarray:
+        """Initial values to try again from, where a trial's cost has several minima; here it has one."""
+        return initial
 
-    def predict(self, mechanism: Mechanism, trial: TrialData, initial: np.ndarray, /) -> Predicted:
-        """What the trial's channels would show; `initial` has one value a nuisance, shape (N,)."""
-        ...
+    def trial_mechanism(self, hypothesis: Hypothesis, z: np.ndarray, trial: TrialData) -> Mechanism:
+        """The edited mechanism of one trial."""
+        values = hypothesis.trial_values(z, dict(self.base), trial.condition, trial.overrides)
+        return hypothesis.edit(self.mechanism(values, trial), hypothesis.values(z), trial.id)
+
+    def sites(self, effects: Iterable[Effect] | None = None) -> list[Site]:
+        """Every effect at every place where it could sit, its parameters scaled to what is typical there."""
+        plain = self.plain()
+        found = []
+        for effect in all_effects().values() if effects is None else effects:
+            if effect.once and len({t.recorded for t in self.trials}) > 1:  # every trial would have its own
+                continue
+            for where in dict.fromkeys(effect.places(plain)):
+                found.append(Site(scaled(effect, self.size_at(where)), where))
+        return found
+
+    def but_for(self, out: Sequence[str]) -> Self:
+        """The same with its other trials alone."""
+        other = copy(self)
+        other.trials = tuple(t for t in self.trials if t.id not in out)
+        return other
+
+    def divided(self) -> Self:
+        """Where there is but one trial, the same with that in parts, if it can be cut: a choice is tried on some.
+
+        Raises:
+            SimulationError: it is too short to be cut.
+        """
+        return self
+
+    def shocks(self) -> Mapping[str, Moment]:
+        """By trial, when its balance is first shaken by a touch."""
+        return {}
+
+    def size_at(self, where: str) -> Sizes:
+        """What is typical at a place."""
+        return self.sizes.get(where, self.sizes[""])
+
+    def variants(self, trial: TrialData) -> Iterable[Variant]:
+        """How trials like this one could be recorded otherwise; none where nothing can be changed."""
+        return ()
+
+    def plain(self) -> Mechanism:
+        """The baseline of the first trial."""
+        trial = self.trials[0]
+        return self.mechanism({**self.base, **self.believed.unknown, **trial.overrides}, trial)
+
+    def touched(self, site: Site) -> frozenset[str]:
+        """What an effect edits of the baseline: names of the mechanism's fields."""
+        plain = self.plain()
+        edited = site.effect.edit(plain, site.where, {p.name: p.starts[0] for p in site.effect.parameters})
+        return frozenset(f.name for f in fields(Mechanism) if getattr(edited, f.name) != getattr(plain, f.name))
+
+
+def conditions_of(trials: Sequence[TrialData]) -> tuple[str, ...]:
+    """Names of the trials' conditions, in order of appearance."""
+    return tuple(dict.fromkeys(t.condition for t in trials))

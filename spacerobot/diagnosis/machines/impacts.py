@@ -12,16 +12,16 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
-from spacerobot.diagnosis.machines.contract import Predicted
-from spacerobot.diagnosis.machines.machine import FIRST_NOISE, Model, conditions_of
+from spacerobot.diagnosis.machines.contract import FIRST_NOISE, Machine, Predicted, conditions_of
 from spacerobot.diagnosis.machines.measured import through_sensor
-from spacerobot.diagnosis.machines.sizes import Sizes
+from spacerobot.diagnosis.machines.windows import PIECES
 from spacerobot.diagnosis.terms.data import Block, TrialData, piece_id
 from spacerobot.diagnosis.terms.hypothesis import Believed, Site
 from spacerobot.effects.effect import Effect
 from spacerobot.effects.laws import CONTACT
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Contact, Coordinate
+from spacerobot.effects.sizes import Sizes
 from spacerobot.recordings.recording import Recording
 from spacerobot.recordings.study import Study
 from spacerobot.recordings.trial import Trial
@@ -32,14 +32,11 @@ AFTER = tuple(f"body.velocity.{a}.after" for a in AXES)
 NORMAL = tuple(f"aux.normal_{a}" for a in AXES)
 TANGENT = tuple(f"aux.tangent_{a}" for a in AXES)
 
-PIECES = 8
-"""Into how many parts the events are cut, so that there is something to hold out."""
-
 HALF = 0.5
 """Restitution to begin with where it is not stated."""
 
 
-class Impacts(Model):
+class Impacts(Machine):
     """Velocities after planar impacts, from those before and the contact's geometry."""
 
     metric = "velocities after the impact"
@@ -137,10 +134,10 @@ def _impulse(
     compression = np.where((opens > 0.0) & (before_kink <= kink), before_kink, after_kink)
     normal = (1.0 + restitution) * compression
     tangent = first * np.minimum(normal, kink) + then * np.maximum(normal - kink, 0.0)
-    return n * normal + d * tangent
+    return np.asarray(n * normal + d * tangent)
 
 
-def impact_models(study: Study) -> list[Model]:
+def impact_models(study: Study) -> list[Machine]:
     """The model of impacts of a planar body; none for other studies."""
     if any(study.value(n) is None for n in ("body.mass", "body.yaw_inertia")):
         return []

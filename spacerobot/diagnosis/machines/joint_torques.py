@@ -6,7 +6,7 @@ the recorded one, so nothing is simulated, nothing drifts, and most parameters e
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 
@@ -14,15 +14,15 @@ import numpy as np
 import pinocchio as pin
 
 from spacerobot.diagnosis.machines import torque_log
-from spacerobot.diagnosis.machines.contract import Predicted
+from spacerobot.diagnosis.machines.contract import FACTORS, FIRST_NOISE, Machine, Predicted, Variant, conditions_of
 from spacerobot.diagnosis.machines.grid import Grid
 from spacerobot.diagnosis.machines.links import carried_links, mass_of, with_masses
-from spacerobot.diagnosis.machines.machine import FIRST_NOISE, Model, conditions_of
 from spacerobot.diagnosis.machines.measured import port_forces, through_sensor
-from spacerobot.diagnosis.machines.sizes import Sizes, sizes_of
+from spacerobot.diagnosis.machines.sizes import sizes_of
 from spacerobot.diagnosis.machines.stated_noise import Lens, stated_noise, still_below
 from spacerobot.diagnosis.machines.test_functions import Bump
 from spacerobot.diagnosis.machines.touch import Moment, first_shock
+from spacerobot.diagnosis.machines.windows import PIECES
 from spacerobot.diagnosis.terms.candidates import stood_for
 from spacerobot.diagnosis.terms.data import Block, TrialData, piece_id
 from spacerobot.diagnosis.terms.hypothesis import Believed, Site
@@ -31,6 +31,7 @@ from spacerobot.effects.effect import Effect
 from spacerobot.effects.laws import DAMPER, SPRING
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Coordinate, Force
+from spacerobot.effects.sizes import Sizes
 from spacerobot.model.robot import Robot
 
 SHARP = 5
@@ -48,9 +49,6 @@ FEWEST = 4
 FEWEST_READINGS = 4
 """That a piece holds at least."""
 
-PIECES = 8
-"""Into how many parts a trial is cut, so that there is something to hold out."""
-
 
 @dataclass(frozen=True, eq=False)
 class Motion:
@@ -65,7 +63,7 @@ class Motion:
     by_link: np.ndarray  # (K, T, J) of it, what each link of doubted mass asks for
 
 
-class InverseDynamics(Model):
+class InverseDynamics(Machine):
     """The torque balance of one joint, or of several, along the measured motion.
 
     Attributes:
@@ -237,6 +235,11 @@ class InverseDynamics(Model):
             speed, growth = factor * m.velocity, factor**2 * m.acceleration
             other._motion[name] = replace(m, velocity=speed, acceleration=growth, rigid=rigid)
         return other
+
+    def variants(self, trial: TrialData) -> Iterator[Variant]:
+        """Faster and slower motions along the same paths."""
+        for factor in FACTORS:
+            yield Variant({"speed": f"{factor:g} times that of the recorded motion"}, self.faster(factor))
 
     def angular(self, joint: str) -> bool:
         """Whether a logged joint turns, rather than slides."""

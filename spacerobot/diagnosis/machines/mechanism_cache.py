@@ -15,7 +15,7 @@ MOST = 256
 """Kept at a time: all columns of a Jacobian in every condition are some sixty."""
 
 
-class Lately:
+class MechanismCache:
     """Mechanisms by hypothesis, parameters, condition and overrides, ready to run."""
 
     def __init__(self) -> None:

@@ -17,11 +17,10 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
-from spacerobot.diagnosis.machines.contract import Nuisance, Predicted
+from spacerobot.diagnosis.machines.contract import FIRST_NOISE, Machine, Nuisance, Predicted, conditions_of
 from spacerobot.diagnosis.machines.links import robot_of
-from spacerobot.diagnosis.machines.machine import FIRST_NOISE, Model, conditions_of
 from spacerobot.diagnosis.machines.measured import port_forces, through_sensor
-from spacerobot.diagnosis.machines.sizes import Sizes, sizes_of
+from spacerobot.diagnosis.machines.sizes import sizes_of
 from spacerobot.diagnosis.machines.windows import local
 from spacerobot.diagnosis.terms.data import Block, TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed, Site
@@ -29,6 +28,7 @@ from spacerobot.dynamics.floating_base import floating_configuration
 from spacerobot.effects.effect import Effect
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Coordinate, Readout
+from spacerobot.effects.sizes import Sizes
 from spacerobot.model.robot import Robot
 from spacerobot.recordings.recording import Recording
 from spacerobot.recordings.series import Series
@@ -64,7 +64,7 @@ class Shape:
     spin: np.ndarray  # (T,) N m s about the base's origin, of the arm's motion seen from the base
 
 
-class Platform(Model):
+class Platform(Machine):
     """The track of a floating base, from its arm's known motion."""
 
     metric = "motion of the base"
@@ -265,7 +265,7 @@ def _thrust(recording: Recording) -> list[Series]:
     return [s for s in recording.inputs() if s.name.startswith(("base.force", "base.torque"))]
 
 
-def platform_models(study: Study) -> list[Model]:
+def platform_models(study: Study) -> list[Machine]:
     """The model of a free base whose joints follow a known motion; none for other studies."""
     if study.baseline.base != "free" or study.robot_source is None:
         return []

@@ -6,24 +6,22 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from spacerobot.diagnosis.machines.contract import Nuisance, Predicted
-from spacerobot.diagnosis.machines.machine import FIRST_NOISE, Model, conditions_of
+from spacerobot.diagnosis.machines.contract import FIRST_NOISE, Machine, Nuisance, Predicted, conditions_of
 from spacerobot.diagnosis.machines.measured import through_sensor
-from spacerobot.diagnosis.machines.sizes import Sizes, sizes_of
+from spacerobot.diagnosis.machines.sizes import sizes_of
+from spacerobot.diagnosis.machines.windows import PIECES
 from spacerobot.diagnosis.terms.data import Block, TrialData, piece_id
 from spacerobot.diagnosis.terms.hypothesis import Believed
 from spacerobot.effects.mechanism import Mechanism
+from spacerobot.effects.sizes import Sizes
 from spacerobot.recordings.study import Study
 from spacerobot.recordings.trial import Trial
-
-PIECES = 8
-"""Into how many parts a trial is cut, so that there is something to hold out."""
 
 FINER = 4
 """Points a reading on which the known motion is followed."""
 
 
-class Prescribed(Model):
+class Prescribed(Machine):
     """A channel that should show a recorded motion, up to where the two count from, and in which direction."""
 
     metric = "carried motion"

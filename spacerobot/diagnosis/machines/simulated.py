@@ -2,24 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
+from typing import Self
 
 import numpy as np
 
-from spacerobot.diagnosis.machines.contract import Nuisance, Predicted
-from spacerobot.diagnosis.machines.machine import Model
-from spacerobot.diagnosis.machines.sizes import Sizes
-from spacerobot.diagnosis.machines.windows import Drive, cut, local, spread_over
+from spacerobot.diagnosis.machines.contract import FACTORS, Machine, Nuisance, Predicted, Variant
+from spacerobot.diagnosis.machines.windows import FOLDS, Drive, cut, local, spread_over
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed, Site
 from spacerobot.effects.effect import Effect
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Impulse, Readout
+from spacerobot.effects.sizes import Sizes
 from spacerobot.simulation.reduced.run import simulate
 from spacerobot.simulation.sensors import read_channels
-from spacerobot.support.errors import InputError
+from spacerobot.support.errors import InputError, SimulationError
 
 BUDGET = 4_000
 """Readings that a fit looks at; windows of longer recordings are taken evenly over them."""
@@ -30,10 +30,13 @@ NEAR = 0.05
 LOOSEST = 1e-4
 """Relative tolerance of the integrator; drives that are joined by lines make it no better than this."""
 
+LONGER = 1.5
+"""By how much another trial may be lengthened."""
+
 Build = Callable[[Mapping[str, float], TrialData], Mechanism]
 
 
-class Simulated(Model):
+class Simulated(Machine):
     """Any mechanism of the reduced backend, with its recorded drives, window by window."""
 
     metric = "simulated motion"
@@ -82,7 +85,7 @@ class Simulated(Model):
         self._hidden: tuple[TrialData, ...] = ()
         self._starts: dict[str, tuple[Nuisance, ...]] = {}
 
-    def in_windows(self, length: float) -> Simulated:
+    def in_windows(self, length: float) -> Self:
         """The same recordings in windows of another length [s], all of them."""
         other = copy(self)
         windows = (w for t in self.recorded.values() for w in cut(t, length))
@@ -90,7 +93,7 @@ class Simulated(Model):
         other._starts = {}
         return other
 
-    def but_for(self, out: Sequence[str]) -> Simulated:
+    def but_for(self, out: Sequence[str]) -> Self:
         """The same without some of its windows: nothing that it fits knows a reading of theirs."""
         other = copy(self)
         other.trials = tuple(t for t in self.trials if t.id not in out)
@@ -99,6 +102,16 @@ class Simulated(Model):
         other._hidden = (*self._hidden, *(t for t in self.trials if t.id in out))
         other._starts = {}
         return other
+
+    def divided(self) -> Self:
+        """One trial alone is cut into windows."""
+        if len(self.trials) > 1:
+            return self
+        (trial,) = self.trials
+        parts = self.in_windows((trial.end - trial.start) / FOLDS)
+        if len(parts.trials) < 2:
+            raise SimulationError("what is left when a fold is left out is too short to choose by")
+        return parts
 
     def mechanism(self, values: Mapping[str, float], trial: TrialData) -> Mechanism:
         """The baseline of one trial with these values."""
@@ -114,6 +127,21 @@ class Simulated(Model):
             values = {**self.base, **self.believed.unknown, **trial.overrides}
             self._starts[trial.id] = tuple(self._start(self.build(values, trial), trial))
         return self._starts[trial.id]
+
+    def variants(self, trial: TrialData) -> Iterator[Variant]:
+        """Other drives, or else other initial speeds and longer trials; another mass where one is known."""
+        driven = {t: d for t, d in self.drives.items() if d.value}
+        for factor in FACTORS:
+            if driven:
+                other = copy(self)
+                other.drives = {t: d.times(factor) for t, d in driven.items()}
+                yield Variant({"drive": f"{factor:g} times the recorded one"}, other, rates=factor)
+            else:
+                yield Variant({"initial speed": f"{factor:g} times the recorded one"}, self, rates=factor)
+            if "body.mass" in self.trials[0].overrides or ("body.mass" in self.base and not self.relative_to):
+                yield Variant({"mass": f"{factor:g} times, with the same shape"}, self, masses=factor)
+        if not driven:
+            yield Variant({"length of the trial": f"{LONGER:g} times the recorded one"}, self, longer=LONGER)
 
     def _start(self, mechanism: Mechanism, trial: TrialData) -> list[Nuisance]:
         whole = self.recorded[trial.recorded]

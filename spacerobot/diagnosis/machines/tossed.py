@@ -8,16 +8,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from spacerobot.diagnosis.machines.contract import Predicted
-from spacerobot.diagnosis.machines.machine import FIRST_NOISE, Model, conditions_of
+from spacerobot.diagnosis.machines.contract import FIRST_NOISE, Machine, Predicted, conditions_of
 from spacerobot.diagnosis.machines.measured import through_sensor
-from spacerobot.diagnosis.machines.sizes import Sizes, sizes_of
+from spacerobot.diagnosis.machines.sizes import sizes_of
 from spacerobot.diagnosis.terms.data import Block, TrialData, piece_id
 from spacerobot.diagnosis.terms.hypothesis import Believed, Site
 from spacerobot.effects.effect import Effect
 from spacerobot.effects.laws import CONTACT
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Contact, Coordinate
+from spacerobot.effects.sizes import Sizes
 from spacerobot.recordings.recording import Recording
 from spacerobot.recordings.study import Study
 from spacerobot.recordings.trial import Trial
@@ -43,7 +43,7 @@ BUDGET = 60
 EDGES = ("body.length", "body.width", "body.height")
 
 
-class Tossed(Model):
+class Tossed(Machine):
     """Windows of a tumbling box, each from its recorded state; angular velocities are recorded in its own axes."""
 
     metric = "simulated motion"
@@ -162,7 +162,7 @@ def _state(recording: Recording) -> np.ndarray:
     return np.stack([recording[c].value for c in STATE], axis=1)
 
 
-def tossed_models(study: Study) -> list[Model]:
+def tossed_models(study: Study) -> list[Machine]:
     """The model of a box whose whole state is recorded and whose baseline has a contact; none for other studies."""
     needed = ("body.mass", *EDGES, *(f"body.inertia.{a}" for a in "xyz"))
     if not any(n.startswith("contact.") for n in study.values()) or any(study.value(n) is None for n in needed):

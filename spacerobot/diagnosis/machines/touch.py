@@ -69,4 +69,4 @@ def _trailing(value: np.ndarray, count: int) -> np.ndarray:
     total = np.cumsum(np.vstack([np.zeros((1, value.shape[1])), value]), axis=0)
     index = np.arange(value.shape[0])
     first = np.maximum(index - count, 0)
-    return (total[index] - total[first]) / np.maximum(index - first, 1)[:, None]
+    return np.asarray((total[index] - total[first]) / np.maximum(index - first, 1)[:, None])

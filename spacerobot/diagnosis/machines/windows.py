@@ -12,6 +12,9 @@ from spacerobot.diagnosis.machines.measured import through_sensor
 from spacerobot.diagnosis.terms.data import Block, TrialData, piece_id
 from spacerobot.effects.primitives import ChannelMap
 
+PIECES = 8
+"""Into how many parts a trial, or its events, are cut, so that there is something to hold out."""
+
 FOLDS = 4
 """Into how many parts a study of one condition is divided."""
 
@@ -32,6 +35,10 @@ class Drive:
         """Typical spacing of the times [s]; where a command holds, of its changes."""
         gaps = np.diff(self.time)
         return float(np.median(gaps[gaps > 2.0 * EDGE]))
+
+    def times(self, factor: float) -> Drive:
+        """The same inputs, so many times as strong."""
+        return replace(self, value={c: factor * v for c, v in self.value.items()})
 
     def through(self, maps: Sequence[ChannelMap], start: float, end: float) -> Drive:
         """What of the recorded command comes out, from `start` to `end`: weaker, later, or sluggish."""

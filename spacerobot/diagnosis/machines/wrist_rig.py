@@ -5,16 +5,19 @@ from __future__ import annotations
 import copy
 import functools
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 import numpy as np
 
-from spacerobot.diagnosis.machines.contract import CLOCK, Nuisance, Predicted
-from spacerobot.diagnosis.machines.mechanism_cache import Lately
+from spacerobot.diagnosis.machines.contract import CLOCK, Machine, Nuisance, Predicted, Variant
+from spacerobot.diagnosis.machines.mechanism_cache import MechanismCache
+from spacerobot.diagnosis.terms.candidates import candidate_sites
 from spacerobot.diagnosis.terms.data import TrialData
-from spacerobot.diagnosis.terms.hypothesis import Believed, Hypothesis
+from spacerobot.diagnosis.terms.hypothesis import Believed, Hypothesis, Site
 from spacerobot.diagnosis.terms.parameters import zero_key
+from spacerobot.effects.effect import Effect
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import ChannelMap
 from spacerobot.effects.sizes import Sizes
@@ -50,6 +53,11 @@ ONSET_MASK = 0.7e-3
 """Force samples this close [s] to a predicted touch are left out: the force jumps there."""
 
 
+SPEEDS = (0.5, 1.0, 2.0, 3.0)
+MASSES = (0.5, 1.0, 2.0)
+"""Factors of another trial on what was recorded."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class RigPredicted(Predicted):
     """With the run that it was read from."""
@@ -57,14 +65,18 @@ class RigPredicted(Predicted):
     run: ReducedRun
 
 
-class RigModel:
+class RigModel(Machine):
     """A wrist on a spring and a floating target, from a study's baseline.
 
     Attributes:
-        base: rig values by dotted name, the trials' overrides apart.
-        believed: the same with sigma, scatter and what is unknown, for hypotheses.
+        beliefs: what the study says of its values, and what is assumed of them.
         tolerance: of the integrator in fits.
     """
+
+    name = "wrist rig"
+    metric = "simulated motion"
+    otherwise = MappingProxyType({"hand.x": "a marker on the hand"})
+    free_mass = "target.mass"
 
     def __init__(self, study: Study, trials: tuple[TrialData, ...], *, tolerance: float = 1e-6) -> None:
         baseline = study.baseline
@@ -103,16 +115,17 @@ class RigModel:
         )
         self._number = {t.id: k for k, t in enumerate(study.trials)}
         self.tolerance = tolerance
-        self._lately = Lately()
+        self._lately = MechanismCache()
         self._know(trials)
 
     def _know(self, trials: tuple[TrialData, ...]) -> None:
+        self.trials = trials
         self._trials = {t.id: t for t in trials}
         self._touch = {t.id: touch_time(t) for t in trials}
         self._motion = {t.id: _nuisances(t, self.turning, self.sideways) for t in trials}
 
     @functools.cached_property
-    def sizes(self) -> Sizes:
+    def _size(self) -> Sizes:
         """Typical of the wrist: how far it moves, and against what, as the targets' speed has it."""
         seen = [t.channel("wrist.x")[1] for t in self._trials.values() if "wrist.x" in t.channels]
         spring = self.base.get("wrist.stiffness", 1.0)
@@ -121,6 +134,10 @@ class RigModel:
         rates = [n.guess for motion in self._motion.values() for n in motion if n.coordinate == "target" and n.rate]
         speed = max(float(np.sqrt(np.mean(np.square(rates)))), 1e-9)
         return Sizes(spring * length, length, length / speed)
+
+    def size_at(self, where: str) -> Sizes:
+        """Of the wrist, everywhere."""
+        return self._size
 
     def _forces(self) -> np.ndarray:
         seen = [t.channel("contact.force")[1] for t in self._trials.values() if "contact.force" in t.channels]
@@ -136,6 +153,23 @@ class RigModel:
         """The baseline mechanism of these rig values, alike in every trial."""
         inside = together({n: v for n, v in values.items() if n in DEFAULTS})
         return replace(rig(inside, lateral=self.sideways), sensors=self.sensors)
+
+    def sites(self, effects: Iterable[Effect] | None = None) -> list[Site]:
+        """Every effect at every place, as it stands in the catalogue; what happens once, in one of the trials."""
+        return candidate_sites(self.plain(), self.believed, effects)
+
+    def variants(self, trial: TrialData) -> Iterator[Variant]:
+        """The trial with another target at other speeds; what is not stated of it cannot be changed."""
+        known = trial.overrides.get("target.mass")
+        rates = [n.guess for n in self.nuisances(trial) if n.rate and n.coordinate == "target"]
+        for mass in MASSES if known is not None else (1.0,):
+            for speed in SPEEDS:
+                change: dict[str, float | str] = {}
+                if rates and speed != 1.0:
+                    change["target.speed_m_s"] = float(f"{abs(rates[0]) * speed:.3g}")
+                if known is not None and mass != 1.0:
+                    change["target.mass"] = float(f"{known * mass:.4g}")
+                yield Variant(change, self, rates=speed, masses=mass)
 
     def trial(self, name: str) -> TrialData:
         """A trial by its id."""

@@ -10,6 +10,7 @@ import numpy as np
 
 from spacerobot.diagnosis.machines.mechanism_cache import MOST
 from spacerobot.diagnosis.machines.wrist_rig import LEAST, RigModel, readable
+from spacerobot.diagnosis.terms.alignment import TRACK
 from spacerobot.diagnosis.terms.data import TrialData, one_trial
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.recordings.recording import Recording
@@ -18,10 +19,7 @@ from spacerobot.recordings.study import Study
 from spacerobot.support.errors import InputError, SpacerobotError
 
 if TYPE_CHECKING:
-    from spacerobot.diagnosis.machines.machine import Model
-
-TRACK = "target.x"
-"""Without it a trial of a wrist has no start."""
+    from spacerobot.diagnosis.machines.contract import Machine
 
 
 def has_wrist(study: Study) -> bool:
@@ -68,7 +66,7 @@ def enough(study: Study, recording: Recording) -> None:
     Raises:
         InputError: fewer readings than a line through them needs; of events, fewer than pieces to hold out in turn.
     """
-    from spacerobot.diagnosis.machines.impacts import PIECES
+    from spacerobot.diagnosis.machines.windows import PIECES
 
     for series in recording.values():
         least = PIECES if study.streams[series.stream].kind == "events" else LEAST
@@ -97,7 +95,7 @@ def moving(study: Study) -> None:
             )
 
 
-def of_model(study: Study, model: Model) -> Iterator[InputError]:
+def of_model(study: Study, model: Machine) -> Iterator[InputError]:
     """Why a machine's model cannot be fitted and tried: but one piece of data, a channel that has no weight."""
     from spacerobot.diagnosis.selection.held_out import folds
 

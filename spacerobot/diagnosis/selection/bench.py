@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -14,9 +13,9 @@ from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.fitting.noise import floor_of, reweighted, rms_of
 from spacerobot.diagnosis.fitting.screen import FAINT, Screener, faint
 from spacerobot.diagnosis.fitting.starts import fit_near
-from spacerobot.diagnosis.machines.machine import Model
+from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.selection.held_out import MOST, HeldOut, folds, predict_held_out
-from spacerobot.diagnosis.selection.plausible import plausible
+from spacerobot.diagnosis.selection.nameable import plausible
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Site, hypothesis
 from spacerobot.support.errors import SimulationError
@@ -26,6 +25,10 @@ STEPS = 15
 
 FINE = 1.0 / 30.0
 """Weights of a search expect a residual this small a part of the baseline's: what a good model may well leave."""
+
+
+Row = tuple[tuple[str, str], dict[str, float], float]
+"""A promise as a store holds it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +43,7 @@ class Promise:
 class Bench:
     """A model, its trials under the present weights, and what is left out of them in turn."""
 
-    def __init__(self, model: Model, threads: int = 1, kept: Kept | None = None, most: int = MOST) -> None:
+    def __init__(self, model: Machine, threads: int = 1, kept: Kept | None = None, most: int = MOST) -> None:
         """`kept` holds what a run that was stopped had found; candidates are tried in at most `most` folds."""
         self.model, self.threads = model, threads
         self.kept = kept or Kept(None, model.name)
@@ -107,8 +110,10 @@ class Bench:
         """What each further effect promises, by its sensitivities at a fit."""
         by = {s.label: s for s in sites}
         about = [*sorted(by), *self._weights()]
-        rows = self.kept.values("promises", fit, about, lambda: [_as_row(p) for p in self._screened(fit, sites)])
-        return [Promise(by[effect, where], start, cost) for (effect, where), start, cost in rows]
+        found = self.kept.values(
+            "promises", fit, about, lambda: [_as_row(p) for p in self._screened(fit, sites)], list[Row]
+        )
+        return [Promise(by[label], start, cost) for label, start, cost in found]
 
     def _screened(self, fit: Fit, sites: Sequence[Site]) -> list[Promise]:
         screen = Screener(self.fitter(), self.model.believed).screen(fit, sites)
@@ -137,7 +142,7 @@ class Bench:
 
         about = ["near", *of_fit(near), sorted(start.items()), *self._weights()]
         fit = self.kept.fit(hypothesis(believed, sites, start), fitter, about, compute)
-        return fit if fit is not None and plausible(sites, fit.values(), self.model.sizes) else None
+        return fit if fit is not None and plausible(sites, fit.values(), self.model.size_at) else None
 
     def held_out(self, fit: Fit) -> HeldOut | None:
         """How well its hypothesis predicts unseen trials; None where it cannot."""
@@ -155,10 +160,9 @@ class Bench:
             fit,
             self._weights(),
             compute,
-            written=lambda found: {} if found is None else found.written(),
-            read=lambda kept: HeldOut.read(kept) if kept else None,
+            HeldOut | None,
         )
 
 
-def _as_row(promise: Promise) -> list[Any]:
-    return [list(promise.site.label), dict(promise.start), promise.cost]
+def _as_row(promise: Promise) -> Row:
+    return promise.site.label, dict(promise.start), promise.cost

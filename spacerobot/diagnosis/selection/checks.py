@@ -1,12 +1,12 @@
-"""The fit's own checks; where one fails, the verdict is not trusted."""
+"""A fit's own checks, of a wrist rig or of a part; where one fails, nothing is concluded."""
 
 from __future__ import annotations
 
+import contextlib
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
-from typing import Any
 
 import numpy as np
 
@@ -15,9 +15,12 @@ from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.fitting.profile import LEVEL_95, profile_interval
 from spacerobot.diagnosis.fitting.starts import effect_starts
 from spacerobot.diagnosis.fitting.workshop import Only, Task, Workshop
+from spacerobot.diagnosis.machines.contract import Machine
+from spacerobot.diagnosis.selection.candidate import words
 from spacerobot.diagnosis.selection.check import Check, agreed
-from spacerobot.diagnosis.selection.search_state import Found, effect_values
+from spacerobot.diagnosis.selection.search_state import effect_values
 from spacerobot.diagnosis.terms.data import TrialData
+from spacerobot.support.errors import SimulationError
 
 SLACK = 3.0
 """Cost by which a larger model may exceed a smaller one before the optimiser is blamed."""
@@ -41,20 +44,26 @@ SECOND = 2
 WIDER = 2.0
 """Half width of such an interval, in what the copy missed by."""
 
+STEPS = 30
+"""Of each fit that goes on with a copy where another has ended."""
 
-def nested(found: Found, chosen: Fit) -> Check:
+AWAY = 0.5
+"""A part's copy is fitted from every strength at this share of its value."""
+
+
+def nested(fits: Iterable[Fit], chosen: Fit) -> Check:
     """A model with an effect more never costs more than the one without."""
     bad = []
     chosen_label = set(chosen.hypothesis.label)
-    for fit in [found.baseline, *found.fits.values()]:
+    for fit in fits:
         less = set(fit.hypothesis.label) < chosen_label and set(fit.hypothesis.freed) <= set(chosen.hypothesis.freed)
         if less and fit.cost < chosen.cost - SLACK:
             bad.append(fit.hypothesis.label)
-    detail = "no smaller model costs less" if not bad else f"a smaller model costs less: {bad[0]}"
+    detail = "no smaller model costs less" if not bad else f"a smaller model costs less: {words(bad[0])}"
     return Check("nested cost", not bad, detail)
 
 
-def copied(model: Any, trials: Sequence[TrialData], fit: Fit, seed: int) -> tuple[TrialData, ...]:
+def copied(model: Machine, trials: Sequence[TrialData], fit: Fit, seed: int) -> tuple[TrialData, ...]:
     """The trials as the fit shows them, with white noise as their weights state it."""
     random = np.random.default_rng(seed)
     out = []
@@ -68,6 +77,23 @@ def copied(model: Any, trials: Sequence[TrialData], fit: Fit, seed: int) -> tupl
             blocks.append(replace(block, value=value + sigma * random.standard_normal(value.shape)))
         out.append(replace(trial, blocks=tuple(blocks)))
     return tuple(out)
+
+
+def cost_of(truth: Fit, fitter: Fitter) -> float | None:
+    """What the model that a copy was made from costs on it; None where it cannot be simulated there."""
+    state = fitter.state(truth.hypothesis, truth.z, truth.initials())
+    return None if state is None else state.chi2() + float(state.z @ truth.hypothesis.precision @ state.z)
+
+
+def at_truth(again: Fit, truth: float, lead: float = 0.0) -> Check:
+    """Whether the fit of a copy ends no worse than what the copy was made from; `lead` as in `synthetic`."""
+    passed = again.cost <= truth + max(SLACK, FRACTION * lead)
+    return Check(
+        "cost at truth", bool(passed), f"on a synthetic copy the fit costs {again.cost:.1f}, its truth {truth:.1f}"
+    )
+
+
+NO_COPY = Check("cost at truth", False, "a synthetic copy could not be simulated")
 
 
 def synthetic(workshop: Workshop, chosen: Fit, lead: float = 0.0) -> list[Check]:
@@ -87,12 +113,9 @@ def synthetic(workshop: Workshop, chosen: Fit, lead: float = 0.0) -> list[Check]
 def _on_copy(workshop: Workshop, chosen: Fit, seed: int, lead: float) -> list[Check]:
     done = _copied_fit(workshop, chosen, seed)
     if done is None:
-        return [Check("cost at truth", False, "a synthetic copy could not be simulated")]
+        return [NO_COPY]
     fitter, again, truth = done
-    passed = again.cost <= truth + max(SLACK, FRACTION * lead)
-    cost = Check(
-        "cost at truth", bool(passed), f"on a synthetic copy the fit costs {again.cost:.1f}, its truth {truth:.1f}"
-    )
+    cost = at_truth(again, truth, lead)
     first = calibration(chosen, again, interval=lambda key: profile_interval(fitter, again, key, 1.0))
     if first.passed or first.worst > ROUGH:
         return [cost, first]
@@ -113,14 +136,13 @@ def _copied_fit(workshop: Workshop, chosen: Fit, seed: int) -> tuple[Fitter, Fit
     copy.trials = copied(workshop.model, workshop.trials, chosen, seed)
     copy.model = workshop.make_model(workshop.study, copy.trials)
     fitter: Fitter = copy.fitter()
-    state = fitter.state(chosen.hypothesis, chosen.z, {k: t.initial for k, t in chosen.trials.items()})
+    truth = cost_of(chosen, fitter)
     start = {f.key: f.centre for f in chosen.hypothesis.free if f.kind == "effect" and f.log}
     start = {**effect_values(chosen), **start}
     only = chosen.hypothesis.only
     again = copy.run(Task(chosen.hypothesis.label, start, only=only, freed=chosen.hypothesis.freed))
-    if state is None or again is None:
+    if truth is None or again is None:
         return None
-    truth = state.chi2() + float(state.z @ chosen.hypothesis.precision @ state.z)
     for task in _other_starts(copy, chosen, again, only):  # a search begins more than once too
         if again.cost <= truth + SLACK:
             break
@@ -135,7 +157,7 @@ def _other_starts(copy: Workshop, chosen: Fit, ended: Fit, only: Only) -> Iterat
     one effect after the other, as a search finds them.
     """
     label, freed = chosen.hypothesis.label, chosen.hypothesis.freed
-    yield Task(label, {}, near=ended, max_iterations=30, freed=freed)
+    yield Task(label, {}, near=ended, max_iterations=STEPS, freed=freed)
     for start in effect_starts(chosen.hypothesis.sites)[:2]:
         yield Task(label, start, only=only, freed=freed)
     values = effect_values(chosen)
@@ -143,7 +165,7 @@ def _other_starts(copy: Workshop, chosen: Fit, ended: Fit, only: Only) -> Iterat
     for one in label if len(label) > 1 else ():
         alone = copy.run(Task((one,), {}, near=_part(chosen, one), only=only, freed=freed))
         if alone is not None:
-            yield Task(label, values, near=alone, max_iterations=30, only=only, freed=freed)
+            yield Task(label, values, near=alone, max_iterations=STEPS, only=only, freed=freed)
 
 
 def _part(fit: Fit, one: tuple[str, str]) -> Fit:
@@ -153,6 +175,61 @@ def _part(fit: Fit, one: tuple[str, str]) -> Fit:
     kept = [k for k, f in enumerate(made.free) if f.key not in keys]
     sites = tuple(s for s in made.sites if s.label == one)
     return replace(fit, hypothesis=replace(made, sites=sites, free=tuple(made.free[k] for k in kept)), z=fit.z[kept])
+
+
+def checks_of_part(model: Machine, trials: Sequence[TrialData], base: Fit, chosen: Fit) -> tuple[Check, ...]:
+    """Whether more freedom costs more, and whether a synthetic copy of a part's model is fitted as well as it is.
+
+    Args:
+        model: of the part.
+        trials: of the part, under the weights of its fits.
+        base, chosen: what was fitted to them, without any effect and as chosen.
+    """
+    if not chosen.hypothesis.sites:
+        return ()
+    checks = (nested([base], chosen), *agreed(lambda copy: _on_copy_of_part(model, trials, chosen, copy)))
+    return tuple(replace(c, name=f"{c.name}, {model.name}") for c in checks)
+
+
+def _on_copy_of_part(model: Machine, trials: Sequence[TrialData], chosen: Fit, seed: int) -> list[Check]:
+    """As `_on_copy`, of a part, whose fits begin once: from afar."""
+    trials = copied(model, trials, chosen, seed)
+    fitter = Fitter(model, trials)
+    truth = cost_of(chosen, fitter)
+    again = _on(fitter, chosen, _away(chosen))
+    if truth is None or again is None:
+        return [NO_COPY]
+    if again.cost > truth + SLACK:  # once more from where it ended, as fits that grow are
+        more = _on(fitter, again, again.values())
+        again = more if more is not None and more.cost < again.cost else again
+    if again.cost > truth + SLACK:
+        again = _to_the_last_digit(model, trials, again)
+    sizes = calibration(chosen, again)
+    if not sizes.passed:
+        sizes = calibration(chosen, _to_the_last_digit(model, trials, again))
+    return [at_truth(again, truth), sizes]
+
+
+def _on(fitter: Fitter, near: Fit, warm: Mapping[str, float], steps: int = STEPS) -> Fit | None:
+    """A fit's hypothesis from these values; None where it cannot be simulated."""
+    with contextlib.suppress(SimulationError):
+        return fitter.fit(near.hypothesis, warm=warm, initials=near.initials(), max_iterations=steps, robust=False)
+    return None
+
+
+def _to_the_last_digit(model: Machine, trials: Sequence[TrialData], ended: Fit) -> Fit:
+    """Differences to one side lead to a place beside the best one; those to both sides do not."""
+    return _on(Fitter(model, trials, careful=True), ended, ended.values(), STEPS // 2) or ended
+
+
+def _away(fit: Fit) -> dict[str, float]:
+    out = fit.values()
+    for site in fit.hypothesis.sites:
+        for parameter in site.effect.parameters:
+            key = site.key(parameter.name)
+            if not parameter.shape and not parameter.log and np.isfinite(parameter.null):
+                out[key] = parameter.null + AWAY * (out[key] - parameter.null)
+    return out
 
 
 def misses(truth: Fit, again: Fit) -> dict[str, float]:
@@ -177,7 +254,6 @@ def widened(fit: Fit, key: str, interval: tuple[float, float], missed: float) ->
 def calibration(
     truth: Fit,
     again: Fit,
-    name: str = "calibration",
     interval: Callable[[str], tuple[float, float]] | None = None,
     known: Mapping[str, float] = MappingProxyType({}),
 ) -> Check:
@@ -186,7 +262,6 @@ def calibration(
     Args:
         truth: what the copy was made from.
         again: fitted to the copy.
-        name: of the check.
         interval: 95 % interval of a key, asked for where the curvature alone claims too much: a verdict states it.
         known: least standard errors by key, in units of the parameter's scale.
     """
@@ -205,4 +280,4 @@ def calibration(
             if off > worst:
                 worst, key = float(off), free.key
     said = f"{key} {worst:.1f} standard errors" if key else "nothing"
-    return Check(name, bool(worst <= APART), f"on a synthetic copy {said} off what it was made with", worst)
+    return Check("calibration", bool(worst <= APART), f"on a synthetic copy {said} off what it was made with", worst)

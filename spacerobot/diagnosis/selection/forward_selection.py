@@ -18,16 +18,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from spacerobot.diagnosis.fitting.fit_store import Kept
-from spacerobot.diagnosis.fitting.fitted import Fit
-from spacerobot.diagnosis.fitting.interval import interval
-from spacerobot.diagnosis.machines.machine import Model
+from spacerobot.diagnosis.fitting.fitted import Fit, interval
+from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.selection.bench import Bench, Promise
-from spacerobot.diagnosis.selection.candidate import Candidate, words
+from spacerobot.diagnosis.selection.candidate import Candidate
 from spacerobot.diagnosis.selection.growth import Growth
-from spacerobot.diagnosis.selection.likelihood_ratio import by_chance
 from spacerobot.diagnosis.selection.model_choice import TIE, WORTH_OF_REST, as_good, choice, distinct, pays, ratio
-from spacerobot.diagnosis.selection.nested_laws import inherited, not_excluded, wordings
-from spacerobot.diagnosis.selection.shown import not_shown
+from spacerobot.diagnosis.selection.nameable import not_shown
+from spacerobot.diagnosis.selection.nested_laws import by_chance, inherited, not_excluded, wordings
 from spacerobot.diagnosis.terms.candidates import contains, redundant
 from spacerobot.diagnosis.terms.hypothesis import Label, Site, label_of
 from spacerobot.effects.effect import Effect
@@ -73,12 +71,11 @@ class Ahead:
 
 
 def grow(
-    model: Model,
+    model: Machine,
     *,
     effects: Iterable[Effect] | None = None,
     most: int = MOST,
     threads: int = 1,
-    say: Callable[[str], None] | None = None,
     reached: Callable[[int], None] | None = None,
     kept: Kept | None = None,
 ) -> Growth:
@@ -89,7 +86,6 @@ def grow(
         effects: the catalogue; all known effects if None.
         most: parameters that effects may bring along.
         threads: of the fits.
-        say: told what happens.
         reached: told how many parameters the candidates have that are now tried.
         kept: what an earlier run had found.
 
@@ -98,7 +94,7 @@ def grow(
     """
     catalogue = None if effects is None else list(effects)
     bench = Bench(model, threads, kept)
-    search = _Search(bench, bench.model.sites(catalogue), say or (lambda text: None))
+    search = _Search(bench, bench.model.sites(catalogue))
     return search.run(most, reached or (lambda size: None))
 
 
@@ -114,7 +110,7 @@ def among(bench: Bench, chosen: Sequence[Site], rivals: Sequence[Sequence[Site]]
     Raises:
         SimulationError: the baseline cannot be fitted, or not be tried.
     """
-    search = _Search(bench, list({s.label: s for one in (chosen, *rivals) for s in one}.values()), lambda text: None)
+    search = _Search(bench, list({s.label: s for one in (chosen, *rivals) for s in one}.values()))
     baseline = search.begun()
     tested = [baseline]
     for sites in (chosen, *rivals):
@@ -133,10 +129,9 @@ def among(bench: Bench, chosen: Sequence[Site], rivals: Sequence[Sequence[Site]]
 
 
 class _Search:
-    def __init__(self, bench: Bench, sites: Sequence[Site], say: Callable[[str], None]) -> None:
+    def __init__(self, bench: Bench, sites: Sequence[Site]) -> None:
         self.bench = bench
         self.sites = {s.label: s for s in sites}
-        self.say = say
         self.screened: dict[Label, float] = {}
         self.reached = np.inf
 
@@ -151,7 +146,7 @@ class _Search:
             bests.append(min(tested, key=lambda c: c.error))
             if size > PATIENCE and as_good(bests[-1 - PATIENCE], bests[-1], baseline):
                 break
-            layer = [baseline] if size == 0 else self.layer(list(ahead.pop(size, {}).values()), baseline)
+            layer = [baseline] if size == 0 else self.layer(list(ahead.pop(size, {}).values()))
             tested += layer if size else []
             layer.sort(key=lambda c: c.error)
             better = 1.0 - (TIE if size < 2 else WORTH_OF_REST)  # a pair may need two weak singles, no more
@@ -192,7 +187,6 @@ class _Search:
             if not why:
                 break
             refused[chosen.label] = why
-            self.say(f"  {words(chosen.label)}: {why}")
         near = [c for c in open_to if c is not chosen and c is not baseline and c.simplicity <= chosen.simplicity]
         rivals = tuple(c for c in near if ratio(c, chosen) < 1.0 + TIE and not unshown(self.bench.again(c.fit)))
         if stated:
@@ -225,7 +219,6 @@ class _Search:
                 continue
             fit = self.bench.fitted_as(chosen.fit, rest, {})
             if fit is not None and by_chance(fit.cost - chosen.cost, len(site.effect.parameters), len(self.sites)):
-                self.say(f"  {words((site.label,))}: no more than chance would gain beside the others")
                 return self.without_chance(self.tested(Candidate(fit)), tried)
         return chosen
 
@@ -238,7 +231,7 @@ class _Search:
         before = self.tested(self.again(baseline))
         return before, before if chosen is baseline else self.tested(self.again(chosen))
 
-    def layer(self, ahead: list[Ahead], baseline: Candidate) -> list[Candidate]:
+    def layer(self, ahead: list[Ahead]) -> list[Candidate]:
         """The most promising candidates of one size, fitted and tried on unseen trials."""
         out: list[Candidate] = []
         bar = (1.0 - TIE) * self.reached
@@ -250,7 +243,6 @@ class _Search:
                 one = self.tested(Candidate(fit))
                 self.reached = min(self.reached, one.cost)
                 out.append(one)
-                self.say(f"  {words(one.label)}: held-out rms x {one.error / baseline.error:.4f}")
         return out
 
     def reworded(self, chosen: Candidate, tested: Sequence[Candidate]) -> list[Candidate]:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from operator import attrgetter
 
 import numpy as np
 
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.fitting.noise import squares_of
-from spacerobot.diagnosis.machines.machine import Model
+from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.machines.windows import FOLDS
 from spacerobot.diagnosis.terms.data import TrialData, recorded_id
 from spacerobot.diagnosis.terms.hypothesis import Hypothesis
@@ -24,6 +25,9 @@ MOST_FOLDS = 6
 HEAD = 1.0
 """Share of a held-out trial that tells how it starts; how it starts is not what is tested."""
 
+FIT_STEPS = 12
+"""Of each fit to the other trials: it begins at what all of them led to."""
+
 STEPS = 2
 """Gauss-Newton steps to a held-out trial's start; a start moves the track nearly in proportion."""
 
@@ -36,7 +40,7 @@ def folds(trials: Sequence[TrialData], most: int = MOST) -> list[tuple[str, tupl
     Returns:
         (label, trial ids) each; at least two, unless there is but one trial in one piece.
     """
-    for label in (lambda t: t.condition, lambda t: t.recorded):
+    for label in (attrgetter("condition"), attrgetter("recorded")):
         names = list(dict.fromkeys(label(t) for t in trials))
         if len(names) > most:
             groups = [set(names[k::most]) for k in range(most)]
@@ -49,7 +53,7 @@ def folds(trials: Sequence[TrialData], most: int = MOST) -> list[tuple[str, tupl
 
 def scheme_of(trials: Sequence[TrialData], most: int = MOST) -> str:
     """What `folds` leaves out in turn, in words."""
-    for what, of in (("condition", lambda t: t.condition), ("trial", lambda t: t.recorded)):
+    for what, of in (("condition", attrgetter("condition")), ("trial", attrgetter("recorded"))):
         count = len({of(t) for t in trials})
         if count > most:
             return f"leave every {most}th {what} out"
@@ -98,21 +102,10 @@ class HeldOut:
         sums = squares_of(self.residual, trials, self.counted)
         return {c: float(np.sqrt(s / max(n, 1))) for c, (s, n) in sums.items()}
 
-    def written(self) -> dict[str, dict[str, list[float]]]:
-        """As JSON holds it: of a candidate that predicts every trial."""
-        both = {"residual": self.residual, "counted": self.counted}
-        return {name: {k: a.tolist() for k, a in arrays.items()} for name, arrays in both.items()}
-
-    @classmethod
-    def read(cls, kept: Mapping[str, Mapping[str, Sequence[float]]]) -> HeldOut:
-        """What was `written`."""
-        residual = {k: np.array(v, dtype=float) for k, v in kept["residual"].items()}
-        return cls(residual, {k: np.array(v, dtype=bool) for k, v in kept["counted"].items()})
-
 
 def start_of(
     fitter: Fitter,
-    model: Model,
+    model: Machine,
     hypothesis: Hypothesis,
     z: np.ndarray,
     trial: TrialData,
@@ -147,15 +140,14 @@ def start_of(
 
 
 def predict_held_out(
-    model: Model,
+    model: Machine,
     trials: Sequence[TrialData],
     made: Hypothesis,
     warm: Mapping[str, float],
     left_out: Sequence[tuple[str, tuple[str, ...]]],
     initials: Mapping[str, np.ndarray] | None = None,
-    max_iterations: int = 12,
     *,
-    shown: Model | None = None,
+    shown: Machine | None = None,
     head: float = HEAD,
     trust: float = 1.0,
 ) -> HeldOut:
@@ -167,7 +159,6 @@ def predict_held_out(
         made: which effects.
         warm, initials: where each fit begins.
         left_out: folds, each a name and ids of trials.
-        max_iterations: of each fit.
         shown: the same model cut into other pieces, which are predicted instead of the fold's own trials.
         head, trust: how an unseen trial's start is found, see `start_of`.
 
@@ -181,7 +172,7 @@ def predict_held_out(
         if not seen:
             raise SimulationError("nothing is left to fit when a fold is left out")
         own = None if initials is None else {t.id: initials[t.id] for t in seen}
-        fit = Fitter(model, seen).fit(made, warm=warm, initials=own, max_iterations=max_iterations, robust=False)
+        fit = Fitter(model, seen).fit(made, warm=warm, initials=own, max_iterations=FIT_STEPS, robust=False)
         if shown is None or shown is model:  # the pieces as they will be compared, with their own weights
             teller, unseen = model, [t for t in (trials if shown is None else shown.trials) if t.id in ids]
         else:

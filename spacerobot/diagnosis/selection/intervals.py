@@ -10,16 +10,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from spacerobot.diagnosis.fitting.colour import inflations
-from spacerobot.diagnosis.fitting.fitted import Fit
-from spacerobot.diagnosis.fitting.interval import interval
+from spacerobot.diagnosis.fitting.fitted import Fit, interval
 from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.profile import LEVEL_95, Profile, profile
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
 from spacerobot.diagnosis.selection.decide import Decided
 from spacerobot.diagnosis.selection.judge import Judgement
+from spacerobot.diagnosis.selection.nameable import not_shown
 from spacerobot.diagnosis.selection.penalty import STAND_IN
 from spacerobot.diagnosis.selection.search_state import Found
-from spacerobot.diagnosis.selection.shown import not_shown
 from spacerobot.diagnosis.terms.candidates import contains
 from spacerobot.diagnosis.terms.kinds import NAMED, SETTLED
 

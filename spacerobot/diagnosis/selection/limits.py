@@ -190,10 +190,7 @@ class Limits:
         units = np.array([c.column / math.sqrt(c.norm) for c in columns])
         best: dict[tuple[str, str], Column] = {}
         for c in columns:
-            if (
-                c.site.label not in best
-                or c.norm / c.share**2 > best[c.site.label].norm / best[c.site.label].share ** 2
-            ):
+            if c.site.label not in best or c.steep > best[c.site.label].steep:
                 best[c.site.label] = c
         return [self._limit(c, columns, units) for _, c in sorted(best.items())]
 

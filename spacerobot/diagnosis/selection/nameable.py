@@ -1,10 +1,82 @@
-"""Which fits a verdict may name: the search asks before it spends time beside one, the judge before it ranks."""
+"""Which fits a verdict may name: that mean something, are what their effects' names say, and show it.
+
+The search asks before it spends time beside one, the judge before it ranks. A strength says how much there is of an
+effect (`Parameter.shape` is false), a shape how it acts. What cannot be shown of a strength cannot be shown of the
+effect; a shape that lies at a bound drawn for the search's sake says that the recordings ask for another law.
+"""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable, Mapping, Sequence
+
 from spacerobot.diagnosis.fitting.fitted import Fit
-from spacerobot.diagnosis.selection.shown import held_by_bounds
 from spacerobot.diagnosis.terms.candidates import means as signs_mean
+from spacerobot.diagnosis.terms.candidates import redundant
+from spacerobot.diagnosis.terms.hypothesis import Site
+from spacerobot.effects.effect import Parameter
+from spacerobot.effects.sizes import Sizes
+
+AT = 1e-3
+"""Distance from a bound, as a share of it, within which a value sits there: searches stop at a bound to the last
+digit, and nothing physical is known to a thousandth of where somebody drew a line."""
+
+Ends = Mapping[str, tuple[float, float]]
+"""Low and high ends of intervals by parameters' keys, physical."""
+
+
+def at_bound(parameter: Parameter, value: float, error: tuple[float, float] | None = None) -> bool:
+    """Whether a value sits at a bound drawn for the search: not nothing (its null, or zero), and not infinity.
+
+    Args:
+        parameter: whose bounds.
+        value: fitted.
+        error: its ends one standard error away; a bound that lies between them holds the value, not the recordings.
+    """
+    bounds = [b for b in (parameter.lower, parameter.upper) if math.isfinite(b) and b not in (0.0, parameter.null)]
+    low, high = error or (value, value)
+    return any(abs(value - bound) <= AT * abs(bound) or low <= bound <= high for bound in bounds)
+
+
+def held_by_bounds(site: Site, values: Mapping[str, float], errors: Ends | None = None) -> str:
+    """Why a fitted effect is not shown, as far as its values tell; empty where nothing speaks against it.
+
+    Args:
+        site: the effect at its place.
+        values: of its parameters, by key, in their own units.
+        errors: the values one standard error below and above, by key, where these are known.
+    """
+    for p in site.effect.parameters:
+        key = site.key(p.name)
+        if key in values and at_bound(p, values[key], (errors or {}).get(key)):
+            return f"{key} sits at its bound, {values[key]:.4g} {p.unit}"
+    return ""
+
+
+def not_shown(site: Site, values: Mapping[str, float], intervals: Ends) -> str:
+    """Why an effect is not to be named; empty where it is shown.
+
+    Args:
+        site: the effect at its place.
+        values: of its parameters, by key, in their own units.
+        intervals: their 95 % intervals (low, high), by key; a parameter without one is judged by its value alone.
+
+    Returns:
+        one clause: its interval holds nothing, spans its range, or it sits at its bound.
+    """
+    held = held_by_bounds(site, values)
+    if held:
+        return held
+    strengths = [p for p in site.effect.parameters if not p.shape]
+    for p in strengths:
+        low, high = intervals.get(site.key(p.name), (math.nan, math.nan))
+        if low <= p.lower and high >= p.upper:
+            return f"the interval of {site.key(p.name)} spans its range, {p.lower:.4g} to {p.upper:.4g} {p.unit}"
+    known = [(p, intervals[site.key(p.name)]) for p in strengths if site.key(p.name) in intervals]
+    if known and all(low <= p.null <= high for p, (low, high) in known):
+        p, (low, high) = known[0]
+        return f"the interval of {site.key(p.name)}, {low:.4g} to {high:.4g} {p.unit}, holds nothing ({p.null:.4g})"
+    return ""
 
 
 def means(fit: Fit) -> bool:
@@ -26,3 +98,13 @@ def held(fit: Fit) -> bool:
 def nameable(fit: Fit) -> bool:
     """Whether a fit means something and shows it."""
     return means(fit) and not held(fit)
+
+
+def plausible(sites: Sequence[Site], values: Mapping[str, float], size_at: Callable[[str], Sizes]) -> bool:
+    """Whether every effect, with its fitted numbers, is what its name says, and no place has two laws of one thing."""
+    if redundant([s.label for s in sites]):
+        return False
+    return all(
+        site.effect.plausible({p.name: values[site.key(p.name)] for p in site.effect.parameters}, size_at(site.where))
+        for site in sites
+    )

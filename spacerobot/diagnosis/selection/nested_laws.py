@@ -7,13 +7,28 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.special import chdtri
 
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.profile import LEVEL_95
 from spacerobot.diagnosis.selection.bench import Bench
-from spacerobot.diagnosis.selection.likelihood_ratio import by_chance
 from spacerobot.diagnosis.terms.candidates import redundant, refines
 from spacerobot.diagnosis.terms.hypothesis import Site
+
+CHANCE = 0.05
+"""Probability with which parameters that mean nothing gain as much as counts, where the noise is stated."""
+
+
+def by_chance(gain: float, parameters: int, looks: int = 1) -> bool:
+    """Whether so many further parameters that mean nothing may well lower chi-squared by so much (Wilks).
+
+    Args:
+        gain: what chi-squared comes down by.
+        parameters: how many more there are.
+        looks: effects and places that were tried and of which this is the best (Sidak).
+    """
+    return gain <= float(chdtri(parameters, -math.expm1(math.log1p(-CHANCE) / max(looks, 1))))
+
 
 TWICE = 2.0 / 3.0
 """Difference of two levels over their mean where one is twice the other: friction that is not the same both ways."""

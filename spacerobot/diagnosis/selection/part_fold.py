@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Mapping, Sequence
-from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,9 +18,6 @@ import numpy as np
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.fitting.noise import reweighted, split
-from spacerobot.diagnosis.machines.machine import Model
-from spacerobot.diagnosis.machines.simulated import Simulated
-from spacerobot.diagnosis.machines.windows import FOLDS
 from spacerobot.diagnosis.selection.bench import STEPS, Bench
 from spacerobot.diagnosis.selection.forward_selection import among
 from spacerobot.diagnosis.selection.growth import Growth
@@ -80,10 +76,10 @@ def decided(growth: Growth, out: Sequence[str]) -> Decided:
         SimulationError: the baseline cannot be fitted to the others, or there are none.
     """
     whole, sites = growth.bench, {s.label: s for s in growth.sites}
-    rest = but_for(whole.model, out)
+    rest = whole.model.but_for(out)
     if not rest.trials:
         raise SimulationError("nothing is left to fit when a fold is left out")
-    bench = Bench(divided(rest), whole.threads, whole.kept.within(f"without {', '.join(out)}"), most=INNER)
+    bench = Bench(rest.divided(), whole.threads, whole.kept.within(f"without {', '.join(out)}"), most=INNER)
     own, again = among(bench, [sites[one] for one in growth.after.label], _in_play(growth, sites))
     fits = {"before": own.before.fit, "after": again, "selected": own.after.fit}
     if bench.model is not rest:
@@ -127,30 +123,6 @@ def _as_well(own: Growth, chosen: Label) -> bool:
     """
     tried = {c.label: c for c in own.considered}
     return chosen in tried and ratio(tried[chosen], tried[own.after.label]) < 1.0 + TIE
-
-
-def but_for(model: Model, out: Sequence[str]) -> Model:
-    """The model with its other trials alone."""
-    if isinstance(model, Simulated):
-        return model.but_for(out)
-    other = copy(model)
-    other.trials = tuple(t for t in model.trials if t.id not in out)
-    return other
-
-
-def divided(model: Model) -> Model:
-    """The model, where there is but one trial left, with that in parts: a choice needs something to try itself on.
-
-    Raises:
-        SimulationError: it is too short to be divided.
-    """
-    if isinstance(model, Simulated) and len(model.trials) == 1:
-        (trial,) = model.trials
-        parts = model.in_windows((trial.end - trial.start) / FOLDS)
-        if len(parts.trials) < 2:
-            raise SimulationError("what is left when a fold is left out is too short to choose by")
-        return parts
-    return model
 
 
 def _in_play(growth: Growth, sites: Mapping[tuple[str, str], Site]) -> list[list[Site]]:

@@ -10,7 +10,7 @@ import numpy as np
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.noise import squares_of
 from spacerobot.diagnosis.locate.located import LEVEL, Located, Row
-from spacerobot.diagnosis.machines.machine import Model
+from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.selection.candidate import Candidate, tried
 from spacerobot.diagnosis.selection.check import Check
 from spacerobot.diagnosis.selection.growth import Growth
@@ -58,7 +58,7 @@ class Part:
     unseen: Unseen | None = None
 
     @property
-    def model(self) -> Model:
+    def model(self) -> Machine:
         """What was fitted."""
         return self.growth.bench.model
 

@@ -7,10 +7,9 @@ back, by the curvature of the fold's fits.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
-from typing import Any, cast
 
 import numpy as np
 
@@ -56,24 +55,11 @@ class Predictions:
     leads_to: LeadsTo
     rivals: tuple[Foretold, ...] = ()
 
-    def as_json(self) -> dict[str, Any]:
-        """For a store."""
-        told = {k: getattr(self, k).as_json() for k in ("before", "after", "selected")}
-        rivals = [r.as_json() for r in self.rivals]
-        return {"out": list(self.out), "leads_to": self.leads_to, **told, "rivals": rivals}
-
-    @classmethod
-    def from_json(cls, kept: Mapping[str, Any]) -> Predictions:
-        """Of `as_json`, or of what a store has made of it."""
-        told = {k: Foretold.from_json(kept[k]) for k in ("before", "after", "selected")}
-        rivals = tuple(Foretold.from_json(r) for r in kept["rivals"])
-        return cls(tuple(kept["out"]), leads_to=cast(LeadsTo, kept["leads_to"]), rivals=rivals, **told)
-
 
 def folded(
     workshop: Workshop, out: tuple[str, ...], chosen: Sequence[Site], rivals: Sequence[Sequence[Site]], thorough: bool
-) -> dict[str, Any]:
-    """A fold's predictions, as JSON.
+) -> Predictions:
+    """A fold's predictions.
 
     Args:
         workshop: of all trials.
@@ -91,7 +77,7 @@ def folded(
             decided = curved(pool.workshop, conclude(pool, found, lambda what, done, total: None))
     except SimulationError as error:
         none = Foretold((), failed={t.id: str(error) for t in unseen})
-        return Predictions(out, none, none, none, OTHER, (none,) * len(rivals)).as_json()
+        return Predictions(out, none, none, none, OTHER, (none,) * len(rivals))
     said = decided.judgement
     best = said.chosen.hypothesis.label
     after = said.chosen if best == label else _fit_of(found, sites)
@@ -105,7 +91,7 @@ def folded(
     else:
         leads_to = PART if contains(label, best) else OTHER
     rest = tuple(told[id(f)] for f in others)
-    return Predictions(out, told[id(found.baseline)], told[id(after)], told[id(said.chosen)], leads_to, rest).as_json()
+    return Predictions(out, told[id(found.baseline)], told[id(after)], told[id(said.chosen)], leads_to, rest)
 
 
 def _fit_of(found: Found, sites: Sequence[Site]) -> Fit | None:
@@ -127,12 +113,12 @@ def hold_out(pool: Pool, judgement: Judgement) -> Callable[[], Unseen | None]:
     rivals = [fit.hypothesis.sites for fit in _in_play(judgement) if fit.hypothesis.label != chosen.label]
     thorough = judgement.verdict in (NAMED, AMBIGUOUS)
     about = [chosen.label, chosen.only, [[s.label for s in r] for r in rivals], thorough]
-    begun = [pool.kept_aside(["fold", out, *about], folded, out, chosen.sites, rivals, thorough) for out in sets]
+    begun = [
+        pool.kept_aside(Predictions, ["fold", out, *about], folded, out, chosen.sites, rivals, thorough) for out in sets
+    ]
 
     everywhere = any(not s.trials for s in chosen.sites)
-    return lambda: unseen_of(
-        pool.workshop, [Predictions.from_json(one()) for one in begun], [label_of(r) for r in rivals], everywhere
-    )
+    return lambda: unseen_of(pool.workshop, [one() for one in begun], [label_of(r) for r in rivals], everywhere)
 
 
 def unseen_of(

@@ -6,7 +6,6 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 
-from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.gauss_newton import HOPE
 from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.screen import faint
@@ -42,21 +41,19 @@ NEAR_ITERATIONS, OTHER_ITERATIONS = 8, 3
 """Steps of a fit from the best-scored start of an effect, and from its others; the best of all go on from there."""
 
 
-def search(pool: Pool, sites: Sequence[Site], report: Report, *, baseline: Fit | None = None) -> Found:
+def search(pool: Pool, sites: Sequence[Site], report: Report) -> Found:
     """Fit the baseline, every single effect, and the most promising pairs.
 
     Args:
         pool: runs the fits.
         sites: effects and places to try.
         report: told of progress.
-        baseline: the refitted baseline, where it is known already.
     """
     workshop = pool.workshop
     report("baseline", 0, 1)
-    if baseline is None:
-        baseline = pool.here(Task((), {}))
-        if baseline is None:  # each trial can be simulated as believed, or the door had refused it; a fit moved on
-            raise InputError("the rig as believed cannot be fitted to these trials", where=str(workshop.study.path))
+    baseline = pool.here(Task((), {}))
+    if baseline is None:  # each trial can be simulated as believed, or the door had refused it; a fit moved on
+        raise InputError("the rig as believed cannot be fitted to these trials", where=str(workshop.study.path))
     found = Found(baseline, singles=tuple(sites), noise=noise_of(workshop), plausible=plausible_of(workshop))
     report("screening", 0, len(sites))
     first = screened(pool, baseline, sites)

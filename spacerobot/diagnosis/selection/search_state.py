@@ -12,9 +12,8 @@ from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.screen import Screen, Screened, Screener, together
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
-from spacerobot.diagnosis.selection.nameable import nameable
+from spacerobot.diagnosis.selection.nameable import nameable, plausible
 from spacerobot.diagnosis.selection.penalty import score, simplest
-from spacerobot.diagnosis.selection.plausible import plausible
 from spacerobot.diagnosis.terms.hypothesis import Label, Site
 
 EXPLAINED = 1.02
@@ -147,5 +146,4 @@ def noise_of(workshop: Workshop) -> Callable[[Fit], bool]:
 
 def plausible_of(workshop: Workshop) -> Callable[[Fit], bool]:
     """Whether a fit is what its effects' names say, by what is typical of the recordings."""
-    sizes = {"": workshop.model.sizes}
-    return lambda fit: plausible(fit.hypothesis.sites, fit.values(), sizes)
+    return lambda fit: plausible(fit.hypothesis.sites, fit.values(), workshop.model.size_at)

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 
@@ -63,23 +62,6 @@ class Foretold:
         made = hypothesis(model.believed.free_of(self.freed), sites, values)
         raw, keep = Fitter(model, [trial]).residual(made, made.start(values), trial, self.starts[trial.id])
         return np.where(keep, raw, 0.0)
-
-    def as_json(self) -> dict[str, Any]:
-        """For a store."""
-        return {**vars(self), "starts": {k: v.tolist() for k, v in self.starts.items()}}
-
-    @classmethod
-    def from_json(cls, kept: Mapping[str, Any]) -> Foretold:
-        """Of `as_json`, or of what a store has made of it."""
-        return cls(
-            **{
-                **kept,
-                "label": tuple((e, w) for e, w in kept["label"]),
-                "only": tuple(((e, w), tuple(trials)) for (e, w), trials in kept["only"]),
-                "freed": tuple(kept["freed"]),
-                "starts": {k: np.array(v, dtype=float) for k, v in kept["starts"].items()},
-            }
-        )
 
 
 def frozen(made: Hypothesis, values: Mapping[str, float], free: tuple[str, ...]) -> Hypothesis:

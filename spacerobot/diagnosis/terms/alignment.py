@@ -17,7 +17,7 @@ from spacerobot.recordings.series import Series
 from spacerobot.support.errors import InputError
 
 TRACK = "target.x"
-"""Whose clock a trial is told on, and whose zero is the touch."""
+"""Whose clock a trial is told on, and whose zero is the touch; without it a trial of a wrist has no start."""
 
 SHOWN_BY = ("contact.force", "wrist.x", "hand.x")
 """Channels that rest until the touch, the sharpest first."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 
 from spacerobot.diagnosis.terms.hypothesis import Believed, Site
 from spacerobot.effects.effect import FORM, Effect
@@ -50,18 +50,16 @@ def redundant(label: Sequence[tuple[str, str]]) -> bool:
     return len(laws) != len(set(laws))
 
 
-def candidate_sites(mechanism: Mechanism, believed: Believed, without: Sequence[str] = ()) -> list[Site]:
+def candidate_sites(mechanism: Mechanism, believed: Believed, effects: Iterable[Effect] | None = None) -> list[Site]:
     """Every effect at every place where it could sit in this mechanism.
 
     Args:
         mechanism: of the baseline.
         believed: values with a sigma cover the effects that act as they do.
-        without: names of effects to leave out.
+        effects: those to place; the catalogue's where absent.
     """
     sites = []
-    for one in all_effects().values():
-        if one.name in without:
-            continue
+    for one in all_effects().values() if effects is None else effects:
         for where in one.places(mechanism):
             if not stood_for(one, where, believed.fitted):
                 sites.append(Site(one, where))

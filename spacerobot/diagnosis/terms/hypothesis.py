@@ -201,7 +201,7 @@ class Hypothesis:
         warm = warm or {}
         z = np.array([f.z(warm[f.key]) if f.key in warm else 0.0 for f in self.free])
         low, high = self.bounds()
-        return np.clip(z, low, high)
+        return np.asarray(np.clip(z, low, high))
 
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:
         """Bounds in z, shape (len(free),) each."""

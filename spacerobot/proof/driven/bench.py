@@ -10,7 +10,7 @@ import numpy as np
 
 from spacerobot.diagnosis.fitting.noise import correlation_time, squares_of
 from spacerobot.diagnosis.machines.choose import models_for
-from spacerobot.diagnosis.machines.machine import Model
+from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.selection.bench import Bench
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Site
@@ -62,7 +62,7 @@ class ArmBench:
         return Fitted(sum(p.cost for p in parts), float(np.sqrt(squares / readings)), channels, readings)
 
 
-def _fitted(model: Model, labels: Labels, starts: Mapping[str, float]) -> Fitted:
+def _fitted(model: Machine, labels: Labels, starts: Mapping[str, float]) -> Fitted:
     bench = Bench(model)
     fit = bench.baseline()
     bench.sharpen(fit)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from spacerobot.proof.oracle import Bench
-from spacerobot.proof.rivals import Opinion
+from spacerobot.proof.rivals.opinion import Opinion
 from spacerobot.proof.rivals.tracks import Track
 from spacerobot.recordings.study import Study
 

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from scipy.signal import savgol_filter
 
-from spacerobot.proof.rivals import Opinion
+from spacerobot.proof.rivals.opinion import Opinion
 from spacerobot.proof.rivals.tracks import RATE, Track, folds
 from spacerobot.recordings.study import Study
 

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from spacerobot.proof.rivals import Opinion
+from spacerobot.proof.rivals.opinion import Opinion
 from spacerobot.proof.rivals.tracks import Track, folds
 from spacerobot.recordings.study import Study
 

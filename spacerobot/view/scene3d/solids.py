@@ -110,11 +110,6 @@ def cylinder(radius: float, length: float, segments: int = 40) -> Solid:
     )
 
 
-def cone(radius: float, length: float, segments: int = 32) -> Solid:
-    """A cone from z = 0 to its tip at z = `length`."""
-    return revolved([(0.0, 0.0), (radius, 0.0), (0.0, length)], segments)
-
-
 def sphere(radius: float, rings: int = 20, segments: int = 36) -> Solid:
     """A sphere, smooth."""
     return ellipsoidal(radius, 0.0, rings, segments)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from spacerobot.diagnosis.fitting.noise import split
-from spacerobot.diagnosis.machines.machine import Model
+from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.selection.candidate import Candidate, tried
 from spacerobot.diagnosis.selection.held_out import HEAD, HeldOut, predict_held_out
 from spacerobot.diagnosis.selection.part_result import Part
@@ -126,7 +126,7 @@ def measured(figure: Figure, parts: Sequence[Part]) -> dict[str, list[float]]:
 def _predicted(figure: Figure, part: Part, candidate: Candidate) -> tuple[tuple[TrialData, ...], HeldOut]:
     if figure.window is None and not figure.read_start and not figure.alone:
         return part.trials, tried(candidate)
-    model: Model = part.model
+    model: Machine = part.model
     if figure.window is not None:
         if not hasattr(model, "in_windows"):
             raise InputError("this model cannot be cut anew", given=figure.what, where=part.name)

@@ -6,15 +6,15 @@ import pytest
 
 from spacerobot.diagnosis.locate.of_model import locate_model
 from spacerobot.diagnosis.machines.choose import models_for
+from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
-from spacerobot.diagnosis.machines.machine import Model
 from spacerobot.recordings.dataroot import recordings_folder
 from spacerobot.recordings.study import load_study
 
 STUDIES = Path(__file__).resolve().parents[3] / "examples" / "studies" / "real"
 
 
-def models(name: str) -> dict[str, Model]:
+def models(name: str) -> dict[str, Machine]:
     top = recordings_folder()
     if top is None or not (top / "real" / name).exists():
         pytest.skip("the real recordings are not here: set SPACEROBOT_DATA")

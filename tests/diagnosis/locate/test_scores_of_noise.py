@@ -19,7 +19,7 @@ def scored(rng: np.random.Generator, noise_known: bool, variants: int, size: flo
     for rows in (20 * STRETCH, 12 * STRETCH):
         patterns = rng.normal(size=(rows, variants))
         score.add(size * rng.normal(size=rows), patterns, patterns)
-    found = score.verdict(0.0, 0, noise_known)
+    found = score.verdict(0.0, noise_known)
     assert found is not None
     return found.score, math.exp(found.log_p)
 
@@ -52,7 +52,7 @@ def test_a_planted_pattern_is_measured_with_its_error() -> None:
             for rows in (160, 96):
                 pattern = rng.normal(size=(rows, 1))
                 score.add(0.7 * pattern[:, 0] + rng.normal(size=rows), pattern, pattern)
-            found = score.verdict(0.0, 0, known)
+            found = score.verdict(0.0, known)
             assert found is not None
             pulls.append((found.coefficient - 0.7) / found.error)
             assert found.fall == pytest.approx(found.coefficient**2 * float(score.information[0]))  # type: ignore[index]
@@ -83,7 +83,7 @@ def test_a_constant_pattern_is_a_mean_with_the_standard_error_of_the_textbook(un
     ones = np.ones((white.size, 1))
     score = Score(np.zeros(1))
     score.add(white, ones, ones)
-    found = score.verdict(0.0, 0, False)
+    found = score.verdict(0.0, False)
     assert found is not None
     means = white.reshape(units, STRETCH).mean(axis=1)
     textbook = ttest_1samp(means, 0.0)

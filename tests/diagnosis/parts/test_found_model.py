@@ -11,7 +11,7 @@ from helpers_driven import driven_study
 from helpers_models import ARM, arm_log
 
 from spacerobot.diagnosis.answer.mended_model import Found, read_model
-from spacerobot.diagnosis.answer.part_next_trial import next_trial
+from spacerobot.diagnosis.answer.part_verdict import next_trial_of as next_trial
 from spacerobot.diagnosis.forward.choose import forward_model
 from spacerobot.diagnosis.forward.parts import Parts
 from spacerobot.diagnosis.machines.joint_torques import InverseDynamics

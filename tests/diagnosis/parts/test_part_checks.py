@@ -11,8 +11,8 @@ from helpers_models import ARM, arm_log
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
+from spacerobot.diagnosis.selection.checks import checks_of_part
 from spacerobot.diagnosis.selection.forward_selection import grow
-from spacerobot.diagnosis.selection.part_checks import checks_of
 from spacerobot.diagnosis.selection.part_result import Part
 from spacerobot.diagnosis.terms.kinds import NAMED, NOT_TRUSTED
 from spacerobot.effects.registry import effect
@@ -31,7 +31,7 @@ def part() -> Part:
 
 
 def outcome(part: Part) -> tuple[dict[str, bool], str]:
-    checks = checks_of(part)
+    checks = checks_of_part(part.model, part.trials, part.growth.before.fit, part.fit)
     return {c.name.split(",")[0]: c.passed for c in checks}, replace(part, checks=checks).verdict
 
 

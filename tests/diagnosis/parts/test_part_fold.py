@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from spacerobot.diagnosis.diagnose import diagnose
 from spacerobot.diagnosis.machines.choose import models_for
-from spacerobot.diagnosis.machines.machine import Model
+from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.machines.simulated import Simulated
 from spacerobot.diagnosis.selection import part_fold
 from spacerobot.diagnosis.selection.bench import Bench
@@ -80,11 +80,11 @@ def test_readings_that_are_kept_aside_change_nothing_that_is_fitted_or_chosen(gr
 
 @pytest.mark.parametrize("leak", ["trials", "weights"])
 def test_a_leak_would_be_seen(growth: Growth, monkeypatch: pytest.MonkeyPatch, leak: str) -> None:
-    def all_of_it(model: Model, out: Sequence[str]) -> Model:
+    def all_of_it(model: Machine, out: Sequence[str]) -> Machine:
         return model
 
     if leak == "trials":
-        monkeypatch.setattr(part_fold, "but_for", all_of_it)
+        monkeypatch.setattr(type(growth.bench.model), "but_for", all_of_it)
     else:
         whole = part_fold.among
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from spacerobot.diagnosis.machines.sizes import Sizes, scaled
+from spacerobot.diagnosis.machines.sizes import scaled
 from spacerobot.effects.registry import all_effects, effect
+from spacerobot.effects.sizes import Sizes
 from spacerobot.support.errors import InputError
 
 
