@@ -33,6 +33,7 @@ class Model(ABC):
         relative_to: values that are not known and take part as 1: forces are told per unit of them.
         given: channels that it takes as they were recorded: drives, motion that is followed.
         no_balance: why nothing can be located in its balance, where it has none.
+        not_measured: why its readings tell nothing of it; the study's verdict does not hang on such a part.
         metric: what the residual is, for tables, e.g. "torque balance" or "simulated motion".
     """
 
@@ -46,6 +47,7 @@ class Model(ABC):
     relative_to: tuple[str, ...] = ()
     given: frozenset[str] = frozenset()
     no_balance: str = ""
+    not_measured: str = ""
 
     @abstractmethod
     def mechanism(self, values: Mapping[str, float], trial: TrialData) -> Mechanism:
