@@ -130,10 +130,14 @@ def _show(args: argparse.Namespace, verdict: Mapping[str, Any], folder: RunFolde
 
     verdict = per_unit(with_own_units(verdict, {}))
     print(f"{verdict['study']}: {verdict['verdict']} (confidence {verdict['confidence']:.2f})")
-    print(_WORDS[verdict["verdict"]])
+    from spacerobot.view.report.several import several
+
+    line = several(verdict)
+    print(f"{line}." if line else _WORDS[verdict["verdict"]])
     for line in verdict.get("why", []):
         print(f"  {line}")
-    for entry in verdict["effects"]:
+    found = verdict["effects"] or [{**e, "part": p["part"]} for p in verdict.get("parts", ()) for e in p["effects"]]
+    for entry in found:
         part = f" ({entry['part']})" if "part" in entry and not entry["where"].endswith(entry["part"]) else ""
         alone = f", in trial {' and '.join(entry['trials'])} alone" if "trials" in entry else ""
         print(f"  {entry['effect']} at {entry['where']}{part}{alone}")

@@ -145,12 +145,14 @@ class Mechanism:
     def carrier_of(self, name: str) -> str | None:
         """The coordinate whose motion an appendage shares while its own spring stays as it is.
 
-        What turns in its carrier shares the carrier's yaw. None for what rides on nothing that moves here.
+        What turns in a carrier that slides shares the carrier's yaw. None for what rides on nothing that moves here.
         """
         own = self.coordinates[name]
         if own.carrier is None:
             return None
-        found = f"{own.carrier}.yaw" if own.angular else own.carrier
+        carrier = self.coordinates.get(own.carrier)
+        turns = carrier is not None and carrier.angular
+        found = f"{own.carrier}.yaw" if own.angular and not turns else own.carrier
         return found if found in self.coordinates else None
 
     def rides_on(self, rider: str, name: str) -> bool:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from spacerobot.recordings.baseline import Baseline, read_baseline
 from spacerobot.recordings.dataroot import data_root, inside
-from spacerobot.recordings.document import read_document
+from spacerobot.recordings.document import Document, read_document
 from spacerobot.recordings.recording import Recording, load_trial
 from spacerobot.recordings.stream import StreamSpec, read_stream
 from spacerobot.recordings.trial import _GROUPS, _KEYS, Trial, index_file, read_trials
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     import pandas
 
 FORMAT = 1
-_TOP = ("format", "draft", "title", "data", "exact", "baseline", "streams", "trials")
+_TOP = ("format", "draft", "title", "data", "exact", "horizon", "baseline", "streams", "trials")
 
 
 @dataclass(frozen=True)
@@ -42,6 +42,7 @@ class Study:
         draft: whether the study says that its author has not finished it (`draft = true`).
         draft_line: file and line that say so.
         indices: the lists of runs that trials were taken from.
+        horizon: how long a simulation runs before it starts anew from the recording [s]; by the data if None.
     """
 
     title: str
@@ -53,6 +54,7 @@ class Study:
     draft: bool = False
     draft_line: str | None = None
     indices: tuple[Path, ...] = ()
+    horizon: float | None = None
     _cache: dict[str, Recording] = field(default_factory=dict, repr=False, compare=False)
 
     def __repr__(self) -> str:
@@ -169,15 +171,20 @@ class Study:
 
     @property
     def robot_file(self) -> Path | None:
-        """The URDF that the study brings along, None where the robot is named.
+        """The URDF that lies beside the study, or else beside its recordings; None where the robot is named.
 
         Raises:
-            InputError: the file is missing or outside the study's folder.
+            InputError: the file is missing or outside these folders.
         """
         robot = self.baseline.robot
         if robot is None or not ("/" in robot or "\\" in robot or robot.lower().endswith((".urdf", ".xml", ".xacro"))):
             return None
-        return inside(self.path.parent, robot, where=str(self.path))
+        try:
+            return inside(self.path.parent, robot, where=str(self.path))
+        except InputError:
+            if self.root == self.path.parent:
+                raise
+            return inside(self.root, robot, where=str(self.path))
 
     @property
     def robot_source(self) -> Path | str | None:
@@ -260,7 +267,18 @@ def load_study(path: str | Path, data: str | Path | None = None) -> Study:
         draft,
         document.where("draft") if draft else None,
         tuple(dict.fromkeys(path for path in lists if path is not None)),
+        _horizon(document),
     )
+
+
+def _horizon(document: Document) -> float | None:
+    """The study's own length of a rollout [s], None where it states none."""
+    if "horizon" not in document.data:
+        return None
+    found = document.number(document.data["horizon"], "horizon")
+    if found <= 0.0:
+        raise InputError("'horizon' must be positive", given=found, valid="seconds", where=document.where("horizon"))
+    return found
 
 
 def resolve_study(path: str | Path) -> Path:

@@ -66,6 +66,7 @@ _JOINT: dict[str, Kind] = {
     "friction": _not_negative("N"),
     "gain": _positive("1"),
     "bias": _any("N"),
+    "torque": _any("N"),
     "ratio": _any("1"),
     "kp": _not_negative("1"),
     "kv": _not_negative("1"),

@@ -45,8 +45,9 @@ def of_parts(parts: Sequence[Part]) -> HeldOut:
             sums[channel] = sums.get(channel, np.zeros(len(TOLD) + 1)) + np.array(row, dtype=float)
     scale = sizes(parts)
     stated = _stated(parts)
-    total = sum((row[:-1] / scale[c] ** 2 for c, row in sums.items()), np.zeros(len(TOLD)))
-    every = _errors(total, sum(row[-1] for row in sums.values()))
+    told = {c for p in parts if not p.model.not_measured for t in p.trials for c in t.channels} or set(sums)
+    total = sum((row[:-1] / scale[c] ** 2 for c, row in sums.items() if c in told), np.zeros(len(TOLD)))
+    every = _errors(total, sum(row[-1] for c, row in sums.items() if c in told))
     tried = [(p.unseen, p.name) for p in parts if p.unseen is not None]
     return HeldOut(
         scheme=scheme_of(parts[0].trials, MOST_FOLDS),

@@ -47,20 +47,18 @@ from spacerobot.diagnosis.terms.kinds import (
 )
 from spacerobot.recordings.study import Study
 
-PRECEDENCE = (NOT_TRUSTED, NAMED, AMBIGUOUS, UNKNOWN, WRONG_PARAMETER, NOTHING_MISSING)
-"""Of the parts' verdicts, the first that occurs is the study's: what is named at one joint stays named whatever is
-said of another. Only where noise is stated is it certain that the other lacks something, and no set without it whole.
-"""
+PRECEDENCE = (NOT_TRUSTED, UNKNOWN, AMBIGUOUS, NAMED, WRONG_PARAMETER, NOTHING_MISSING)
+"""Of the parts' verdicts, the first that occurs is the study's: the whole is as weak as the weakest of its parts that
+were measured. What is named at one of them stands in its own entry."""
 
 
 def verdict_of(study: Study, parts: Sequence[Part], *, seed: int, seconds: float) -> Verdict:
     """The whole answer; beside what every verdict has, "parts" with each part's own."""
     own = [p.verdict for p in parts]
-    verdict = next(v for v in PRECEDENCE if v in own)
-    if verdict == NAMED and any(v == AMBIGUOUS and p.loudness for p, v in zip(parts, own, strict=True)):
-        verdict = AMBIGUOUS
+    told = [v for p, v in zip(parts, own, strict=True) if not p.model.not_measured] or own
+    verdict = next(v for v in PRECEDENCE if v in told)
     said = (AMBIGUOUS, NAMED) if verdict == AMBIGUOUS else (verdict,)
-    speaking = [p for p, v in zip(parts, own, strict=True) if v in said]
+    speaking = [p for p, v in zip(parts, own, strict=True) if v in said and (not p.model.not_measured or told is own)]
     effects = [e for p in speaking for e in lacked(p, len(parts))] if verdict == NAMED else []
     further = [next_trial_of(p) for p, v in zip(parts, own, strict=True) if v == AMBIGUOUS]
     seen = touches([p.model for p in parts])
@@ -73,7 +71,8 @@ def verdict_of(study: Study, parts: Sequence[Part], *, seed: int, seconds: float
         seconds=round(seconds, 3),
         verdict=verdict,
         confidence=float(np.mean([p.confidence for p in speaking])),
-        why=[line for p in parts for line in why_not(p.checks)],
+        why=[line for p in parts for line in why_not(p.checks)]
+        + [f"{p.name}: {p.model.not_measured}" for p in parts if p.model.not_measured],
         effects=effects,
         alternatives=alternatives(speaking, verdict),
         parameters=_all_moved(parts),
@@ -227,7 +226,8 @@ def _alone(part: Part, verdict: Kind) -> record.Part:
         part=part.name,
         verdict=verdict,
         confidence=part.confidence,
-        effects=[] if verdict == UNKNOWN else lacked(part, 1),
+        effects=[] if verdict in (UNKNOWN, NOT_TRUSTED) else lacked(part, 1),
+        not_measured=part.model.not_measured or UNSET,
         compared=part.model.metric,
         rms_over_stated_noise=dict(part.loudness) if part.loudness else UNSET,
         error_ratio=after / before if before else None,

@@ -228,6 +228,9 @@ class Part(Record, frozen=True, kw_only=True):
     error_ratio: Annotated[Measure, Meta(description="held-out error after over before [1]")]
     values: dict[str, Number]
     relative_to: list[str]
+    not_measured: Annotated[str, Meta(description="why its readings tell nothing; the whole hangs on no such part")] | (
+        UnsetType
+    ) = UNSET
     rms_over_stated_noise: (
         Annotated[dict[str, Number], Meta(description="by channel, of what is left over [1]")] | UnsetType
     ) = UNSET

@@ -77,14 +77,18 @@ class Screen:
 class Screener:
     """Scores effects at a fit."""
 
-    def __init__(self, fitter: Fitter, believed: Believed) -> None:
+    def __init__(self, fitter: Fitter, believed: Believed, *, plain: bool = False) -> None:
+        """With `plain` every reading counts, those of trials that do not fit yet too, and no probe of an effect is
+        larger than what is left to explain: rollouts of a machine that swings are far from linear in what damps it.
+        """
         self.fitter = fitter
         self.believed = believed
+        self.plain = plain
 
     def screen(self, fit: Fit, sites: Sequence[Site]) -> Screen:
         """Scores of adding each site to the fit's own hypothesis."""
         fitter, state = self.fitter, self.state_of(fit)
-        project = Projector(fitter, fit, state)
+        project = Projector(fitter, fit, state, robust=not self.plain)
         residual = project.free(project.stack(state.raw), fit.z)
         scored = []
         for site in sites:
@@ -142,17 +146,31 @@ class Screener:
         site: Site,
         start: Mapping[str, float],
     ) -> Screened | None:
-        moved = self.with_effect(fit, state, site, {**start, **faint(site, start)})
-        if moved is None:
+        column = self._column(fit, state, project, site, start, FAINT)
+        if column is None:
             return None
-        column = project.free(project.stack(moved.raw) - project.stack(state.raw), np.zeros_like(fit.z))
         norm = float(column @ column)
+        part = float(np.sqrt((residual @ residual) / max(norm, 1e-300)))
+        if self.plain and part < 1.0 and not site.effect.removes:
+            smaller = self._column(fit, state, project, site, start, part * FAINT)
+            if smaller is not None:
+                column = smaller / part
+                norm = float(column @ column)
         if norm < 1e-12:
             return Screened(site, start, column, 0.0, 0.0, norm)
         amplitude = -float(column @ residual) / norm
         if amplitude < 0.0 and not site.effect.two_sided:
             return Screened(site, start, column, 0.0, amplitude, norm)
         return Screened(site, start, column, amplitude**2 * norm, amplitude, norm)
+
+    def _column(
+        self, fit: Fit, state: State, project: Projector, site: Site, start: Mapping[str, float], share: float
+    ) -> np.ndarray | None:
+        """What a share of an effect at a start moves, shape (S + P,); None where that cannot be simulated."""
+        moved = self.with_effect(fit, state, site, {**start, **faint(site, start, share)})
+        if moved is None:
+            return None
+        return project.free(project.stack(moved.raw) - project.stack(state.raw), np.zeros_like(fit.z))
 
 
 def starts_of(site: Site, trials: Sequence[TrialData]) -> list[dict[str, float]]:

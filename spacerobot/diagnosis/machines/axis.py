@@ -1,4 +1,4 @@
-"""A driven axis as a mechanism: one joint, its believed spring and damper, and the recorded drive."""
+"""One joint as a mechanism: its believed spring and damper, the weight it carries, and the recorded drive if any."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+import pinocchio as pin
 
 from spacerobot.diagnosis.machines import torque_log
 from spacerobot.diagnosis.machines.contract import FIRST_NOISE, conditions_of
@@ -15,11 +16,15 @@ from spacerobot.diagnosis.machines.windows import Drive, band_limited, refinemen
 from spacerobot.diagnosis.terms.candidates import stood_for
 from spacerobot.diagnosis.terms.data import Block, TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed
+from spacerobot.dynamics.inertia import joint_space_inertia
+from spacerobot.dynamics.joint_kinds import joint_axis
 from spacerobot.effects.catalogue.preload import KERNEL as CONSTANT
 from spacerobot.effects.laws import DAMPER, SPRING
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Coordinate, Force, Input, Readout
 from spacerobot.effects.registry import all_effects
+from spacerobot.effects.weight import WEIGHT
+from spacerobot.model.robot import Robot
 from spacerobot.recordings.study import Study
 from spacerobot.recordings.trial import Trial
 
@@ -33,8 +38,38 @@ RESTART = 0.5
 """The same without a spring: a simulation under a recorded drive drifts away, and starts again."""
 
 
-def axis(joint: str, sensor: str, angular: bool) -> Build:
-    """The mechanism of a driven joint, by its values "joint.NAME.mass", ".stiffness", ".damping", ".gain", ".bias"."""
+SWINGS = 10.0
+"""The same of a joint that nothing drives and gravity alone brings back, in radians of its motion."""
+
+
+def weight_of(robot: Robot, gravity: Sequence[float], joint: str) -> tuple[float, float]:
+    """(a, b): gravity asks a sin q + b cos q of the joint at its angle q, or b wherever it has slid [N m or N].
+
+    The other joints are at neutral.
+    """
+    model = pin.Model(robot.model)
+    model.gravity.linear = np.array(gravity, dtype=float)
+    data, index = model.createData(), robot.velocity_index(joint)
+
+    def at(angle: float) -> float:
+        return float(pin.computeGeneralizedGravity(model, data, robot.configuration(others={joint: angle}))[index])
+
+    turns = joint_axis(robot.model, robot.joint_id(joint))[0]
+    return (at(0.5 * math.pi) if turns else 0.0), at(0.0)
+
+
+def axis(
+    joint: str, sensor: str, angular: bool, weight: tuple[float, float] = (0.0, 0.0), driven: bool = True
+) -> Build:
+    """The mechanism of one joint, by its values "joint.NAME.mass", ".stiffness", ".damping", ".gain", ".bias".
+
+    Args:
+        joint: its name.
+        sensor: what verdicts call its readings.
+        angular: whether it turns.
+        weight: as `weight_of` has it.
+        driven: whether a recorded torque acts; else the believed constant "joint.NAME.torque", if there is one.
+    """
     name = f"joint.{joint}"
 
     def build(values: Mapping[str, float], trial: TrialData) -> Mechanism:
@@ -44,13 +79,16 @@ def axis(joint: str, sensor: str, angular: bool) -> Build:
             forces.append(Force(f"{name}.spring", name, SPRING, (values[f"{name}.stiffness"],), role="spring"))
         if values.get(f"{name}.damping"):
             forces.append(Force(f"{name}.damper", name, DAMPER, (values[f"{name}.damping"],), role="damper"))
-        if zero := torque_log.bias(values, joint):
-            forces.append(Force(f"{name}.bias", name, CONSTANT, (-zero,)))
+        constant = -torque_log.bias(values, joint) if driven else values.get(f"{name}.torque", 0.0)
+        if constant:
+            forces.append(Force(f"{name}.bias", name, CONSTANT, (constant,)))
+        if any(weight):
+            forces.append(Force(f"{name}.weight", name, *((WEIGHT, weight) if angular else (CONSTANT, (-weight[1],)))))
         return Mechanism(
             coordinates={name: Coordinate(name, values[f"{name}.mass"], angular=angular)},
             ports={name: {name: 1.0}},
             forces=tuple(forces),
-            inputs=(Input("drive", name, f"{name}.torque", torque_log.gain(values, joint)),),
+            inputs=(Input("drive", name, f"{name}.torque", torque_log.gain(values, joint)),) if driven else (),
             readouts=readouts,
             sensors={sensor: tuple(c for c in readouts if c in trial.channels)},
         )
@@ -58,52 +96,61 @@ def axis(joint: str, sensor: str, angular: bool) -> Build:
     return build
 
 
-def axis_model(study: Study, trials: Sequence[Trial], joint: str, mass: float, angular: bool) -> Simulated:
+def axis_model(study: Study, trials: Sequence[Trial], joint: str, robot: Robot) -> Simulated:
     """The simulated axis of a study.
 
     Args:
         study: its baseline and recordings.
-        trials: those that log this joint's position and torque.
+        trials: those that log this joint's position and, where it is driven, its torque.
         joint: its name.
-        mass: of the URDF, where the study states none [kg or kg m^2].
-        angular: whether it turns.
+        robot: the study's; its inertia about the joint serves where the study states none.
     """
     name = f"joint.{joint}"
-    recorded, drives, parts = [], {}, []
+    angular = bool(joint_axis(robot.model, robot.joint_id(joint))[0])
+    driven = all(f"{name}.torque" in study.recording(t) for t in trials)
+    weight = weight_of(robot, study.baseline.gravity, joint)
+    values = {n: v for n, v in study.values().items() if n.startswith(f"{name}.")}
+    index = robot.velocity_index(joint)
+    own = float(joint_space_inertia(robot, robot.configuration())[index, index])
+    drives, motion = {}, []
     for trial in trials:
         recording = study.recording(trial)
-        position, torque = recording[f"{name}.position"], recording[f"{name}.torque"]
-        time, value = position.good()
-        factor = refinement(torque.good()[1])
-        fine, drive = band_limited(*torque.good(), factor) if factor > 1 else torque.good()
-        drives[trial.id] = Drive(fine, {f"{name}.torque": drive})
-        speed = np.gradient(value, time)
-        parts.append((torque.good()[1], value, speed))
-        recorded.append((trial, time, value, position))
-    force, place, rate = (np.concatenate([p[i] for p in parts]) for i in range(3))
+        time, value = recording[f"{name}.position"].good()
+        force = np.zeros(0)
+        if driven:
+            torque = recording[f"{name}.torque"]
+            factor = refinement(torque.good()[1])
+            fine, drive = band_limited(*torque.good(), factor) if factor > 1 else torque.good()
+            drives[trial.id], force = Drive(fine, {f"{name}.torque": drive}), torque.good()[1]
+        motion.append((force, value, np.gradient(value, time)))
+    force, place, rate = (np.concatenate([m[i] for m in motion]) for i in range(3))
+    if not driven:  # what it takes to move it as it moves
+        force = values.get(f"{name}.mass", own) * rate**2 / max(float(np.std(place)), 1e-12)
     sizes = sizes_of(force, place, rate)
-    whole = []
-    for trial, time, value, position in recorded:
+    whole, stated = [], True
+    for trial in trials:
+        position = study.recording(trial)[f"{name}.position"]
+        time, value = position.good()
+        stated = stated and position.sigma_stated
         noise = position.sigma if position.sigma_stated else FIRST_NOISE * sizes.length
-        weight = np.full((1, time.size), 1.0 / noise)
-        block = Block(position.stream, (f"{name}.position",), time, value[None, :], weight)
-        condition, start, end = study.condition(trial), float(time[0]), float(time[-1])
-        whole.append(TrialData(trial.id, condition, dict(trial.overrides), (block,), start, end))
-    values = {n: v for n, v in study.values().items() if n.startswith(f"{name}.")}
+        block = Block(position.stream, (position.name,), time, value[None, :], np.full((1, time.size), 1.0 / noise))
+        ends = float(time[0]), float(time[-1])
+        whole.append(TrialData(trial.id, study.condition(trial), dict(trial.overrides), (block,), *ends))
     unknown = {f"{name}.{k}": sizes.of(u) for k, u in UNITS.items() if f"{name}.{k}" in study.baseline.unknown}
     if f"{name}.mass" not in unknown:
-        values.setdefault(f"{name}.mass", mass)
+        values.setdefault(f"{name}.mass", own + values.get(f"{name}.armature", 0.0))
     sigma = {n: s for n, s in study.sigma.items() if n in values and n not in unknown}
     sprung = f"{name}.stiffness" in values or f"{name}.stiffness" in unknown
+    length = (OSCILLATIONS if sprung else RESTART) * (2.0 * math.pi if sprung else 1.0)
     made = Simulated(
         joint,
-        axis(joint, recorded[0][3].stream, angular),
+        axis(joint, whole[0].blocks[0].stream, angular, weight, driven),
         whole,
         drives,
         believed=Believed(values, sigma, {}, conditions_of(whole), unknown),
         sizes={"": sizes},
         covered=frozenset((e.name, name) for e in all_effects().values() if stood_for(e, name, {*unknown, *sigma})),
-        window=(OSCILLATIONS if sprung else RESTART) * sizes.time * (2.0 * math.pi if sprung else 1.0),
+        window=study.horizon or sizes.time * (length if driven or sprung else SWINGS * 2.0 * math.pi),
     )
-    made.stated = frozenset(whole[0].channels) if all(r[3].sigma_stated for r in recorded) else frozenset()
+    made.stated = frozenset(whole[0].channels if stated else ())
     return made

@@ -168,7 +168,7 @@ def _model(study: Study, trials: Sequence[Trial], group: str, name: str) -> Simu
         drives,
         believed=Believed(values, sigma, {}, conditions_of(whole), unknown),
         sizes=sizes,
-        window=_window(whole, sizes[""].time, bool(driven)),
+        window=study.horizon or _window(whole, sizes[""].time, bool(driven)),
         covered=frozenset(covered),
     )
     made.stated = frozenset(c for c in whole[0].channels if known[c].sigma_stated)

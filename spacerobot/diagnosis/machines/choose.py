@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
 from spacerobot.diagnosis.machines.axis import axis_model
 from spacerobot.diagnosis.machines.body import axes_of, body_models
 from spacerobot.diagnosis.machines.contract import Machine
-from spacerobot.diagnosis.machines.grid import even_grid
+from spacerobot.diagnosis.machines.grid import Grid, even_grid
 from spacerobot.diagnosis.machines.impacts import impact_models
 from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
 from spacerobot.diagnosis.machines.links import robot_of
 from spacerobot.diagnosis.machines.platform import platform_models
 from spacerobot.diagnosis.machines.prescribed import carried
 from spacerobot.diagnosis.machines.tossed import tossed_models
-from spacerobot.dynamics.inertia import joint_space_inertia
-from spacerobot.dynamics.joint_kinds import joint_axis
 from spacerobot.recordings.study import Study
 from spacerobot.recordings.trial import Trial
 from spacerobot.support.errors import InputError
@@ -27,8 +30,8 @@ def models_for(study: Study) -> tuple[Machine, ...]:
     """
     found: list[Machine] = []
     for joints, trials in _logged(study).items():
-        if len(joints) == 1 and _sprung(study, joints[0]):
-            found.append(axis_of(study, trials, joints[0]))
+        if len(joints) == 1 and (study.horizon or _sprung(study, joints[0]) or _idle(study, trials, joints[0])):
+            found.append(axis_model(study, trials, joints[0], robot_of(study)))
         else:
             found += balances(study, trials, joints)
     tossed = tossed_models(study)
@@ -73,15 +76,21 @@ def _drives(study: Study, trial: Trial, group: str) -> list[str]:
 
 
 def _logged(study: Study) -> dict[tuple[str, ...], list[Trial]]:
-    """Joints whose position and torque were logged -> the trials that log just these."""
+    """Joints whose position is logged, and whose torque is logged or stated -> the trials that have just these."""
     groups: dict[tuple[str, ...], list[Trial]] = {}
+    stated = study.values()
     for trial in study.trials:
         recording = study.recording(trial)
-        names = [c.split(".")[1] for c in recording if c.startswith("joint.") and c.endswith(".torque")]
-        both = tuple(n for n in names if f"joint.{n}.position" in recording)
+        names = [c.split(".")[1] for c in recording if c.startswith("joint.") and c.endswith(".position")]
+        both = tuple(n for n in names if f"joint.{n}.torque" in recording or f"joint.{n}.torque" in stated)
         if both:
             groups.setdefault(both, []).append(trial)
     return groups
+
+
+def _idle(study: Study, trials: Sequence[Trial], joint: str) -> bool:
+    """Whether no drive of a joint was recorded: its torque is what the study states, zero for a pendulum."""
+    return not any(f"joint.{joint}.torque" in study.recording(t) for t in trials)
 
 
 def _sprung(study: Study, joint: str) -> bool:
@@ -90,22 +99,20 @@ def _sprung(study: Study, joint: str) -> bool:
     return name in study.baseline.unknown or bool(study.value(name))
 
 
-def axis_of(study: Study, trials: list[Trial], joint: str) -> Machine:
-    """The simulated axis."""
-    robot = robot_of(study)
-    index = robot.velocity_index(joint)
-    mass = float(joint_space_inertia(robot, robot.configuration())[index, index])
-    return axis_model(study, trials, joint, mass, joint_axis(robot.model, robot.joint_id(joint))[0])
-
-
 def balances(study: Study, trials: list[Trial], joints: tuple[str, ...]) -> list[Machine]:
     """A torque balance for each joint."""
     robot = robot_of(study)
     fully = all(f"joint.{j}.velocity" in study.recording(t) for j in joints for t in trials)
     kinds = ("position", "torque", "velocity")[: 3 if fully else 2]
-    channels = [f"joint.{j}.{kind}" for j in joints for kind in kinds]
-    grids = {t.id: (even_grid(study.recording(t), channels), study.condition(t), dict(t.overrides)) for t in trials}
-    stream = study.recording(trials[0])[f"joint.{joints[0]}.torque"].stream
+    idle = {j: study.values()[f"joint.{j}.torque"] for j in joints if _idle(study, trials, j)}
+    unread = [f"joint.{j}.torque" for j in idle]
+    channels = [c for j in joints for kind in kinds if (c := f"joint.{j}.{kind}") not in unread]
+    grids = {
+        t.id: (_stated(even_grid(study.recording(t), channels), idle), study.condition(t), dict(t.overrides))
+        for t in trials
+    }
+    first = next((j for j in joints if j not in idle), None)
+    stream = "" if first is None else study.recording(trials[0])[f"joint.{first}.torque"].stream
     values = {n: v for n, v in study.values().items() if n.startswith("joint.")}
     logs = [study.recording(t)[c] for t in trials for c in channels]
     noise = {s.name: s.sigma for s in logs if s.sigma_stated}
@@ -124,6 +131,13 @@ def balances(study: Study, trials: list[Trial], joints: tuple[str, ...]) -> list
                 sigma={n: v for n, v in study.sigma.items() if n.startswith((f"joint.{joint}.", "link."))},
                 sensor=stream,
                 noise=noise,
+                idle=tuple(idle),
             )
         )
     return found
+
+
+def _stated(grid: Grid, torques: Mapping[str, float]) -> Grid:
+    """The grid with torques that are stated instead of logged, by joint."""
+    steady = {f"joint.{j}.torque": np.full(grid.time.size, torque) for j, torque in torques.items()}
+    return replace(grid, value={**grid.value, **steady})

@@ -103,6 +103,7 @@ class Machine(ABC):
         relative_to: values that are not known and take part as 1: forces are told per unit of them.
         given: channels that it takes as they were recorded: drives, motion that is followed.
         no_balance: why nothing can be located in its balance, where it has none.
+        not_measured: why its readings tell nothing of it; the study's verdict does not hang on such a part.
         metric: what the residual is, for tables, e.g. "torque balance" or "simulated motion".
     """
 
@@ -116,6 +117,7 @@ class Machine(ABC):
     relative_to: tuple[str, ...] = ()
     given: frozenset[str] = frozenset()
     no_balance: str = ""
+    not_measured: str = ""
     otherwise: Mapping[str, str] = MappingProxyType({})
     """What else could be measured where no other trial tells more."""
     free_mass: str = "body.mass"

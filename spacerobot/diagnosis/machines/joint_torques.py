@@ -46,6 +46,13 @@ WIDTH = 0.1
 FEWEST = 4
 """Half widths of a test function that a piece holds at least."""
 
+SILENT = 0.1
+"""A torque that varies by less than this share of what its own weight and inertia ask for is not what moved the joint:
+friction adds to it, nothing that a body can be takes nine tenths of it away."""
+
+REST = 0.01
+"""Share of a joint's typical speed below which it may as well stand still, whatever its noise is."""
+
 FEWEST_READINGS = 4
 """That a piece holds at least."""
 
@@ -85,6 +92,7 @@ class InverseDynamics(Machine):
         sigma: Mapping[str, float] | None = None,
         sensor: str = "torques",
         noise: Mapping[str, float] | None = None,
+        idle: Sequence[str] = (),
     ) -> None:
         """From joint logs.
 
@@ -102,6 +110,8 @@ class InverseDynamics(Machine):
             sensor: what verdicts call the torque sensors.
             noise: standard deviations by channel, of the torques and of what the motion is taken from, where the study
                 states them all; see `Part.loudness`.
+            idle: joints whose torque was not logged but is stated (zero, where nothing drives them): no sensor shows
+                it.
         """
         self.joints = tuple(joints)
         self.compared = tuple(joints if compared is None else compared)
@@ -109,6 +119,7 @@ class InverseDynamics(Machine):
         self.sensor = sensor
         motion = {c for grid, _, _ in grids.values() for c in grid.value}
         self.given = frozenset(motion - {f"joint.{j}.torque" for j in self.joints})
+        self.driven = not any(j in idle for j in self.compared)
         self._turns = {j: bool(joint_axis(robot.model, robot.joint_id(j))[0]) for j in self.joints}
         weighed = {n.split(".")[1]: mass_of(robot, n.split(".")[1]) for n in sigma or {} if n.startswith("link.")}
         carried = carried_links(robot, self.compared)
@@ -118,7 +129,7 @@ class InverseDynamics(Machine):
         heavier = [_Rigid(with_masses(robot, {n: 2.0 * m}), gravity, self.joints) for n, m in self._link_mass.items()]
         self._raw = raw = {k: _kinematics(g, self.joints, SHARP) for k, (g, _, _) in grids.items()}
         self._arm = arm = _Rigid(robot, gravity, self.joints)
-        own = {j: _sizes(raw.values(), i) for i, j in enumerate(self.joints)}
+        own = {j: _sizes(raw.values(), i, arm if j in idle else None) for i, j in enumerate(self.joints)}
         self.sizes = {f"joint.{j}": s for j, s in own.items()} | {"": own[self.compared[0]]}
         self._level = np.array([own[j].force for j in self.compared])
         self._motion: dict[str, Motion] = {}
@@ -137,6 +148,10 @@ class InverseDynamics(Machine):
             slow = np.array([still_below(noise or {}, j, narrow) for j in self.compared])
             pieces = self._cut(key, log, condition, overrides, half, slow)
             pieces = pieces or self._cut(key, log, condition, overrides, half, 0.0 * slow)
+            rests = np.maximum(slow, [REST * own[j].length / own[j].time for j in self.compared])
+            moving = self._cut(key, log, condition, overrides, half, rests)
+            if 2 * len(moving) > len(pieces):  # else its weight at rest is most of what is known
+                pieces = moving
             lenses += [Lens(narrow, self._bump[piece.id], thin) for piece in pieces]
             trials += pieces
         self.trials = tuple(trials)
@@ -151,6 +166,29 @@ class InverseDynamics(Machine):
             {n: self._mass[n[: -len(".mass")]] for n in sigma if n.endswith(".mass") and n not in self.base}
         )
         self.believed = Believed(self.base, sigma, {}, conditions_of(trials), centres)
+        self.not_measured = self._silence(unknown)
+
+    def _silence(self, unknown: Sequence[str]) -> str:
+        """Why the logged torque tells nothing of the one joint compared; empty where it does, or may.
+
+        Where the joint's own inertia is not known, its weight alone is what is asked for.
+        """
+        own = {n.rsplit(".", 1)[1] for n in unknown}
+        if len(self.compared) != 1 or not self.driven or own & {"gain", "stiffness"}:
+            return ""
+        k = self.joints.index(self.compared[0])
+        told, needed = [], []
+        for trial in self.trials:
+            seen, motion = trial.blocks[0].weight[0] > 0.0, self._motion[trial.id]
+            still = np.zeros_like(motion.velocity)
+            asked = self._arm.torque(motion.position, still, still) if "mass" in own else motion.rigid
+            told.append(trial.blocks[0].value[0][seen])
+            needed.append(self.seen(trial, asked[:, k])[seen])
+        shown, moved = (float(np.std(np.concatenate(x))) for x in (told, needed))
+        if shown >= SILENT * moved:
+            return ""
+        unit = "N m" if self.angular(self.compared[0]) else "N"
+        return f"its torque reads {shown:.2g} {unit} rms about its mean where the motion asks for {moved:.2g}"
 
     def _cut(
         self, key: str, log: _Log, condition: str, overrides: Mapping[str, float], half: int, slow: np.ndarray
@@ -184,13 +222,16 @@ class InverseDynamics(Machine):
         return out
 
     def sites(self, effects: Iterable[Effect] | None = None) -> list[Site]:
-        """As everywhere; of one joint among several, those at it: a shared sensor or a coupling is no joint's own."""
+        """As everywhere; of one joint among several, those at it, and drives of others that it turns too.
+
+        A sensor that it shares is no joint's own.
+        """
         felt = {f"joint.{j}" for j in self.compared}
         fitted = {*self.believed.sigma, *self.believed.unknown}
         every = [s for s in super().sites(effects) if s.where not in felt or not stood_for(s.effect, s.where, fitted)]
         if len(self.compared) == len(self.joints):
             return every
-        return [s for s in every if s.where in felt and "ports" not in self.touched(s)]
+        return [s for s in every if s.where in felt or "ports" in self.touched(s)]
 
     def mechanism(self, values: Mapping[str, float], trial: TrialData) -> Mechanism:
         """Joints with their believed springs, dampers, inertia and torque logs; the coupling between is the rigid part.
@@ -212,7 +253,7 @@ class InverseDynamics(Machine):
             ports={f"joint.{j}": {f"joint.{j}": 1.0} for j in self.joints},
             forces=tuple(forces),
             maps=tuple(m for j in self.compared for m in torque_log.logged(values, j)),
-            sensors={self.sensor: tuple(f"joint.{j}.torque" for j in self.compared)},
+            sensors={self.sensor: tuple(f"joint.{j}.torque" for j in self.compared)} if self.driven else {},
         )
 
     def shocks(self) -> dict[str, Moment]:
@@ -280,14 +321,13 @@ class InverseDynamics(Machine):
         asked = motion.rigid + motion.acceleration * beyond
         for link, own in zip(self.links, motion.by_link, strict=True):
             asked = asked + (mechanism.coordinates[f"link.{link}"].mass / self._link_mass[link] - 1.0) * own
-        rows = np.array([[mechanism.ports[p].get(c, 0.0) for c in names] for p in names])
-        if not np.array_equal(rows, np.eye(len(names))):  # drives that see their neighbours
-            asked = np.linalg.solve(rows.T, asked.T).T
         acting = port_forces(mechanism, position, velocity, motion.step)
         out = []
         for joint in self.compared:
             name = f"joint.{joint}"
-            torque = asked[:, names.index(name)] - acting.get(name, 0.0)
+            torque = asked[:, names.index(name)]
+            for port, force in acting.items():  # drives that see two joints act at both
+                torque = torque - mechanism.ports[port].get(name, 0.0) * force
             maps = tuple(m for m in mechanism.maps if m.channel == f"{name}.torque")
             torque = through_sensor(maps, torque, motion.step)
             out.append(bump.smooth(torque)[:: motion.stride])
@@ -375,9 +415,18 @@ def _kinematics(grid: Grid, joints: Sequence[str], half: int) -> _Log:
 _LOGGED = ("position", "torque")
 
 
-def _sizes(logs: Iterable[_Log], index: int) -> Sizes:
+SOME = 50
+"""Samples of a trial that tell how much torque a joint's motion asks for."""
+
+
+def _sizes(logs: Iterable[_Log], index: int, arm: _Rigid | None = None) -> Sizes:
+    """Of one joint; of one without a log of its torque by what the rigid body asks for."""
     every = list(logs)
     torque = np.concatenate([g.torque[:, index] for g in every])
+    if arm is not None:
+        step = [max(1, g.time.size // SOME) for g in every]
+        some = [(g.position[::n], g.velocity[::n], g.acceleration[::n]) for g, n in zip(every, step, strict=True)]
+        torque = np.concatenate([arm.torque(*motion)[:, index] for motion in some])
     return sizes_of(
         torque,
         np.concatenate([g.position[:, index] for g in every]),

@@ -27,6 +27,9 @@ BUDGET = 4_000
 NEAR = 0.05
 """Readings within this share of the motion's own time tell how a window starts."""
 
+TRIFLE = 1e-4
+"""Share of what is typical of a coordinate below which no step of a fit moves its start."""
+
 LOOSEST = 1e-4
 """Relative tolerance of the integrator; drives that are joined by lines make it no better than this."""
 
@@ -150,16 +153,18 @@ class Simulated(Machine):
         for coordinate in mechanism.coordinates:
             known = [r for r in mechanism.readouts.values() if r.of == coordinate and r.channel in whole.channels]
             shown = {r.kind: r for r in known}
+            size = self.sizes.get(coordinate, self.sizes[""])
+            least = TRIFLE * size.length  # a counter at rest has no scatter at all
             if "position" in shown:
                 time, value = self._seen(whole, shown["position"], trial.end)
                 near = local(time, value, trial.start, reach)
-                found.append(Nuisance(coordinate, False, near.value, max(near.value_sigma, 1e-12)))
+                found.append(Nuisance(coordinate, False, near.value, max(near.value_sigma, least)))
                 if not (self.at_rest and trial.start <= whole.start) and "velocity" not in shown:
-                    found.append(Nuisance(coordinate, True, near.slope, max(near.slope_sigma, 1e-12)))
+                    found.append(Nuisance(coordinate, True, near.slope, max(near.slope_sigma, least / size.time)))
             if "velocity" in shown:
                 time, value = self._seen(whole, shown["velocity"], trial.end)
                 near = local(time, value, trial.start, reach)
-                found.append(Nuisance(coordinate, True, near.value, max(near.value_sigma, 1e-12)))
+                found.append(Nuisance(coordinate, True, near.value, max(near.value_sigma, least / size.time)))
         return found
 
     def _seen(self, whole: TrialData, readout: Readout, end: float) -> tuple[np.ndarray, np.ndarray]:

@@ -41,6 +41,8 @@ def _scaled(parameter: Parameter, sizes: Sizes) -> Parameter:
         starts = [0.05 * size, -0.05 * size, 0.3 * size]
     elif parameter.unit == "Hz":
         starts = [1.0 * size, 0.3 * size, 3.0 * size]
+    elif parameter.log and parameter.shape:  # known to no power of ten
+        starts = [1.0 * size, 0.1 * size, 10.0 * size]
     else:
         starts = [0.1 * size, -0.1 * size, 0.5 * size]
     within = tuple(s for s in starts if parameter.lower <= s <= parameter.upper) or parameter.starts

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -11,14 +13,14 @@ from spacerobot.diagnosis.fitting.fit_store import Kept, of_fit
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.fitting.noise import floor_of, reweighted, rms_of
-from spacerobot.diagnosis.fitting.screen import FAINT, Screener, faint
+from spacerobot.diagnosis.fitting.screen import FAINT, Screen, Screened, Screener, faint
 from spacerobot.diagnosis.fitting.starts import fit_near
 from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.selection.held_out import MOST, HeldOut, folds, predict_held_out
 from spacerobot.diagnosis.selection.nameable import plausible
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Site, hypothesis
-from spacerobot.support.errors import SimulationError
+from spacerobot.support.errors import InputError, SimulationError
 
 STEPS = 15
 """Gauss-Newton steps of a fit."""
@@ -29,6 +31,15 @@ FINE = 1.0 / 30.0
 
 Row = tuple[tuple[str, str], dict[str, float], float]
 """A promise as a store holds it."""
+
+FEW_STEPS = 6
+"""Of a fit that only shows what an effect may come to."""
+
+PROMISING = 40
+"""Pairs of effects that are kept for the search to choose among, those that promise most."""
+
+TRACE = 0.002
+"""Least share of a start at which a fit begins."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,16 +126,75 @@ class Bench:
         )
         return [Promise(by[label], start, cost) for label, start, cost in found]
 
+    def pairs(self, fit: Fit, sites: Sequence[Site]) -> list[tuple[Promise, Promise]]:
+        """Two effects more, as they promise together, best first; each has the cost of both.
+
+        What makes up for a constant that was fitted in their stead may be worth nothing alone: dry friction and drag
+        beside a damper that had stood for both.
+        """
+        by = {s.label: s for s in sites}
+        about = [*sorted(by), *self._weights()]
+        rows = self.kept.values("pairs", fit, about, lambda: self._paired(fit, sites), list[tuple[Row, Row]])
+        return [
+            (Promise(by[one], start, cost), Promise(by[two], beside, also))
+            for (one, start, cost), (two, beside, also) in rows
+        ]
+
+    def _paired(self, fit: Fit, sites: Sequence[Site]) -> list[tuple[Row, Row]]:
+        screen = self._screen(fit, sites)
+        total = max(float(screen.residual @ screen.residual), 1e-300)
+        out: list[tuple[Row, Row]] = []
+        for gain, one, other in screen.pairs():
+            columns = np.stack([one.column, other.column])
+            amplitudes = np.linalg.lstsq(columns.T, -screen.residual, rcond=1e-6)[0]
+            if any(a < 0.0 and not s.site.effect.two_sided for a, s in zip(amplitudes, (one, other), strict=True)):
+                continue
+            cost = fit.cost * max(1.0 - gain / total, 0.0)
+            starts = [_begun(s, float(a)) for s, a in zip((one, other), amplitudes, strict=True)]
+            out.append(((one.site.label, starts[0], cost), (other.site.label, starts[1], cost)))
+            if len(out) == PROMISING:
+                break
+        return out
+
+    def _screen(self, fit: Fit, sites: Sequence[Site]) -> Screen:
+        """Every reading counts as it does in the costs and held-out errors that a promise is measured by.
+
+        What is missing may show most in the trials that fit worst.
+        """
+        return Screener(self.fitter(), self.model.believed, plain=True).screen(fit, sites)
+
     def _screened(self, fit: Fit, sites: Sequence[Site]) -> list[Promise]:
-        screen = Screener(self.fitter(), self.model.believed).screen(fit, sites)
-        total = max(float(screen.residual @ screen.residual), 1e-300)  # its weights are robust ones: shares carry over
+        screen = self._screen(fit, sites)
+        total = max(float(screen.residual @ screen.residual), 1e-300)  # without what the free parameters may do
         out = []
         for item in screen.best().values():
-            share = float(np.clip(FAINT * item.amplitude, -1.0, 1.0)) if item.gain > 0.0 else FAINT
-            share = share if abs(share) > 0.02 else float(np.copysign(0.02, share))
             cost = fit.cost * max(1.0 - item.gain / total, 0.0)
-            out.append(Promise(item.site, faint(item.site, item.start, share), cost))
+            out.append(Promise(item.site, _begun(item, item.amplitude if item.gain > 0.0 else 1.0), cost))
+        for one in self._tried_whole(fit, sites):
+            place = next((k for k, p in enumerate(out) if p.site is one.site), None)
+            if place is None or one.cost < out[place].cost:
+                out[len(out) if place is None else place : len(out) if place is None else place + 1] = [one]
         return out
+
+    def _tried_whole(self, fit: Fit, sites: Sequence[Site]) -> list[Promise]:
+        """Of effects that let something move by itself, what a few steps of a fit from each of some starts come to.
+
+        A resonance is nothing like a faint one, nor is the rest of a fit that had to do without it.
+        """
+        plain, out = self.model.plain(), []
+        for site in sites:
+            full = {p.name: p.starts[0] for p in site.effect.parameters}
+            try:
+                if len(site.effect.edit(plain, site.where, full).coordinates) == len(plain.coordinates):
+                    continue
+            except InputError:
+                continue
+            for start in _whole_starts(site):
+                with contextlib.suppress(SimulationError):
+                    made = (*fit.hypothesis.sites, site)
+                    near = fit_near(self.fitter(), self.model.believed, made, fit, start, max_iterations=FEW_STEPS)
+                    out.append(Promise(site, start, near.cost))
+        return sorted(out, key=lambda p: -p.cost)
 
     def fitted(self, near: Fit, promise: Promise) -> Fit | None:
         """A promise fitted; None where it cannot be, or where the fit is no physics."""
@@ -166,3 +236,16 @@ class Bench:
 
 def _as_row(promise: Promise) -> Row:
     return promise.site.label, dict(promise.start), promise.cost
+
+
+def _whole_starts(site: Site) -> list[dict[str, float]]:
+    """Every start of how strong it is, with every one of each constant that may be of any power of ten."""
+    every = [p.starts if not p.shape or p.log else p.starts[:1] for p in site.effect.parameters]
+    keys = [site.key(p.name) for p in site.effect.parameters]
+    return [dict(zip(keys, start, strict=True)) for start in itertools.product(*every)]
+
+
+def _begun(item: Screened, amplitude: float) -> dict[str, float]:
+    """Where a fit begins: at so many times what was screened, no more than whole and no less than a trace."""
+    share = float(np.clip(FAINT * amplitude, -1.0, 1.0))
+    return faint(item.site, item.start, share if abs(share) > TRACE else float(np.copysign(TRACE, share)))

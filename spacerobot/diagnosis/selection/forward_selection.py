@@ -12,7 +12,7 @@ effects in question (`model_choice.py`).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -39,6 +39,9 @@ BEAM = 3
 TRIED = 5
 """How many models of one size, those that promise most, are fitted and tried on unseen trials."""
 
+PAIRS = 2
+"""How many pairs of one size are fitted because of what they promise together."""
+
 ANYWAY = 2
 """How many are fitted even where they promise nothing beyond what was reached: promises are linear, gaps are not."""
 
@@ -59,15 +62,23 @@ def unshown(fit: Fit) -> str:
 
 @dataclass(frozen=True, eq=False)
 class Ahead:
-    """A candidate before it is fitted: what it grows from, and what one effect more promises."""
+    """A candidate before it is fitted: what it grows from, and what one effect more promises, or two at once."""
 
     near: Candidate
     promise: Promise
+    beside: Promise | None = None
 
     @property
     def cost(self) -> float:
         """That it would come down to."""
         return self.promise.cost
+
+    def fitted(self, bench: Bench) -> Fit | None:
+        """Fitted; None where it cannot be, or where the fit is no physics."""
+        if self.beside is None:
+            return bench.fitted(self.near.fit, self.promise)
+        sites = (*self.near.sites, self.promise.site, self.beside.site)
+        return bench.fitted_as(self.near.fit, sites, {**self.promise.start, **self.beside.start})
 
 
 def grow(
@@ -144,7 +155,8 @@ class _Search:
         for size in range(most + 1):
             reached(size)
             bests.append(min(tested, key=lambda c: c.error))
-            if size > PATIENCE and as_good(bests[-1 - PATIENCE], bests[-1], baseline):
+            tired = size > PATIENCE and as_good(bests[-1 - PATIENCE], bests[-1], baseline)
+            if tired and not self.waiting(size, ahead):
                 break
             layer = [baseline] if size == 0 else self.layer(list(ahead.pop(size, {}).values()))
             tested += layer if size else []
@@ -153,8 +165,15 @@ class _Search:
             ahead_of = [c for c in layer if not size or ratio(c, bests[-1]) < better]
             for one in distinct(ahead_of)[:BEAM]:
                 self.look_ahead(one, most, ahead)
+            if size == 0:
+                self.look_at_pairs(baseline, most, ahead)
         tested += self.reworded(choice(tested, baseline, self.bench.trials), tested)
         return self.concluded(tested, baseline)
+
+    def waiting(self, size: int, ahead: Mapping[int, Mapping[Label, Ahead]]) -> bool:
+        """Whether sets of so many parameters or more promise much: a law of three had no turn before."""
+        bar = (1.0 - 2.0 * WORTH_OF_REST) ** 2 * self.reached
+        return any(one.cost < bar for at, layer in ahead.items() if at >= size for one in layer.values())
 
     def begun(self) -> Candidate:
         """The baseline, under the weights of a search."""
@@ -238,7 +257,7 @@ class _Search:
         for place, promise in enumerate(sorted(ahead, key=lambda p: p.cost)[: 2 * TRIED]):
             if len(out) == TRIED or (place >= ANYWAY and promise.cost > bar):
                 break
-            fit = self.bench.fitted(promise.near.fit, promise.promise)
+            fit = promise.fitted(self.bench)
             if fit is not None:
                 one = self.tested(Candidate(fit))
                 self.reached = min(self.reached, one.cost)
@@ -284,6 +303,20 @@ class _Search:
             if name not in layer or promise.cost < layer[name].cost:
                 layer[name] = promise
                 self.screened[name] = promise.cost
+
+    def look_at_pairs(self, one: Candidate, most: int, ahead: dict[int, dict[Label, Ahead]]) -> None:
+        """What two further effects promise together, where neither may alone."""
+        found: dict[int, int] = {}
+        for first, second in self.bench.pairs(one.fit, list(self.sites.values())):
+            size = sum(len(p.site.effect.parameters) for p in (first, second))
+            name = label_of([first.site, second.site])
+            if size > most or found.get(size, 0) == PAIRS or redundant(list(name)):
+                continue
+            found[size] = found.get(size, 0) + 1
+            layer = ahead.setdefault(size, {})
+            if name not in layer or first.cost < layer[name].cost:
+                layer[name] = Ahead(one, first, second)
+                self.screened[name] = first.cost
 
     def again(self, one: Candidate) -> Candidate:
         """Fitted again under the present weights."""

@@ -1,32 +1,63 @@
-"""Transmission coupling: a joint's drive is moved by its neighbour."""
+"""Transmission coupling: a joint's drive is turned by another joint too, and rubs at both."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
+from spacerobot.effects.catalogue.coulomb_friction import level
 from spacerobot.effects.effect import Effect, Parameter
+from spacerobot.effects.laws import DAMPER
 from spacerobot.effects.mechanism import Mechanism
+from spacerobot.effects.primitives import Force, Friction
 
 
 def _joints(mechanism: Mechanism) -> list[str]:
     return [name for name in mechanism.ports if name.startswith("joint.")]
 
 
+def partner(mechanism: Mechanism, where: str) -> str | None:
+    """The joint nearer to the base that turns a drive too: the one whose torque alone is compared, else the one before.
+
+    None where there is none. A drive is the farther joint's: which of two is turned by both no torque tells.
+    """
+    shown = {c.removesuffix(".torque") for names in mechanism.sensors.values() for c in names if c.endswith(".torque")}
+    joints = _joints(mechanism)
+    place = joints.index(where)
+    alone = shown.pop() if len(shown) == 1 else where
+    if alone in joints and alone != where:
+        return alone if joints.index(alone) < place else None
+    return joints[place - 1] if place else None
+
+
 class TransmissionCoupling(Effect):
-    """The elements of a joint's drive see its own angle and a share of the angle of the joint before it."""
+    """The elements of a joint's drive see its own angle and a share of another joint's; its own friction is one."""
 
     name = "transmission_coupling"
     title = "transmission coupling"
-    formula = r"d_i = q_i + r\, q_{i-1}"
+    formula = r"d_i = q_i + r\, q_j, \quad f = -F_c \operatorname{sign}(\dot d_i) - c\, \dot d_i"
     source = "coupled wrist drives; Khalil and Dombre (2002), ch. 9"
-    parameters = (Parameter("ratio", "1", 0.0, 0.02, -10.0, 10.0, (0.1, -0.1)),)
+    parameters = (
+        Parameter("coulomb_force_N", "N", 0.0, 0.1, 0.0, 1e4, (0.2, 1.0)),
+        Parameter("coefficient_Ns_m", "N s/m", 0.0, 0.1, 0.0, 1e5, (0.2, 1.0)),
+        Parameter("ratio", "1", 0.0, 0.02, -10.0, 10.0, (1.0, -1.0, 0.3), shape=True),
+    )
 
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:
-        """Every joint but the first."""
-        return tuple(_joints(mechanism)[1:])
+        """Every joint that has another before it; where one alone is compared, those beyond it and itself."""
+        return tuple(j for j in _joints(mechanism) if partner(mechanism, j) is not None)
+
+    def apply(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
+        """As everywhere; a drive of which no friction is stated has none."""
+        return super().apply(mechanism, where, {"coulomb_force_N": 0.0, "coefficient_Ns_m": 0.0, **values})
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
-        """The joint's port made to see its neighbour."""
-        joints = _joints(mechanism)
-        before = joints[joints.index(where) - 1]
-        return mechanism.with_port_row(where, before, values["ratio"])
+        """The joint's port made to see the other joint, with the drive's friction at it."""
+        other = partner(mechanism, where)
+        if other is None:
+            return mechanism
+        made = mechanism.with_port_row(where, other, values["ratio"])
+        if dry := values.get("coulomb_force_N", 0.0):
+            made = made.with_friction(Friction(f"{self.name} at {where}", where, level, (dry,), steady=True))
+        if slope := values.get("coefficient_Ns_m", 0.0):
+            made = made.with_force(Force(f"{self.name} at {where}, viscous", where, DAMPER, (slope,)))
+        return made

@@ -267,7 +267,7 @@ def series(y: Any, a: Any, h: float, rtol: float, atol: Any, q: Any) -> float:
 def shorten(q: Any, part: float) -> None:
     """The same series over the first `part` of its step."""
     factor = part
-    for k in range(1, DEGREE):
+    for k in range(1, q.shape[1]):  # a driven mechanism keeps fewer
         for i in range(q.shape[0]):
             q[i, k] *= factor
         factor *= part

@@ -9,6 +9,7 @@ from typing import Any
 
 from spacerobot.view.report.data_spoiled import spoiled
 from spacerobot.view.report.evidence import Evidence
+from spacerobot.view.report.several import several
 from spacerobot.view.report.when import happened
 from spacerobot.view.report.words import (
     beyond,
@@ -56,7 +57,20 @@ class Story:
 def tell(verdict: Mapping[str, Any], evidence: Evidence) -> Story:
     """The story of a verdict."""
     story = _TELLERS[verdict["verdict"]](verdict, evidence)
+    if line := several(verdict):
+        story = replace(story, headline=line, more=(*(_of_parts(verdict)), *story.more))
     return replace(story, more=(*story.more, *happened(verdict), *spoiled(verdict)))
+
+
+def _of_parts(verdict: Mapping[str, Any]) -> tuple[str, ...]:
+    """What is lacking where it is known, though the whole is not named; and why of some nothing can be said."""
+    known = [
+        f"{p['part']}: {joined([effect_title(str(e['effect'])) for e in p['effects']])}"
+        for p in verdict["parts"]
+        if p["verdict"] in ("named", "ambiguous") and p["effects"] and not verdict["effects"]
+    ]
+    silent = [f"{p['part']}: {p['not_measured']}." for p in verdict["parts"] if p.get("not_measured")]
+    return ((f"Of single parts the model lacks, {'; '.join(known)}.",) if known else ()) + tuple(silent)
 
 
 def capital(text: str) -> str:

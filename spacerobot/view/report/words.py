@@ -126,7 +126,8 @@ def unit_of_name(name: str) -> str:
     while start > 1 and tokens[start - 1] in _UNIT_TOKENS:
         start -= 1
     units = [re.sub(r"(\d)$", r"^\1", t).replace("Ns", "N s").replace("Nms", "N m s") for t in tokens[start:]]
-    return "/".join(units)
+    # an inertia is told as a joint's mass is: in kg, which are kg m^2 where it turns
+    return "kg" if units == ["kg", "m^2"] else "/".join(units)
 
 
 def unit_of_value(name: str) -> str:

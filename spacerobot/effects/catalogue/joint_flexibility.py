@@ -1,0 +1,57 @@
+"""Joint flexibility: what a joint moves is not rigid behind its motor, a part of its inertia rides on a spring."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from spacerobot.effects.effect import Effect, Parameter
+from spacerobot.effects.laws import DAMPER, SPRING
+from spacerobot.effects.mechanism import Mechanism
+from spacerobot.effects.primitives import Coordinate, Force
+from spacerobot.support.errors import InputError
+
+
+class JointFlexibility(Effect):
+    """The joint's inertia divided in two: the motor's, whose angle is read, and the link's behind a spring."""
+
+    name = "joint_flexibility"
+    title = "joint flexibility"
+    formula = r"J_l \ddot q_l = -k (q_l - q) - c (\dot q_l - \dot q), \quad J \to J - J_l"
+    source = "Spong (1987), J. Dyn. Sys. Meas. Control 109, 310; first mode of a flexible link"
+    kind = "body"
+    parameters = (
+        Parameter("link_inertia_kg_m2", "kg", 0.0, 0.1, 0.0, 1e6, (0.3, 0.1, 0.6)),
+        Parameter("stiffness_N_m", "N/m", 100.0, 10.0, 1e-6, 1e12, (100.0, 10.0, 1000.0), log=True, shape=True),
+        Parameter("damping_Ns_m", "N s/m", 0.1, 0.1, 0.0, 1e9, (0.1, 1.0), shape=True),
+    )
+
+    def places(self, mechanism: Mechanism) -> tuple[str, ...]:
+        """Joints whose motion is simulated, so that what hides behind them can move by itself."""
+        shown = {r.of for r in mechanism.readouts.values()}
+        return tuple(n for n in mechanism.coordinates if n.startswith("joint.") and n in shown)
+
+    def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
+        """The link's share of the inertia on a spring of its own; what drives the joint drives the motor.
+
+        Raises:
+            InputError: more inertia than the joint has.
+        """
+        share = values["link_inertia_kg_m2"]
+        if share == 0.0:
+            return mechanism
+        own = mechanism.coordinates[where]
+        if share >= own.mass:
+            raise InputError(
+                "link_inertia_kg_m2 is all of the joint's inertia or more, and it is a part of it",
+                given=share,
+                valid=f"below {own.mass:g}",
+                where=f"{self.name} at {where}",
+            )
+        link = Coordinate(f"{where}.link", share, angular=own.angular, carrier=where)
+        return mechanism.with_mass(where, own.mass - share).with_appendage(
+            link,
+            link.name,
+            {link.name: 1.0, where: -1.0},
+            Force(f"{link.name}.spring", link.name, SPRING, (values["stiffness_N_m"],)),
+            Force(f"{link.name}.damper", link.name, DAMPER, (values["damping_Ns_m"],)),
+        )
