@@ -59,7 +59,7 @@ def test_an_effect_that_chance_would_bring_is_dropped_and_no_other(tmp_path: Pat
     viscous = Missing("viscous_friction", "joint.S1", {"coefficient_Nms_rad": 0.6})
     study = driven_study(tmp_path, viscous, *([Missing(*both[0], {"force_Nm": coulomb})] if coulomb else []))
     (model,) = [m for m in models_for(study) if m.name == "S1"]
-    search = _Search(Bench(model), model.sites(), lambda text: None)
+    search = _Search(Bench(model), model.sites())
     bench, sites = search.bench, search.sites
     start = bench.baseline()
     bench.sharpen(start)
