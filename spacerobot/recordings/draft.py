@@ -22,7 +22,7 @@ from spacerobot.recordings.drafting.machines import AXIS, draft_machine, kind_of
 from spacerobot.recordings.drafting.names import ENDINGS
 from spacerobot.recordings.drafting.robots import joints_of
 from spacerobot.recordings.drafting.wrist import Drafted, draft_wrist, is_wrist
-from spacerobot.recordings.guess import find_time, time_unit
+from spacerobot.recordings.guess import find_time, time_unit, unsaid_unit
 from spacerobot.recordings.recording import load_trial
 from spacerobot.recordings.study import load_study
 from spacerobot.recordings.table import Column
@@ -195,7 +195,10 @@ def _settings(file: Found, own_clock: str | None) -> list[str]:
     else:
         column = file.table.columns[clock]
         lines.append(f"time = {toml(file.table.names()[clock])}{_rate(column)}")
-        if time_unit(column) != "s":
+        if unsaid := unsaid_unit(column):
+            asked = f"its steps would be {_step(column):g} s"
+            lines.append(f"time_unit = {toml(unsaid)}   # ? no unit is stated, and in seconds {asked}")
+        elif time_unit(column) != "s":
             lines.append(f"time_unit = {toml(time_unit(column))}")
     if own_clock:
         lines.append(f'clock = "own"   # {comment(own_clock)}')
@@ -203,9 +206,14 @@ def _settings(file: Found, own_clock: str | None) -> list[str]:
 
 
 def _rate(column: Column) -> str:
-    step = float(np.median(np.diff(column.values[np.isfinite(column.values)])))
-    rate = 1.0 / (step * UNITS[time_unit(column)].factor) if step > 0 else math.nan
+    step = _step(column)
+    rate = 1.0 / (step * UNITS[unsaid_unit(column) or time_unit(column)].factor) if step > 0 else math.nan
     return f"   # about {rate:.4g} Hz" if math.isfinite(rate) else ""
+
+
+def _step(column: Column) -> float:
+    """Median step of a clock, in its own unit."""
+    return float(np.median(np.diff(column.values[np.isfinite(column.values)])))
 
 
 def _readable(made: Draft, folder: Path) -> Draft:

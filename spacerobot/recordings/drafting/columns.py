@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from spacerobot.recordings.drafting.files import Found
+from spacerobot.recordings.drafting.languages import english
 from spacerobot.recordings.drafting.vocabulary import (
     COMMAND,
     DIMENSION,
@@ -21,6 +22,9 @@ from spacerobot.recordings.units import UNITS
 
 _LATERAL = {"x": "x", "y": "y", "z": "z", "yaw": "yaw", "theta": "yaw", "heading": "yaw", "psi": "yaw"}
 _JOINT = re.compile(r"(?:^|[a-z])(\d{1,2})$")
+_PLACE = re.compile(r"(.+)\[(\d{1,2})\]")
+_OF_JOINTS = frozenset(["q", "dq", "qd", "qdot", "tau", "joint", "joints", "theta", "effort", "efforts", "torques"])
+"""Words of arrays that hold a number for each joint."""
 
 
 @dataclass(frozen=True)
@@ -70,6 +74,9 @@ def readings(file: Found, joints: Sequence[str]) -> list[Reading]:
         if NOT_READINGS.intersection(own) and not joints:
             continue
         reading: Reading | None = _reading(file, j, names[j], own, joints, actual)
+        if reading is not None and (place := _PLACE.fullmatch(names[j])):
+            width = sum(n.startswith(place.group(1) + "[") for n in names)
+            reading = _in_array(reading, own, int(place.group(2)), width, joints)
         if reading is not None and not own and unnamed >= len(names) - 1:
             reading = _by_place(file, reading, clock, joints)
         if reading is not None:
@@ -126,6 +133,22 @@ def _by_place(file: Found, reading: Reading, clock: int | None, joints: Sequence
     return reading
 
 
+def _in_array(reading: Reading, words: list[str], place: int, width: int, joints: Sequence[str]) -> Reading:
+    """A column of an array: an axis of a vector or a wrench, a part of a pose, or a joint, by its place."""
+    if reading.quantity == "orientation" or reading.thing.startswith("joint:"):
+        return reading
+    if reading.quantity and width > 1 and (width == len(joints) or (_OF_JOINTS.intersection(words) and width != 3)):
+        joint = joints[place] if width == len(joints) else f"joint{place + 1}"
+        return replace(reading, thing=f"joint:{joint}", axis="")
+    if reading.axis or width not in (2, 3, 6, 7) or not reading.quantity:
+        return reading
+    if place < 3:
+        return replace(reading, axis="xyz"[place])
+    if reading.quantity == "force":
+        return replace(reading, quantity="torque", axis="xyz"[place - 3]) if width == 6 else reading
+    return replace(reading, quantity="orientation" if reading.quantity == "position" else "", axis="")
+
+
 def _joint(name: str, words: list[str], joints: Sequence[str]) -> str:
     """The joint that a column's name means: by its own name, else by its number."""
     flat = re.sub(r"[^a-z0-9]", "", name.lower())
@@ -155,8 +178,8 @@ def _quantity(words: list[str]) -> str:
 def _words(name: str) -> list[str]:
     """The words of a name in lower case: "Current_VX [m/s]" is current, vx."""
     text = re.sub(r"[\[(][^\])]*[\])]\s*$", "", name.replace("$\\theta$", "theta"))
-    text = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", text)
-    return [w.lower() for w in re.split(r"[^A-Za-z0-9]+", text) if w]
+    text = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", english(text))
+    return [w.lower() for w in re.split(r"[\W_]+", text) if w]
 
 
 def _no_wishes(found: list[Reading]) -> list[Reading]:

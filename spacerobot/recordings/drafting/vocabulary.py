@@ -26,7 +26,7 @@ QUANTITY = {
         "thetadot yawrate"
     ),
     "torque": words("tau torque torques effort efforts moment"),
-    "force": words("force forces f fx fy fz load loadcell wrench"),
+    "force": words("force forces f fx fy fz load loadcell wrench ft"),
     "current": words("curr current currents amps"),
     "voltage": words("volt voltage volts"),
 }

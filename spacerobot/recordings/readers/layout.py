@@ -14,6 +14,7 @@ from operator import itemgetter
 
 from spacerobot.recordings.readers import limits
 from spacerobot.recordings.readers.numbers import number
+from spacerobot.recordings.units import UNITS
 from spacerobot.support.errors import InputError
 
 COMMENTS = ("#", "%", "//")
@@ -183,8 +184,8 @@ def _first_data(
     return body[0] if not any(numeric) else min(body[0] + 1, len(lines))
 
 
-def column_names(lines: Sequence[str], layout: Layout) -> list[tuple[str, ...]]:
-    """For each column the names that the header lines give it, those of the best header line first."""
+def column_heads(lines: Sequence[str], layout: Layout) -> tuple[list[tuple[str, ...]], list[str | None]]:
+    """For each column the names that the header lines give it, those of the best header line first, and its unit."""
     candidates: list[list[str]] = []
     for index in layout.header:
         line = lines[index]
@@ -195,5 +196,24 @@ def column_names(lines: Sequence[str], layout: Layout) -> list[tuple[str, ...]]:
             cells.pop()
         if len(cells) == layout.width and any(c and number(c) is None for c in cells):
             candidates.append(cells)
-    candidates.sort(key=lambda cells: -len({c for c in cells if c and number(c) is None}))
-    return [tuple(dict.fromkeys(c[j][:100] for c in candidates if c[j])) for j in range(layout.width)]
+    return headings(candidates, layout.width)
+
+
+def headings(lines: Sequence[Sequence[str]], width: int) -> tuple[list[tuple[str, ...]], list[str | None]]:
+    """What the lines above the numbers say of each column: its names, the best line's first, and its unit.
+
+    A line that holds nothing but units, in brackets or not, states them where another line has the names.
+    """
+    units: list[str | None] = [None] * width
+    named = []
+    for cells in lines:
+        bare = [c.strip("[]() ") for c in cells]
+        words = [c for c in bare if c]
+        if len(lines) > 1 and words and all(c in UNITS for c in words) and not any(units):
+            units = [c or None for c in bare]
+        else:
+            named.append(cells)
+    if not named:
+        named, units = list(lines), [None] * width
+    named.sort(key=lambda cells: -len({c for c in cells if c and number(c) is None}))
+    return [tuple(dict.fromkeys(c[j][:100] for c in named if c[j])) for j in range(width)], units

@@ -1,0 +1,209 @@
+"""One rig, written down as many labs would: `study new` makes the same recording of it in SI, whatever the layout."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Sequence
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from spacerobot.recordings.draft import draft_study
+from spacerobot.recordings.drafting.languages import english
+from spacerobot.recordings.readers.layout import headings
+from spacerobot.recordings.readers.numbers import number
+from spacerobot.recordings.study import Study, load_study
+from spacerobot.recordings.table import Floats
+
+SPEEDS = (0.03, 0.06, 0.09)
+START = datetime(2025, 3, 10, 23, 59, 59, 250000, tzinfo=UTC)
+
+NAMES = {
+    "english": ("time", "target pos", "slider pos", "contact force", "slider setpoint"),
+    "german": ("Zeit", "Zielposition", "Schlittenweg", "Kontaktkraft", "Soll"),
+    "japanese": ("時刻", "ターゲット位置", "手首変位", "接触力", "目標値"),
+    "french": ("Temps", "Cible x", "Poignet x", "Force", "Consigne"),
+}
+ENCODINGS = {
+    "english": ("ascii",),
+    "german": ("utf-8", "latin-1"),
+    "japanese": ("utf-8", "cp932"),
+    "french": ("ascii",),
+}
+
+
+def rig(speed: float) -> tuple[Floats, Floats, Floats, Floats]:
+    """Times s, target m, slider m and force N of one trial: they touch at 1 s."""
+    rng = np.random.default_rng(round(1000 * speed))
+    t = np.arange(0, 2, 0.01)
+    pushed = np.where(t > 1, speed / 8 * np.sin(np.clip(8 * (t - 1), 0, np.pi)), 0.0)
+    target = np.where(t > 1, pushed - 1.5 * speed * np.clip(t - 1 - np.pi / 8, 0, None), speed * (t - 1))
+    noise = [rng.normal(0, s, len(t)) for s in (1e-4, 1e-4, 0.2)]
+    return t, target + noise[0], pushed + noise[1], 800 * pushed + noise[2]
+
+
+def clock(form: str, t: Floats) -> list[str]:
+    """The times of a trial as loggers write them."""
+    if form == "iso":
+        return [(START + timedelta(seconds=float(s))).isoformat(timespec="milliseconds") for s in t]
+    if form == "points":
+        return [(START + timedelta(seconds=float(s))).strftime("%d.%m.%Y %H:%M:%S.%f")[:-3] for s in t]
+    if form == "epoch ns":
+        return [str(1741600000_000000000 + round(1e9 * s)) for s in t]
+    return [f"{s * {'s': 1, 'ms': 1e3}[form]:.3f}" for s in t]
+
+
+def check(study: Study) -> None:
+    assert [t.id for t in study.trials] == ["run1", "run2", "run3"]
+    for trial, speed in zip(study.trials, SPEEDS, strict=True):
+        t, target, wrist, force = rig(speed)
+        recording = study.recording(trial)
+        assert list(recording) == ["target.x", "wrist.x", "contact.force"]
+        for name, truth, within in (
+            ("target.x", target, 5e-4),
+            ("wrist.x", wrist, 5e-5),
+            ("contact.force", force, 0.1),
+        ):
+            series = recording[name]
+            assert len(series.value) == len(t)
+            assert np.ptp(series.time) == pytest.approx(np.ptp(t), abs=1e-3)
+            assert abs(np.median(series.value - truth)) < within  # its zero was found again
+            assert np.std(series.value - truth) < 1e-3 * np.ptp(truth)  # unit and sign too
+
+
+@settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
+@given(
+    st.sampled_from(sorted(NAMES)),
+    st.sampled_from([(";", ","), (";", "."), (",", "."), ("\t", "."), ("\t", ",")]),
+    st.sampled_from(["s", "ms", "iso", "points", "epoch ns"]),
+    st.sampled_from(["in the name", "on a line"]),
+    st.sampled_from([("m", 1.0), ("mm", 1e3), ("cm", 1e2)]),
+    st.booleans(),
+    st.floats(-500, 500),
+    st.data(),
+)
+def test_whatever_the_layout_the_recording_is_the_same(
+    language: str,
+    marks: tuple[str, str],
+    form: str,
+    units: str,
+    unit: tuple[str, float],
+    title: bool,
+    zero: float,
+    data: st.DataObject,
+) -> None:
+    encoding = data.draw(st.sampled_from(ENCODINGS.get(language, ("ascii",))))
+    separator, comma = marks
+    time_unit = {"s": "s", "ms": "ms", "epoch ns": "ns"}.get(form, "")
+    said = [time_unit, unit[0], unit[0], "N", unit[0]]
+    names = [f"{n} [{u}]" if u and units == "in the name" else n for n, u in zip(NAMES[language], said, strict=True)]
+    lines = ["Bench 3, 12.03.2025"] if title else []
+    lines += [separator.join(names)] + ([separator.join(said)] if units == "on a line" and all(said) else [])
+    if units == "on a line" and not all(said):
+        unit = ("m", 1.0)  # no line of units can be written above stamps: then it is metres
+    with tempfile.TemporaryDirectory() as scratch:
+        folder = Path(scratch)
+        for n, speed in enumerate(SPEEDS, 1):
+            t, target, wrist, force = rig(speed)
+            columns = (target * unit[1] + zero, wrist * unit[1] - zero, force, 0 * t)
+            rows = [
+                separator.join([stamp.replace(".", comma) if form in ("s", "ms") else stamp, *cells])
+                for stamp, *cells in zip(clock(form, t), *_cells(columns, comma), strict=True)
+            ]
+            (folder / f"run{n}.csv").write_bytes("\n".join([*lines, *rows]).encode(encoding))
+        (folder / "study.toml").write_text(draft_study(folder), encoding="utf-8")
+        check(load_study(folder))
+
+
+def _cells(columns: Sequence[Floats], comma: str) -> list[list[str]]:
+    return [[f"{v:.6f}".replace(".", comma) for v in column] for column in columns]
+
+
+@pytest.mark.parametrize("lag", [0.0, 40.0])
+def test_a_folder_a_trial_and_a_file_a_sensor(tmp_path: Path, lag: float) -> None:
+    """Files of one trial may each have a clock of their own; the target's zero is found all the same."""
+    for n, speed in enumerate(SPEEDS, 1):
+        folder = tmp_path / f"run{n}_12,5kg"
+        folder.mkdir()
+        t, target, wrist, force = rig(speed)
+        for name, head, column, late in (
+            ("mocap", "stamp_ns,floater_y_m", 0.2 - target, 0.0),
+            ("encoder", "time_us,wrist_um", 1e6 * wrist, lag),
+            ("ft", "t,Fz", -force - 3.0, 2 * lag),
+        ):
+            times = (t + late + (1.7e9 if late == 0.0 == lag else 0.0)) * {"m": 1e9, "e": 1e6, "f": 1.0}[name[0]]
+            table = np.column_stack([times, column])
+            np.savetxt(folder / f"{name}.csv", table, "%.6f", ",", header=head, comments="")
+    (tmp_path / "study.toml").write_text(draft_study(tmp_path))
+    study = load_study(tmp_path)
+    assert [t.overrides["target.mass"] for t in study.trials] == [12.5] * 3
+    assert {n for n, s in study.streams.items() if s.own_clock} == ({"encoder", "ft"} if lag else set())
+    for trial in study.trials:
+        target = study.recording(trial)["target.x"]
+        assert abs(np.interp(1.0, target.time - target.time[0], target.value)) < 6e-4
+        assert target.value[-1] < target.value.max()
+
+
+def test_arrays_of_a_joint_each_and_wrenches(tmp_path: Path) -> None:
+    """A matrix is joints where it holds as many or is called so, else the axes of a vector; a wrench's third is Fz."""
+    t = np.arange(0, 2, 0.01)
+    q = np.sin(t)[:, None] * np.arange(1, 7)
+    np.savez(tmp_path / "log.npz", t=t, q=q, dq=np.gradient(q, t, axis=0), tau=3 * q)
+    text = draft_study(tmp_path)
+    for j in range(6):
+        assert f'"q[{j}]" = {{ is = "joint.joint{j + 1}.position"' in text
+        assert f'"tau[{j}]" = {{ is = "joint.joint{j + 1}.torque"' in text
+    other = tmp_path / "wrist"
+    other.mkdir()
+    for n, speed in enumerate(SPEEDS, 1):
+        t, target, wrist, force = rig(speed)
+        still = np.zeros_like(t)
+        wrench = np.column_stack([still, still, force, still, still, still])
+        pose = np.column_stack([still, target, still, still + 1, still, still, still])
+        np.savez(other / f"run{n}.npz", t=t, target_pose=pose, wrist_pos=wrist, FT=wrench)
+    (other / "study.toml").write_text(draft_study(other))
+    study = load_study(other)
+    check(study)
+    assert {c.column for s in study.streams.values() for c in s.channels} == {"target_pose[1]", "wrist_pos", "FT[2]"}
+
+
+@pytest.mark.parametrize(
+    ("cell", "seconds"),
+    [
+        ("1970-01-02T00:00:01Z", 86401.0),
+        ("1970-01-01 01:00:00,5", 3600.5),
+        ("01.01.1970 00:00:02", 2.0),
+        ("1/2/1970 00:00:00", 86400.0),
+        ("13/1/1970 00:00:00", 12 * 86400.0),
+        ("1970-01-01T02:00:00+02:00", 0.0),
+        ("23:59:59.25", 86399.25),
+        ("1970-13-01 00:00:00", None),
+        ("24:00:00", None),
+        ("12:61:00", None),
+        ("1:2", None),
+    ],
+)
+def test_stamps(cell: str, seconds: float | None) -> None:
+    assert number(cell) == seconds
+
+
+@given(st.datetimes(datetime(1971, 1, 1), datetime(2099, 1, 1)))
+def test_a_stamp_is_its_seconds_since_1970(when: datetime) -> None:
+    seconds = when.replace(tzinfo=UTC).timestamp()
+    for text in (when.isoformat(timespec="microseconds"), when.strftime("%d.%m.%Y %H:%M:%S.%f")):
+        assert number(text.replace(f"{when.year}", f"{when.year:04d}")) == pytest.approx(seconds, abs=1e-6)
+
+
+def test_a_line_of_units_states_them_and_one_of_names_does_not() -> None:
+    assert headings([["t", "x"], ["s", "mm"]], 2) == ([("t",), ("x",)], ["s", "mm"])
+    assert headings([["t", "x"], ["[s]", "(mm)"]], 2) == ([("t",), ("x",)], ["s", "mm"])
+    assert headings([["t", "m"]], 2) == ([("t",), ("m",)], [None, None])  # the only line has the names
+
+
+@pytest.mark.parametrize("word", ["spacecraft", "satellite", "list", "coupled", "time_ms", "target_x", "Force"])
+def test_english_stays_english(word: str) -> None:
+    assert english(word) == word
