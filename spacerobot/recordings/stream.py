@@ -285,6 +285,7 @@ def _channel(
     def number(key: str, default: float) -> float:
         return document.number(spec[key], *path, key) if key in spec else default
 
+    plus, plus_sigma = _plus(document, spec, *path)
     sigma = number("sigma", 0.0) if "sigma" in spec else None
     if sigma is not None and unit is not None:
         sigma *= units.unit(unit, where=where).factor
@@ -300,13 +301,22 @@ def _channel(
         missing=read_missing(document, spec["missing"], *path, "missing") if "missing" in spec else missing,
         unwrap=document.flag(spec, "unwrap", *path),
         moment=None if moment == "event" else moment,
-        plus=_plus(document, spec, *path),
+        plus=plus,
+        plus_sigma=plus_sigma,
         frame=document.text(spec, "frame", "world", *path),
         where=where,
     )
 
 
-def _plus(document: Document, spec: Mapping[str, Any], *path: str) -> tuple[tuple[str, float], ...]:
-    """`plus = { COLUMN = factor }`: columns that are added, each by name or index."""
-    table = document.table(spec, "plus", *path)
-    return tuple((column, document.number(factor, *path, "plus", column)) for column, factor in table.items())
+def _plus(
+    document: Document, spec: Mapping[str, Any], *path: str
+) -> tuple[tuple[tuple[str, float], ...], tuple[tuple[str, float], ...]]:
+    """`plus = { COLUMN = factor }`: columns that are added, by name or index; `[factor, sigma]` where it is doubted."""
+    factors, sigmas = [], []
+    for column, given in document.table(spec, "plus", *path).items():
+        factor = given
+        if isinstance(given, list):
+            factor, sigma = document.vector(given, 2, *path, "plus", column)
+            sigmas.append((column, sigma))
+        factors.append((column, document.number(factor, *path, "plus", column)))
+    return tuple(factors), tuple(sigmas)

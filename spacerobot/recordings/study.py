@@ -85,6 +85,11 @@ class Study:
         return self.baseline.sigma
 
     @property
+    def absolute(self) -> Mapping[str, float]:
+        """Dotted name -> standard deviation of a value that is believed to be zero, SI."""
+        return self.baseline.absolute
+
+    @property
     def scatter(self) -> Mapping[str, float]:
         """Dotted name -> relative standard deviation of its change between conditions."""
         return self.baseline.scatter

@@ -94,15 +94,17 @@ def axis_model(study: Study, trials: Sequence[Trial], joint: str, mass: float, a
     if f"{name}.mass" not in unknown:
         values.setdefault(f"{name}.mass", mass)
     sigma = {n: s for n, s in study.sigma.items() if n in values and n not in unknown}
+    absolute = {n: s for n, s in study.absolute.items() if n in values and n not in unknown}
+    fitted = {*unknown, *sigma, *absolute}
     sprung = f"{name}.stiffness" in values or f"{name}.stiffness" in unknown
     made = Simulated(
         joint,
         axis(joint, recorded[0][3].stream, angular),
         whole,
         drives,
-        believed=Believed(values, sigma, {}, conditions_of(whole), unknown),
+        believed=Believed(values, sigma, {}, conditions_of(whole), unknown, absolute=absolute),
         sizes={"": sizes},
-        covered=frozenset((e.name, name) for e in all_effects().values() if stood_for(e, name, {*unknown, *sigma})),
+        covered=frozenset((e.name, name) for e in all_effects().values() if stood_for(e, name, fitted)),
         window=(OSCILLATIONS if sprung else RESTART) * sizes.time * (2.0 * math.pi if sprung else 1.0),
     )
     made.stated = frozenset(whole[0].channels) if all(r[3].sigma_stated for r in recorded) else frozenset()

@@ -98,6 +98,11 @@ def axis_of(study: Study, trials: list[Trial], joint: str) -> Model:
     return axis_model(study, trials, joint, mass, joint_axis(robot.model, robot.joint_id(joint))[0])
 
 
+def _felt(name: str, joint: str) -> bool:
+    """Whether a joint's balance hangs on a value: its own, any link's, and where any joint is."""
+    return name.startswith((f"joint.{joint}.", "link.")) or name.endswith(".zero")
+
+
 def balances(study: Study, trials: list[Trial], joints: tuple[str, ...]) -> list[Model]:
     """A torque balance for each joint."""
     robot = robot_of(study)
@@ -121,7 +126,8 @@ def balances(study: Study, trials: list[Trial], joints: tuple[str, ...]) -> list
                 compared=[joint],
                 values=values,
                 unknown=unknown,
-                sigma={n: v for n, v in study.sigma.items() if n.startswith((f"joint.{joint}.", "link."))},
+                sigma={n: v for n, v in study.sigma.items() if _felt(n, joint)},
+                absolute={n: v for n, v in study.absolute.items() if _felt(n, joint)},
                 sensor=stream,
                 noise=noise,
             )
