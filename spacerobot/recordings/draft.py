@@ -7,12 +7,13 @@ from __future__ import annotations
 
 import math
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
+from spacerobot.recordings.drafting.behaviour import by_behaviour
 from spacerobot.recordings.drafting.columns import Reading, readings
 from spacerobot.recordings.drafting.files import Found, recordings_in, robots_in
 from spacerobot.recordings.drafting.groups import Group, Trial, groups_of, trials_of, unused
@@ -133,8 +134,13 @@ def draft(folder: Path, robot: str | None = None) -> Draft:
     seen = {g.name: readings(g.leanest, joints) for g in groups}
     trials = trials_of(groups)
     kind = "wrist" if is_wrist(seen) else kind_of(seen)
+    named = seen
+    if not joints and (kind in ("", "axis") or (kind == "body" and _no_plane(seen))):
+        seen = by_behaviour(seen, trials) or seen
+        kind = "wrist" if is_wrist(seen) else kind
     representative = {g.name: g.leanest for g in groups}
     drafted = draft_wrist(seen, trials) if kind == "wrist" else Drafted(draft_machine(kind, seen, representative))
+    _ask_what_no_name_says(drafted, named)
     told = [g for g in groups if drafted.lines.get(g.name)] or groups
     if len(told) < len(groups):  # files of which nothing was recognised would only part what belongs together
         trials = trials_of(told)
@@ -159,6 +165,22 @@ def draft(folder: Path, robot: str | None = None) -> Draft:
         shape = ("revolute", "0 0 1") if turning else ("prismatic", "1 0 0")
         made.files["axis.urdf"] = AXIS.format(kind=shape[0], direction=shape[1])
     return _readable(made, folder)
+
+
+def _no_plane(seen: Mapping[str, Sequence[Reading]]) -> bool:
+    """Whether all that is called a position is one number, or a target's: no body's place in the plane."""
+    every = [r for found in seen.values() for r in found if r.quantity == "position" and not r.command]
+    return len(every) == 1 or all(r.thing == "target" for r in every)
+
+
+def _ask_what_no_name_says(drafted: Drafted, named: Mapping[str, Sequence[Reading]]) -> None:
+    """A question at each channel that its column's name does not bear out."""
+    for stream, lines in drafted.lines.items():
+        said = {r.column: (r.thing, r.quantity) for r in named[stream]}
+        for line in lines:
+            if said[line.reading.column] != (line.reading.thing, line.reading.quantity):
+                asked = f"{line.channel} by what it does in a hit, not by its name: is it?"
+                line.question = "; ".join(q for q in (asked, line.question) if q)
 
 
 def _unrecognised(group: Group) -> str:

@@ -148,6 +148,28 @@ def test_a_folder_a_trial_and_a_file_a_sensor(tmp_path: Path, lag: float) -> Non
         assert target.value[-1] < target.value.max()
 
 
+@pytest.mark.parametrize(
+    "names", [("ch0", "ch1", "ch2", "ch3"), ("時", "ア", "イ", "ウ"), ("tid", "maal x [mm]", "b", "c")]
+)
+def test_silent_names_are_told_by_what_a_hit_does_and_asked(tmp_path: Path, names: tuple[str, ...]) -> None:
+    """In any order, and never of a column that only drifts or only rests."""
+    for n, speed in enumerate(SPEEDS, 1):
+        t, target, wrist, force = rig(speed)
+        rng = np.random.default_rng(n)
+        extra = {"d": 0.02 * t + rng.normal(0, 1e-4, len(t)), "e": rng.normal(0, 1e-4, len(t))}
+        columns = {names[0]: t, names[3]: force, **extra, names[2]: 1e3 * wrist, names[1]: 1e3 * target}
+        np.savetxt(
+            tmp_path / f"run{n}.csv", np.column_stack(list(columns.values())), "%.6f", ",", header=",".join(columns),
+            comments="", encoding="utf-8",
+        )  # fmt: skip
+    text = draft_study(tmp_path)
+    assert text.count("by what it does in a hit, not by its name") == 3
+    (tmp_path / "study.toml").write_text(text, encoding="utf-8")
+    study = load_study(tmp_path)
+    found = {c.column: c.name for s in study.streams.values() for c in s.channels}
+    assert found == {names[1]: "target.x", names[2]: "wrist.x", names[3]: "contact.force"}
+
+
 def test_arrays_of_a_joint_each_and_wrenches(tmp_path: Path) -> None:
     """A matrix is joints where it holds as many or is called so, else the axes of a vector; a wrench's third is Fz."""
     t = np.arange(0, 2, 0.01)
