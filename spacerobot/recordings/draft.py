@@ -23,7 +23,7 @@ from spacerobot.recordings.drafting.machines import AXIS, draft_machine, kind_of
 from spacerobot.recordings.drafting.names import ENDINGS
 from spacerobot.recordings.drafting.robots import joints_of
 from spacerobot.recordings.drafting.wrist import Drafted, draft_wrist, is_wrist
-from spacerobot.recordings.guess import find_time, time_unit, unsaid_unit
+from spacerobot.recordings.guess import UNTIMED, find_time, time_unit, unsaid_unit
 from spacerobot.recordings.recording import load_trial
 from spacerobot.recordings.study import load_study
 from spacerobot.recordings.table import Column
@@ -213,7 +213,7 @@ def _settings(file: Found, own_clock: str | None) -> list[str]:
     lines = [] if file.format in ("csv", "text") else [f"format = {toml(file.format)}"]
     clock = find_time(file.table)
     if clock is None:
-        lines.append("rate = 100.0   # ? Hz: no column looked like a clock")
+        lines.append(f"rate = {UNTIMED}   # ? Hz: no column looked like a clock")
     else:
         column = file.table.columns[clock]
         lines.append(f"time = {toml(file.table.names()[clock])}{_rate(column)}")

@@ -17,6 +17,9 @@ _BRACKETED = re.compile(r"[\[(]\s*([^\])]+?)\s*[\])]\s*$")
 SLOWEST = 1.0
 """Longest step of a recording of anything that moves, s: what is slower by its numbers is not in seconds."""
 
+UNTIMED = 100.0
+"""Readings a second of a file without a clock, until its author says [Hz]."""
+
 _TURN = re.compile(r"\b(?:rotation|quat\w*|orientation)\b", re.I)
 """Parts of a quaternion, whose x is no position."""
 

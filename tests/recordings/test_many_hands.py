@@ -229,3 +229,70 @@ def test_a_line_of_units_states_them_and_one_of_names_does_not() -> None:
 @pytest.mark.parametrize("word", ["spacecraft", "satellite", "list", "coupled", "time_ms", "target_x", "Force"])
 def test_english_stays_english(word: str) -> None:
     assert english(word) == word
+
+
+def written(folder: Path, head: str, row: str, encoding: str = "utf-8", ending: str = "csv") -> Study:
+    """Three trials in a layout: `row` is formatted with n, t, x, s, f and i, the row's number."""
+    folder.mkdir(exist_ok=True)
+    for n, speed in enumerate(SPEEDS, 1):
+        rows = enumerate(zip(*rig(speed), strict=True))
+        text = [row.format(i=i, n=n, t=t, x=x, s=s, f=f) for i, (t, x, s, f) in rows]
+        (folder / f"run{n}.{ending}").write_text("\n".join([head, *text]), encoding=encoding)
+    (folder / "study.toml").write_text(draft_study(folder), encoding="utf-8")
+    return load_study(folder)
+
+
+def columns_of(study: Study) -> dict[str, str]:
+    return {c.name: c.column for s in study.streams.values() for c in s.channels}
+
+
+def test_a_camera_systems_export_names_things_above_their_axes(tmp_path: Path) -> None:
+    head = "Trajectories\n100\n,,rig:target,,,rig:slider,,\nFrame,Sub Frame,X,Y,Z,X,Y,Z\n,,mm,mm,mm,mm,mm,mm"
+    head += "\n,,,,,,,"
+    study = written(tmp_path / "rig", head, "{i},0,500,{x:.6f}e3,210,480,{s:.6f}e3,200")
+    assert columns_of(study) == {"target.x": "rig:target.Y", "wrist.x": "rig:slider.Y"}
+    assert study.streams["log"].rate == 100.0  # as it happens: it has no clock, and the draft asks
+    assert "# ? Hz" in (tmp_path / "rig" / "study.toml").read_text()
+    units = {c.unit for c in study.streams["log"].channels}
+    assert units == {"mm"}
+
+
+def test_a_loggers_header_of_several_lines(tmp_path: Path) -> None:
+    head = "LabVIEW Measurement\nDecimal_Separator\t.\nChannels\t3\nSamples\t200\t200\t200"
+    head += "\nY_Unit_Label\tmm\tmm\tN\n***End***\t\t\t\nX_Value\tTarget\tSlider\tForce\tComment"
+    study = written(tmp_path / "rig", head, "{t:.4f}\t{x:.6f}e3\t{s:.6f}e3\t{f:.4f}", ending="lvm")
+    check(study)
+
+
+def test_an_arms_log_numbers_its_joints_from_zero_or_names_them(tmp_path: Path) -> None:
+    t = np.arange(0, 2, 0.01)
+    q = np.sin(t)[:, None] * np.arange(1, 7)
+    kinds = ("target_q", "actual_q", "actual_qd", "actual_current", "actual_TCP_force")
+    head = " ".join(["timestamp", *(f"{k}_{j}" for k in kinds for j in range(6))])
+    folder = tmp_path / "ur"
+    folder.mkdir()
+    np.savetxt(folder / "log.csv", np.column_stack([t, *[q] * 5]), "%.5f", " ", header=head, comments="")
+    found = draft_study(folder, "ur5")
+    joints = (
+        "shoulder_pan_joint",
+        "shoulder_lift_joint",
+        "elbow_joint",
+        "wrist_1_joint",
+        "wrist_2_joint",
+        "wrist_3_joint",
+    )
+    for j, joint in enumerate(joints):
+        assert f'"actual_q_{j}" = {{ is = "joint.{joint}.position"' in found
+        assert f'"target_q_{j}" = {{ is = "joint.{joint}.reference"' in found
+        assert f'"actual_current_{j}" = {{ is = "joint.{joint}.current"' in found
+    assert '"actual_TCP_force_2" = { is = "hand.force.z"' in found
+    folder = tmp_path / "ros"
+    folder.mkdir()
+    head = ",".join(["%time", *(f"field.{k}.{j}" for k in ("position", "velocity", "effort") for j in joints)])
+    stamps = 1.7416e18 + np.round(1e9 * t)
+    np.savetxt(folder / "log.csv", np.column_stack([stamps, q, q, q]), "%.6f", ",", header=head, comments="")
+    found = draft_study(folder)
+    assert "an arm with joint logs" in found
+    for joint in joints:
+        assert f'"field.position.{joint}" = {{ is = "joint.{joint}.position"' in found
+        assert f'"field.effort.{joint}" = {{ is = "joint.{joint}.torque"' in found

@@ -17,13 +17,14 @@ from spacerobot.recordings.drafting.vocabulary import (
     THINGS,
     TURN,
 )
+from spacerobot.recordings.drafting.vocabulary import words as words_of
 from spacerobot.recordings.guess import Guess, find_time, guess
 from spacerobot.recordings.units import UNITS
 
 _LATERAL = {"x": "x", "y": "y", "z": "z", "yaw": "yaw", "theta": "yaw", "heading": "yaw", "psi": "yaw"}
 _JOINT = re.compile(r"(?:^|[a-z])(\d{1,2})$")
-_PLACE = re.compile(r"(.+)\[(\d{1,2})\]")
-_OF_JOINTS = frozenset(["q", "dq", "qd", "qdot", "tau", "joint", "joints", "theta", "effort", "efforts", "torques"])
+_PLACE = re.compile(r"(.+?)(?:\[(\d{1,2})\]|_(\d{1,2}))")
+_OF_JOINTS = words_of("q dq qd qdot tau joint joints theta effort efforts torques current currents moment")
 """Words of arrays that hold a number for each joint."""
 
 
@@ -67,6 +68,7 @@ def readings(file: Found, joints: Sequence[str]) -> list[Reading]:
     actual = {w for ws in words for w in ws}
     unnamed = sum(not c.names for c in file.table.columns)
     found: list[Reading] = []
+    arrays = _arrays(names)
     for j in file.usable:
         if j == clock or (clock is not None and len(file.table.columns[j].values) != file.rows):
             continue
@@ -74,9 +76,8 @@ def readings(file: Found, joints: Sequence[str]) -> list[Reading]:
         if NOT_READINGS.intersection(own) and not joints:
             continue
         reading: Reading | None = _reading(file, j, names[j], own, joints, actual)
-        if reading is not None and (place := _PLACE.fullmatch(names[j])):
-            width = sum(n.startswith(place.group(1) + "[") for n in names)
-            reading = _in_array(reading, own, int(place.group(2)), width, joints)
+        if reading is not None and (stem := _stem(names[j])) in arrays:
+            reading = _in_array(reading, own, _place(names[j]), arrays[stem], joints)
         if reading is not None and not own and unnamed >= len(names) - 1:
             reading = _by_place(file, reading, clock, joints)
         if reading is not None:
@@ -89,8 +90,10 @@ def _reading(
 ) -> Reading:
     plain = guess(name, file.table.columns[index].unit)
     stated = plain.stated
-    command = bool(COMMAND.intersection(words)) or ("target" in words and bool(REAL & neighbours) and not joints)
+    command = bool(COMMAND.intersection(words)) or ("target" in words and bool(REAL & neighbours))
     said = [w for w in words if w not in REAL] if REAL & set(words) and len(words) > 1 else words
+    if "current" in words and len(REAL & set(words)) > 1:
+        said.append("current")  # another word says that it was measured
     if "target" in words and command:
         said = [w for w in said if w != "target"]
     quantity = _quantity(said) or (DIMENSION.get(UNITS[stated].dimension, "") if stated else "")
@@ -133,13 +136,36 @@ def _by_place(file: Found, reading: Reading, clock: int | None, joints: Sequence
     return reading
 
 
+def _stem(name: str) -> str:
+    """What comes before a number at the end: "q[3]" and "actual_q_3" are places in "q" and "actual_q"."""
+    found = _PLACE.fullmatch(name)
+    return found.group(1) if found else ""
+
+
+def _place(name: str) -> int:
+    found = _PLACE.fullmatch(name)
+    return int(found.group(2) or found.group(3)) if found else 0
+
+
+def _arrays(names: Sequence[str]) -> dict[str, int]:
+    """Stem -> how many columns are numbered behind it, from 0 and without a gap: an array of the logger's program."""
+    places: dict[str, set[int]] = {}
+    for name in names:
+        if stem := _stem(name):
+            places.setdefault(stem, set()).add(_place(name))
+    return {stem: len(own) for stem, own in places.items() if len(own) > 1 and own == set(range(len(own)))}
+
+
 def _in_array(reading: Reading, words: list[str], place: int, width: int, joints: Sequence[str]) -> Reading:
     """A column of an array: an axis of a vector or a wrench, a part of a pose, or a joint, by its place."""
-    if reading.quantity == "orientation" or reading.thing.startswith("joint:"):
+    if reading.quantity == "orientation":
         return reading
-    if reading.quantity and width > 1 and (width == len(joints) or (_OF_JOINTS.intersection(words) and width != 3)):
+    of_joints = width == len(joints) or (_OF_JOINTS.intersection(words) and width != 3)
+    if reading.quantity and of_joints and (not reading.thing or reading.thing.startswith("joint:")):
         joint = joints[place] if width == len(joints) else f"joint{place + 1}"
         return replace(reading, thing=f"joint:{joint}", axis="")
+    if reading.thing.startswith("joint:"):
+        return reading
     if reading.axis or width not in (2, 3, 6, 7) or not reading.quantity:
         return reading
     if place < 3:
@@ -155,6 +181,9 @@ def _joint(name: str, words: list[str], joints: Sequence[str]) -> str:
     named = [j for j in joints if re.sub(r"[^a-z0-9]", "", j.lower()) in flat]
     if named:
         return f"joint:{max(named, key=len)}"
+    own = re.split(r"[^A-Za-z0-9_]+", name.strip("]) "))[-1].lower()
+    if not joints and re.fullmatch(r"[a-z]\w*_joint", own):
+        return f"joint:{own}"
     text = "".join(words)
     if not re.search(r"joint|^(q|dq|qd|qdot|tau|pos|vel|eff|torque|effort|position|velocity|motor|axis)", text):
         return ""

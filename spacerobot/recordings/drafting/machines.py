@@ -118,6 +118,8 @@ def _joint_line(reading: Reading, joint: str) -> Line | None:
         return None
     drives = quantity in _DRIVES
     line = Line(reading, f"joint.{joint}.{quantity}", use="input" if drives else "output")
+    if reading.command and drives:
+        line.remark = "as it was asked for, not measured"
     if quantity == "current":
         line.question = "a current: state the torque per ampere as scale of joint.NAME.torque, or keep it"
     return line

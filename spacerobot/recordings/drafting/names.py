@@ -12,7 +12,7 @@ from spacerobot.recordings.units import UNITS
 
 ENDINGS = (
     ".csv", ".tsv", ".txt", ".dat", ".log", ".asc", ".mat", ".h5", ".hdf5", ".npz", ".npy", ".bag", ".mcap", ".db3",
-    ".xlsx", ".gz", ".bz2", ".xz",
+    ".xlsx", ".lvm", ".prn", ".trc", ".sto", ".mot", ".out", ".gz", ".bz2", ".xz",
 )  # fmt: skip
 """Endings of files that may be recordings; a file without any, or with a number for one, may be one too."""
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from spacerobot.recordings.drafting.approach import Track
 from spacerobot.recordings.drafting.files import Found
-from spacerobot.recordings.guess import find_time, time_unit, unsaid_unit
+from spacerobot.recordings.guess import UNTIMED, find_time, time_unit, unsaid_unit
 from spacerobot.recordings.table import Floats
 from spacerobot.recordings.units import UNITS
 
@@ -34,7 +34,7 @@ def values(file: Found, column: str) -> Floats:
 
 
 def track(file: Found, column: str, readings: Floats | None = None) -> Track | None:
-    """A column over the file's own clock, s, without what is missing; None without a clock that runs forward.
+    """A column over the file's own clock, s, without what is missing; evenly spaced where the file has none.
 
     Args:
         file: the file.
@@ -43,7 +43,9 @@ def track(file: Found, column: str, readings: Floats | None = None) -> Track | N
     """
     time = clock(file)
     value = values(file, column) if readings is None else readings
-    if time is None or len(value) != len(time):
+    if time is None:
+        time = np.arange(len(value)) / UNTIMED
+    if len(value) != len(time):
         return None
     good = np.isfinite(time) & np.isfinite(value)
     return Track(time[good], value[good]) if good.sum() > 2 else None

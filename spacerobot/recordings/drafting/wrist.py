@@ -13,7 +13,7 @@ from spacerobot.recordings.drafting.clocks import meet, out_of_step, runs_apart,
 from spacerobot.recordings.drafting.columns import Reading
 from spacerobot.recordings.drafting.groups import Trial
 from spacerobot.recordings.drafting.lines import Line
-from spacerobot.recordings.drafting.tracks import track, values
+from spacerobot.recordings.drafting.tracks import span, track, values
 from spacerobot.recordings.series import estimate_noise
 from spacerobot.recordings.units import UNITS
 
@@ -273,7 +273,10 @@ def _place_force(
     drafted.lines.setdefault(stream, []).append(line)
     cameras = places["target"][0]
     if stream != cameras:
-        own = places["wrist"][0] in drafted.own_clock  # then its times say nothing of the cameras'
+        # A wrist's own clock says nothing of the cameras'; rows without one, nothing at all.
+        own = places["wrist"][0] in drafted.own_clock or any(
+            span(t.files[s]) is None for t in trials for s in (stream, places["wrist"][0]) if s in t.files
+        )
         why = runs_apart(trials, stream, cameras)
         why = why or ("" if own else out_of_step(trials, rests, wrists, _speeds(trials, places["target"], wrists)))
         if why:

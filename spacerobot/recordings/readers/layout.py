@@ -145,6 +145,23 @@ def _headed(lines: Sequence[str], body: Sequence[int], separator: str, width: in
     return False
 
 
+def _grouped(lines: Sequence[Sequence[str]]) -> list[list[str]]:
+    """A line of whole names, "target.X", where one has a thing above the first of its columns and one its axes."""
+    for i, parts in enumerate(lines):
+        told = [c for c in parts if c and number(c) is None]
+        for groups in lines[:i]:
+            heads = [c for c in groups if c]
+            if not 1 < len(heads) < len(told) or len(set(told)) == len(told) or len(set(heads)) < len(heads):
+                continue
+            whole, above = [], ""
+            for group, part in zip(groups, parts, strict=True):
+                above = group or above
+                whole.append(f"{above}.{part}" if above and part else part)
+            if len({c for c in whole if c}) > len(set(told)):
+                return [whole]
+    return []
+
+
 def said(lines: Sequence[str], first: int) -> Sequence[int]:
     """Indices from `first` of the lines that are neither blank nor a comment."""
     with contextlib.suppress(IndexError):  # of an empty line
@@ -192,8 +209,8 @@ def column_heads(lines: Sequence[str], layout: Layout) -> tuple[list[tuple[str, 
         for mark in COMMENTS:
             line = line.strip().removeprefix(mark) if is_comment(lines[index]) else line
         cells = split(line, layout.separator)
-        while len(cells) > layout.width and not cells[-1]:
-            cells.pop()
+        while len(cells) > layout.width and (not cells[-1] or index == layout.header[-1]):
+            cells.pop()  # of the line above the numbers also names of what no row has
         if len(cells) == layout.width and any(c and number(c) is None for c in cells):
             candidates.append(cells)
     return headings(candidates, layout.width)
@@ -209,11 +226,13 @@ def headings(lines: Sequence[Sequence[str]], width: int) -> tuple[list[tuple[str
     for cells in lines:
         bare = [c.strip("[]() ") for c in cells]
         words = [c for c in bare if c]
-        if len(lines) > 1 and words and all(c in UNITS for c in words) and not any(units):
-            units = [c or None for c in bare]
+        labelled = len(words) > 2 and bool(bare[0]) and bare[0] not in UNITS  # "Unit", s, mm
+        if len(lines) > 1 and words and all(c in UNITS for c in words[labelled:]) and not any(units):
+            units = [c if c in UNITS else None for c in bare]
         else:
             named.append(cells)
     if not named:
         named, units = list(lines), [None] * width
+    named = [*named, *_grouped(named)]
     named.sort(key=lambda cells: -len({c for c in cells if c and number(c) is None}))
     return [tuple(dict.fromkeys(c[j][:100] for c in named if c[j])) for j in range(width)], units
