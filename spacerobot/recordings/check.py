@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict
@@ -163,6 +164,7 @@ def _remarks(study: Study, recording: Recording) -> list[tuple[str, str]]:
     """Warnings about channels, each with what tells it from others."""
     found: list[tuple[str, str]] = []
     trial = recording.trial.id
+    found += _never_together(recording)
     for series in recording.values():
         if series.use == "input" or series.name.startswith("aux.") or series.name.endswith(".reference"):
             continue
@@ -181,4 +183,20 @@ def _remarks(study: Study, recording: Recording) -> list[tuple[str, str]]:
             found.append(
                 (f"{series.name} missing {trial}", f"{series.name}: missing in {missing:.0%} of trial {trial}")
             )
+    return found
+
+
+def _never_together(recording: Recording) -> list[tuple[str, str]]:
+    """A warning for streams that are said to share a clock and never ran at the same time by it."""
+    spans: dict[str, dict[str, tuple[float, float]]] = {}
+    for series in recording.values():
+        if len(series) > 1:
+            spans.setdefault(series.clock, {})[series.stream] = float(series.time[0]), float(series.time[-1])
+    found = []
+    for clock in spans.values():
+        for (one, (start, end)), (other, (from_, to)) in itertools.combinations(clock.items(), 2):
+            if min(end, to) <= max(start, from_):
+                said = f"{one} ({start:.6g} to {end:.6g} s) and {other} ({from_:.6g} to {to:.6g} s)"
+                text = f'trial {recording.trial.id}: {said} share a clock and never run together: clock = "own"?'
+                found.append((f"{one} {other} clock", text))
     return found

@@ -16,6 +16,7 @@ import numpy as np
 from spacerobot.recordings.drafting.behaviour import by_behaviour
 from spacerobot.recordings.drafting.columns import Reading, readings
 from spacerobot.recordings.drafting.files import Found, recordings_in, robots_in
+from spacerobot.recordings.drafting.gearing import gearing
 from spacerobot.recordings.drafting.groups import Group, Trial, groups_of, trials_of, unused
 from spacerobot.recordings.drafting.heads import head
 from spacerobot.recordings.drafting.lines import Line, comment, toml
@@ -53,6 +54,7 @@ class Draft:
         trials: which files belong together.
         remarks: what was left out, and why.
         files: further files that the study needs, name -> text.
+        gears: the lines of `[gears]`, none where joints are logged.
     """
 
     title: str
@@ -66,10 +68,12 @@ class Draft:
     trials: list[Trial]
     remarks: list[str]
     files: dict[str, str] = field(default_factory=dict)
+    gears: list[str] = field(default_factory=list)
 
     def text(self) -> str:
         """The study.toml."""
         parts = [head(self.title, self.kind, self.robot, self.joints, [_mass(t) for t in self.trials])]
+        parts += ["\n".join(self.gears) + "\n"] if self.gears else []
         used = {name for trial in self.trials for name in trial.files}
         parts += [self._stream(name) for name in self.lines if name in used]
         parts += [self._trial(t) for t in self.trials if any(n in self.lines for n in t.files)]
@@ -159,6 +163,8 @@ def draft(folder: Path, robot: str | None = None) -> Draft:
         trials=trials,
         remarks=refused,
     )
+    if kind in ("arm", "platform"):
+        made.gears = gearing(made.lines, representative)
     if kind == "axis":
         columns = [line.reading for found in lines.values() for line in found]
         turning = any(c.unit in ("rad", "deg") or c.axis == "yaw" for c in columns)

@@ -12,6 +12,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from spacerobot.recordings.check import check_study
 from spacerobot.recordings.draft import draft_study
 from spacerobot.recordings.drafting.languages import english
 from spacerobot.recordings.readers.layout import headings
@@ -296,3 +297,30 @@ def test_an_arms_log_numbers_its_joints_from_zero_or_names_them(tmp_path: Path) 
     for joint in joints:
         assert f'"field.position.{joint}" = {{ is = "joint.{joint}.position"' in found
         assert f'"field.effort.{joint}" = {{ is = "joint.{joint}.torque"' in found
+
+
+def test_check_warns_of_a_shared_clock_by_which_streams_never_meet(tmp_path: Path) -> None:
+    t = np.arange(0, 2, 0.01)
+    for name, late in (("a", 0.0), ("b", 40.0)):
+        np.savetxt(
+            tmp_path / f"{name}.csv", np.column_stack([t + late, np.sin(t)]), header="t,x", comments="", delimiter=","
+        )
+    text = """format = 1
+[baseline]
+robot = "pa10_wrist"
+[streams.a]
+time = "t"
+channels.x.is = "target.x"
+[streams.b]
+time = "t"
+clock = {clock}
+channels.x.is = "wrist.x"
+[[trials]]
+id = "1"
+a = "a.csv"
+b = "b.csv"
+"""
+    (tmp_path / "study.toml").write_text(text.replace("clock = {clock}\n", ""))
+    assert any("never run together" in w for w in check_study(load_study(tmp_path))["warnings"])
+    (tmp_path / "study.toml").write_text(text.replace("{clock}", '"own"'))
+    assert not any("never run together" in w for w in check_study(load_study(tmp_path))["warnings"])

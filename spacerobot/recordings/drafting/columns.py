@@ -185,10 +185,12 @@ def _joint(name: str, words: list[str], joints: Sequence[str]) -> str:
     if not joints and re.fullmatch(r"[a-z]\w*_joint", own):
         return f"joint:{own}"
     text = "".join(words)
-    if not re.search(r"joint|^(q|dq|qd|qdot|tau|pos|vel|eff|torque|effort|position|velocity|motor|axis)", text):
+    if not re.search(
+        r"joint|^(q|dq|qd|qdot|tau|pos|vel|eff|torque|effort|position|velocity|motor|axis|curr|i\d)", text
+    ):
         return ""
     number = next((int(m.group(1)) for w in reversed(words) if (m := _JOINT.search(w))), None)
-    if number is None or not (joints or re.match(r"(joint|q|dq|qd|qdot|tau|torque|effort|pos|vel)", text)):
+    if number is None or not (joints or re.match(r"(joint|q|dq|qd|qdot|tau|torque|effort|pos|vel|curr|i\d)", text)):
         return ""
     return f"joint:{joints[number - 1]}" if 0 < number <= len(joints) else f"joint:joint{number}"
 
@@ -197,6 +199,8 @@ def _quantity(words: list[str]) -> str:
     for word in words:
         if re.fullmatch(r"q[mgr]", word):
             return "position"
+        if re.fullmatch(r"i\d{1,2}", word):
+            return "current"
         bare = word.rstrip("0123456789")
         for quantity, called in QUANTITY.items():
             if word in called or bare in called:
