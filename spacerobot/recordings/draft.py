@@ -15,7 +15,7 @@ import numpy as np
 
 from spacerobot.recordings.drafting.behaviour import by_behaviour
 from spacerobot.recordings.drafting.columns import Reading, readings
-from spacerobot.recordings.drafting.files import Found, recordings_in, robots_in
+from spacerobot.recordings.drafting.files import recordings_in, robots_in
 from spacerobot.recordings.drafting.gearing import gearing
 from spacerobot.recordings.drafting.groups import Group, Trial, groups_of, trials_of, unused
 from spacerobot.recordings.drafting.heads import head
@@ -158,7 +158,7 @@ def draft(folder: Path, robot: str | None = None) -> Draft:
         joints=joints,
         groups={g.name: g for g in told},
         lines={name: found for name, found in lines.items() if found},
-        settings={g.name: _settings(g.leanest, drafted.own_clock.get(g.name)) for g in told},
+        settings={g.name: _settings(g, drafted.own_clock.get(g.name)) for g in told},
         left={g.name: _left(seen[g.name], lines[g.name]) for g in told},
         trials=trials,
         remarks=refused,
@@ -214,8 +214,9 @@ def _left(found: Sequence[Reading], lines: Sequence[Line]) -> list[str]:
     return [*left[:24], *([f"and {len(left) - 24} more"] if len(left) > 24 else [])]
 
 
-def _settings(file: Found, own_clock: str | None) -> list[str]:
-    """Format, times and clock of a stream."""
+def _settings(group: Group, own_clock: str | None) -> list[str]:
+    """Format, times, clock and missing readings of a stream."""
+    file = group.leanest
     lines = [] if file.format in ("csv", "text") else [f"format = {toml(file.format)}"]
     clock = find_time(file.table)
     if clock is None:
@@ -228,6 +229,8 @@ def _settings(file: Found, own_clock: str | None) -> list[str]:
             lines.append(f"time_unit = {toml(unsaid)}   # ? no unit is stated, and in seconds {asked}")
         elif time_unit(column) != "s":
             lines.append(f"time_unit = {toml(time_unit(column))}")
+    if missing := sorted({value for f in group.files for value in f.missing}):
+        lines.append(f"missing = {missing}   # no readings: given again and again, far from all others")
     if own_clock:
         lines.append(f'clock = "own"   # {comment(own_clock)}')
     return lines

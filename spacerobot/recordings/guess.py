@@ -17,6 +17,9 @@ _BRACKETED = re.compile(r"[\[(]\s*([^\])]+?)\s*[\])]\s*$")
 SLOWEST = 1.0
 """Longest step of a recording of anything that moves, s: what is slower by its numbers is not in seconds."""
 
+DAYS = ((729_000.0, 767_011.0), (36_525.0, 73_051.0))
+"""Days that MATLAB (from the year 0) and spreadsheets (from 1900) count for dates from 1995 or 2000 to 2100."""
+
 UNTIMED = 100.0
 """Readings a second of a file without a clock, until its author says [Hz]."""
 
@@ -93,19 +96,25 @@ def find_time(table: RawTable) -> int | None:
 
 
 def time_unit(column: Column) -> str:
-    """ "ms", "us" or "ns" where name or file say so, or where seconds since 1970 are of that size; else "s"."""
+    """ "ms", "us" or "ns" where name or file say so or seconds since 1970 are of that size, "d" for dates; else "s"."""
     text = " ".join((*column.names, column.unit or ""))
     found = re.search(r"(?:^|[\W_])(ms|msec|us|µs|usec|ns|nsec)(?:$|[\W_])", text, re.I)
     if found:
         return {"m": "ms", "u": "us", "µ": "us", "n": "ns"}[found.group(1)[0].lower()]
     middle = float(np.nanmedian(column.values)) if len(column.values) else 0.0
+    if any(low < middle < high for low, high in DAYS) and 0.0 < _step(column) < UNITS["s"].factor / UNITS["d"].factor:
+        return "d"
     return next((unit for unit in ("ms", "us", "ns") if _since_1970(middle * UNITS[unit].factor)), "s")
+
+
+def _step(column: Column) -> float:
+    return float(np.nanmedian(np.diff(column.values))) if len(column.values) > 1 else 0.0
 
 
 def unsaid_unit(column: Column) -> str | None:
     """The unit that a clock's steps ask for where nothing states it and seconds would be too slow; None elsewhere."""
     text = " ".join((*column.names, column.unit or ""))
-    step = float(np.nanmedian(np.diff(column.values))) if len(column.values) > 1 else 0.0
+    step = _step(column)
     said = time_unit(column) != "s" or re.search(r"(?:^|[\W_])(?:s|sec|secs|seconds)(?:$|[\W_])", text, re.I)
     if said or step < SLOWEST:
         return None

@@ -50,7 +50,7 @@ class Series(Brief):
     unit: str
     use: str = "output"
     zero: float = 0.0
-    beside: Mapping[str, tuple[Floats, float]] = field(default_factory=dict)
+    beside: Mapping[str, tuple[Floats, float]] = field(default_factory=dict, repr=False)
 
     def __len__(self) -> int:
         return len(self.time)

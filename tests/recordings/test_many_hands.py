@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 from spacerobot.recordings.check import check_study
 from spacerobot.recordings.draft import draft_study
+from spacerobot.recordings.drafting.files import sentinel
 from spacerobot.recordings.drafting.languages import english
 from spacerobot.recordings.readers.layout import headings
 from spacerobot.recordings.readers.numbers import number
@@ -71,7 +72,7 @@ def check(study: Study) -> None:
         ):
             series = recording[name]
             assert len(series.value) == len(t)
-            assert np.ptp(series.time) == pytest.approx(np.ptp(t), abs=1e-3)
+            assert np.ptp(series.time) == pytest.approx(np.ptp(t), abs=2e-3)
             assert abs(np.median(series.value - truth)) < within  # its zero was found again
             assert np.std(series.value - truth) < 1e-3 * np.ptp(truth)  # unit and sign too
 
@@ -237,7 +238,7 @@ def written(folder: Path, head: str, row: str, encoding: str = "utf-8", ending: 
     folder.mkdir(exist_ok=True)
     for n, speed in enumerate(SPEEDS, 1):
         rows = enumerate(zip(*rig(speed), strict=True))
-        text = [row.format(i=i, n=n, t=t, x=x, s=s, f=f) for i, (t, x, s, f) in rows]
+        text = [row.format(i=i, n=n, t=t, d=1e9 * (0.4 + t / 86400), x=x, s=s, f=f) for i, (t, x, s, f) in rows]
         (folder / f"run{n}.{ending}").write_text("\n".join([head, *text]), encoding=encoding)
     (folder / "study.toml").write_text(draft_study(folder), encoding="utf-8")
     return load_study(folder)
@@ -324,3 +325,55 @@ b = "b.csv"
     assert any("never run together" in w for w in check_study(load_study(tmp_path))["warnings"])
     (tmp_path / "study.toml").write_text(text.replace("{clock}", '"own"'))
     assert not any("never run together" in w for w in check_study(load_study(tmp_path))["warnings"])
+
+
+QUOTED = '"{t:.3f}","{x:.6f}","{s:.6f}","{f:.4f}"'
+
+
+@pytest.mark.parametrize(
+    ("head", "row"),
+    [
+        ("sep=;\nt [s];target [m];slider [m];force [N]", "{t:.3f};{x:.6f};{s:.6f};{f:.4f}"),
+        ('"t","target_m","slider_m","force_N"', QUOTED),
+        ("# run 5\n# t [s], target_x [m], slider_x [m], F [N]", "{t:.3f}, {x:.6f}, {s:.6f}, {f:.4f}"),
+        ("", "{t:.3f} {x:.6f} {s:.6f} {f:.4f}"),
+        ("t,mode,target_m,slider_m,force", "{t:.3f},RUN,{x:.6f},{s:.6f},{f:.4f}"),
+        ("t;target [m];slider [m];force;", "{t:.3f};{x:.6f};{s:.6f};{f:.4f};"),
+        ("time,target,slider,force", "{t:.3f},{x:.6f},{s:.6f},{f:.4f}"),
+        ("datenum,target,slider,force", "739685.{d:09.0f},{x:.6f},{s:.6f},{f:.4f}"),
+    ],
+)
+def test_what_loggers_leave(tmp_path: Path, head: str, row: str) -> None:
+    check(written(tmp_path / "rig", head, row))
+
+
+def test_a_decimal_comma_within_quotes(tmp_path: Path) -> None:
+    study = written(tmp_path / "rig", "t;target;slider;force", "{t:.3f};{x:.6f};{s:.6f};{f:.4f}")
+    for file in (tmp_path / "rig").glob("*.csv"):
+        rows = (",".join(f'"{c}"' for c in line.split(";")) for line in file.read_text().replace(".", ",").splitlines())
+        file.write_text("\n".join(rows))
+    (tmp_path / "rig" / "study.toml").write_text(draft_study(tmp_path / "rig"))
+    check(load_study(study.path))
+
+
+def test_a_reading_that_stands_for_none_is_said_to(tmp_path: Path) -> None:
+    study = written(tmp_path / "rig", "t,target_m,slider_m,force_N", "{t:.3f},{x:.6f},{s:.6f},{f:.4f}")
+    for file in (tmp_path / "rig").glob("*.csv"):
+        rows = [line.split(",") for line in file.read_text().splitlines()]
+        for row in rows[7::31]:
+            row[1] = "-9999"
+        file.write_text("\n".join(map(",".join, rows)))
+    text = draft_study(tmp_path / "rig")
+    assert "missing = [-9999.0]" in text
+    study.path.write_text(text)
+    for trial in load_study(study.path).trials:
+        target = load_study(study.path).recording(trial)["target.x"]
+        assert 0 < np.sum(~target.valid) < 10
+        assert np.nanmin(target.value) > -1.0
+
+
+@given(st.lists(st.floats(-10, 10), min_size=4, max_size=40, unique=True), st.integers(0, 3))
+def test_only_what_is_far_from_all_others_and_given_again_stands_for_none(values: list[float], again: int) -> None:
+    assert sentinel(np.array(values)) is None
+    with_it = np.array([*values, *[-9999.0] * again])
+    assert sentinel(with_it) == (-9999.0 if again > 1 else None)

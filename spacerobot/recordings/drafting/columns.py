@@ -113,6 +113,8 @@ def _reading(
         thing = next((t for w in said for t, called in THINGS.items() if w in called), "")
     if not thing:
         thing = next((t for w in file.named.words for t, called in THINGS.items() if w in called), "")
+    if thing in THINGS and not quantity and set(words) <= {*THINGS[thing], *_LATERAL}:
+        quantity = "position"  # a thing alone is where it is
     if file.format == "motive" and "." in name:
         body = name.split(".")[0]
         mine = next((t for w in _words(body) for t, called in THINGS.items() if w in called), "")

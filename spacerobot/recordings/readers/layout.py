@@ -30,6 +30,7 @@ _CANDIDATES = (
     ("|", "."),
     (" ", "."),
     (" ", ","),
+    (",", ","),
 )
 _SAMPLE = 25
 _WORD = re.compile(r"(?!nan|inf)[a-z]{2}", re.IGNORECASE)
@@ -92,6 +93,8 @@ def find_layout(lines: Sequence[str], separator: str | None, decimal: str | None
         if (separator is not None and sep != separator) or (decimal is not None and mark != decimal):
             continue
         absent = len(together.split()) < 2 if sep == " " else sep not in together
+        if sep == mark and '"' not in together:
+            continue  # a comma of both kinds is told apart by quotes alone
         if absent and undivided:
             continue  # one column again, as under the other absent separator
         undivided = undivided or absent
