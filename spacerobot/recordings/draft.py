@@ -15,7 +15,7 @@ import numpy as np
 
 from spacerobot.recordings.drafting.behaviour import by_behaviour
 from spacerobot.recordings.drafting.columns import Reading, readings
-from spacerobot.recordings.drafting.files import recordings_in, robots_in
+from spacerobot.recordings.drafting.files import Found, recordings_in, robots_in
 from spacerobot.recordings.drafting.gearing import gearing
 from spacerobot.recordings.drafting.groups import Group, Trial, groups_of, trials_of, unused
 from spacerobot.recordings.drafting.heads import head
@@ -23,6 +23,7 @@ from spacerobot.recordings.drafting.lines import Line, comment, toml
 from spacerobot.recordings.drafting.machines import AXIS, draft_machine, kind_of
 from spacerobot.recordings.drafting.names import ENDINGS
 from spacerobot.recordings.drafting.robots import joints_of
+from spacerobot.recordings.drafting.run_list import RunList, run_lists
 from spacerobot.recordings.drafting.wrist import Drafted, draft_wrist, is_wrist
 from spacerobot.recordings.guess import UNTIMED, find_time, time_unit, unsaid_unit
 from spacerobot.recordings.recording import load_trial
@@ -55,6 +56,8 @@ class Draft:
         remarks: what was left out, and why.
         files: further files that the study needs, name -> text.
         gears: the lines of `[gears]`, none where joints are logged.
+        listed: trial -> mass of its target, as the lab's own list of runs has it [kg].
+        list_file: that list.
     """
 
     title: str
@@ -69,10 +72,12 @@ class Draft:
     remarks: list[str]
     files: dict[str, str] = field(default_factory=dict)
     gears: list[str] = field(default_factory=list)
+    listed: dict[str, float] = field(default_factory=dict)
+    list_file: str = ""
 
     def text(self) -> str:
         """The study.toml."""
-        parts = [head(self.title, self.kind, self.robot, self.joints, [_mass(t) for t in self.trials])]
+        parts = [head(self.title, self.kind, self.robot, self.joints, [self._mass(t)[0] for t in self.trials])]
         parts += ["\n".join(self.gears) + "\n"] if self.gears else []
         used = {name for trial in self.trials for name in trial.files}
         parts += [self._stream(name) for name in self.lines if name in used]
@@ -87,23 +92,24 @@ class Draft:
             lines.append(f"# left out: {comment(', '.join(self.left[name]))}")
         return "\n".join(lines) + "\n"
 
+    def _mass(self, trial: Trial) -> tuple[float | None, str]:
+        """The mass of a trial's target or body, kg, and who says so; None where nobody does, or two masses are said."""
+        if trial.id in self.listed:
+            return self.listed[trial.id], self.list_file
+        found = {v * UNITS[unit].factor for file in trial.files.values() for _, v, unit in file.named.values}
+        return (found.pop() if len(found) == 1 else None), "the file's name"
+
     def _trial(self, trial: Trial) -> str:
         asked = f"   # ? {comment(trial.question)}" if trial.question else ""
         lines = ["[[trials]]", f"id = {toml(trial.id)}{asked}"]
-        mass = _mass(trial)
+        mass, source = self._mass(trial)
         owner = "body" if self.kind == "body" else "target"
         if mass is not None:
-            lines.append(f"{owner}.mass = {mass:g}   # from the file's name")
+            lines.append(f"{owner}.mass = {mass:g}   # from {source}")
         elif self.kind == "wrist":
             lines.append("# target.mass =             # kg, if it is not the same in all trials")
         lines += [f"{name} = {toml(file.relative)}" for name, file in trial.files.items() if name in self.lines]
         return "\n".join(lines) + "\n"
-
-
-def _mass(trial: Trial) -> float | None:
-    """The mass that the names of a trial's files state, kg; None where they state none, or two."""
-    found = {v * UNITS[unit].factor for file in trial.files.values() for _, v, unit in file.named.values}
-    return found.pop() if len(found) == 1 else None
 
 
 def draft_study(folder: str | Path, robot: str | None = None) -> str:
@@ -133,6 +139,8 @@ def draft(folder: Path, robot: str | None = None) -> Draft:
     if not files:
         listed = "; ".join(refused[:5]) or "it holds none of " + ", ".join(ENDINGS)
         raise InputError("the folder holds no recording that can be read", given=str(folder), valid=listed)
+    runs = _list_of_runs(folder, files)
+    files = [f for f in files if runs is None or f.relative != runs.file]
     robot, joints = joints_of(robots_in(folder), folder, [f.relative for f in files], robot)
     groups = groups_of(files)
     seen = {g.name: readings(g.leanest, joints) for g in groups}
@@ -163,6 +171,8 @@ def draft(folder: Path, robot: str | None = None) -> Draft:
         trials=trials,
         remarks=refused,
     )
+    if runs is not None and kind in ("wrist", "body"):
+        made.listed, made.list_file = runs.masses(trials), runs.file
     if kind in ("arm", "platform"):
         made.gears = gearing(made.lines, representative)
     if kind == "axis":
@@ -171,6 +181,15 @@ def draft(folder: Path, robot: str | None = None) -> Draft:
         shape = ("revolute", "0 0 1") if turning else ("prismatic", "1 0 0")
         made.files["axis.urdf"] = AXIS.format(kind=shape[0], direction=shape[1])
     return _readable(made, folder)
+
+
+def _list_of_runs(folder: Path, files: Sequence[Found]) -> RunList | None:
+    """The lab's own list of the trials that the other files make."""
+    for runs in run_lists(folder):
+        others = [f for f in files if f.relative != runs.file]
+        if others and runs.masses(trials_of(groups_of(others))):
+            return runs
+    return None
 
 
 def _no_plane(seen: Mapping[str, Sequence[Reading]]) -> bool:

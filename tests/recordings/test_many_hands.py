@@ -377,3 +377,36 @@ def test_only_what_is_far_from_all_others_and_given_again_stands_for_none(values
     assert sentinel(np.array(values)) is None
     with_it = np.array([*values, *[-9999.0] * again])
     assert sentinel(with_it) == (-9999.0 if again > 1 else None)
+
+
+@pytest.mark.parametrize(
+    ("name", "rows"),
+    [
+        ("runs.csv", ["file,target mass [kg],speed", "run1.csv,12.5,1", "run2.csv,12.5,2", "run3.csv,28,3"]),
+        ("log.csv", ["Run;Masse Ziel [kg]", "1;12,5", "2;12,5", "3;28,0"]),
+        ("plan.txt", ["# of the day", "trial\ttarget_mass_g", "run3\t28000", "run1\t12500", "run2\t12500"]),
+    ],
+)
+def test_masses_come_from_the_labs_list_of_runs(tmp_path: Path, name: str, rows: list[str]) -> None:
+    written(tmp_path, "t,target_m,slider_m,force_N", "{t:.3f},{x:.6f},{s:.6f},{f:.4f}")
+    (tmp_path / "study.toml").unlink()
+    (tmp_path / name).write_text("\n".join(rows))
+    text = draft_study(tmp_path)
+    assert f"# from {name}" in text
+    (tmp_path / "study.toml").write_text(text)
+    study = load_study(tmp_path)
+    assert [t.overrides["target.mass"] for t in study.trials] == [12.5, 12.5, 28.0]
+    check(study)
+
+
+def test_a_list_of_other_runs_says_nothing(tmp_path: Path) -> None:
+    written(tmp_path, "t,target_m,slider_m,force_N", "{t:.3f},{x:.6f},{s:.6f},{f:.4f}")
+    (tmp_path / "study.toml").unlink()
+    for rows in (["run,mass", "7,1", "8,2"], ["run,mass", "1,1", "1,2"], ["run,slider mass", "1,1", "2,1", "3,1"]):
+        (tmp_path / "runs.csv").write_text("\n".join(rows))
+        text = draft_study(tmp_path)
+        assert "runs.csv" not in text.split("[[trials]]", 1)[1].split("# not read")[0]
+
+
+def test_a_recording_with_a_column_of_masses_is_no_list(tmp_path: Path) -> None:
+    check(written(tmp_path / "rig", "t,target_m,slider_m,force_N,target_mass", "{t:.3f},{x:.6f},{s:.6f},{f:.4f},12.5"))

@@ -63,7 +63,7 @@ def readings(file: Found, joints: Sequence[str]) -> list[Reading]:
     """
     clock = find_time(file.table)
     names = file.table.names()
-    words = [_words(n) for n in names]
+    words = [words_in(n) for n in names]
     words = [[w for w in ws if len(ws) == 1 or w not in ("n", "m", "mm", "deg", "rad")] or ws for ws in words]
     actual = {w for ws in words for w in ws}
     unnamed = sum(not c.names for c in file.table.columns)
@@ -117,7 +117,7 @@ def _reading(
         quantity = "position"  # a thing alone is where it is
     if file.format == "motive" and "." in name:
         body = name.split(".")[0]
-        mine = next((t for w in _words(body) for t, called in THINGS.items() if w in called), "")
+        mine = next((t for w in words_in(body) for t, called in THINGS.items() if w in called), "")
         thing = mine or f"body:{body}"
     return Reading(name, index, thing, quantity, axis, stated, command, plain)
 
@@ -210,7 +210,7 @@ def _quantity(words: list[str]) -> str:
     return ""
 
 
-def _words(name: str) -> list[str]:
+def words_in(name: str) -> list[str]:
     """The words of a name in lower case: "Current_VX [m/s]" is current, vx."""
     text = re.sub(r"[\[(][^\])]*[\])]\s*$", "", name.replace("$\\theta$", "theta"))
     text = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", english(text))
