@@ -410,3 +410,11 @@ def test_a_list_of_other_runs_says_nothing(tmp_path: Path) -> None:
 
 def test_a_recording_with_a_column_of_masses_is_no_list(tmp_path: Path) -> None:
     check(written(tmp_path / "rig", "t,target_m,slider_m,force_N,target_mass", "{t:.3f},{x:.6f},{s:.6f},{f:.4f},12.5"))
+
+
+def test_numbers_too_large_for_metres_are_taken_for_millimetres_and_asked(tmp_path: Path) -> None:
+    study = written(tmp_path / "rig", "t,target,slider,force", "{t:.3f},{x:.6f}e3,{s:.6f}e3,{f:.4f}")
+    check(study)
+    text = study.path.read_text()
+    assert text.count('unit = "mm"') == 2
+    assert text.count("are they mm") == 1

@@ -20,6 +20,9 @@ from spacerobot.recordings.units import UNITS
 MOST_TRIALS = 16
 """Trials whose approach is looked at; zeroes and noise are medians over them."""
 
+LARGEST_RIG = 10.0
+"""Further than a target drifts on any table [m]."""
+
 ALONG = 1e-3
 """Share of the travel that an axis may miss and still be taken for its direction: a tenth of what labs know
 a spring to (1 %)."""
@@ -71,10 +74,11 @@ def draft_wrist(readings: Mapping[str, Sequence[Reading]], trials: Sequence[Tria
             line.scale, tracks = -line.scale, [Track(t.time, -t.value) for t in tracks]
         line.sigma = _median([estimate_noise(t.value) for t in tracks])
         if thing == "target":
-            line.question = _unit_question(line, tracks)
+            line.question = _too_far_for_metres(line, tracks)
         elif zeros := [r for r in map(rest, tracks) if r is not None]:
             line.offset, line.offset_sigma = _zero(zeros, line.scale)
         drafted.lines.setdefault(stream, []).append(line)
+    _in_millimetres(drafted)
     _place_target(drafted, places, some)
     yaw = next((r for r in _of(readings, "target", places["target"][0]) if r.axis == "yaw" and not r.command), None)
     if yaw is not None and yaw.quantity == "position":
@@ -223,12 +227,22 @@ def _place_target(drafted: Drafted, places: Mapping[str, tuple[str, list[Reading
         target.remark = "0 where it touches the wrist"
 
 
-def _unit_question(line: Line, tracks: Sequence[Track]) -> str:
+def _too_far_for_metres(line: Line, tracks: Sequence[Track]) -> str:
     """A question where no unit is stated and metres would make the rig larger than any."""
     if line.reading.unit is not None or not tracks:
         return ""
     span = max(float(np.ptp(t.value)) for t in tracks)
-    return f"unit: readings span {span:.3g}; in metres?" if span > 10 else ""
+    return f"no unit is stated, and readings span {span:.3g}: are they mm" if span > LARGEST_RIG else ""
+
+
+def _in_millimetres(drafted: Drafted) -> None:
+    """Where a target without a unit goes too far for metres, mm for it and for all that is tracked without a unit."""
+    lines = [
+        x for found in drafted.lines.values() for x in found if x.reading.unit is None and x.channel.endswith(".x")
+    ]
+    if any(x.channel == "target.x" and x.question for x in lines):
+        for line in lines:
+            line.reading = replace(line.reading, unit="mm")
 
 
 def _place_force(
