@@ -418,3 +418,31 @@ def test_numbers_too_large_for_metres_are_taken_for_millimetres_and_asked(tmp_pa
     text = study.path.read_text()
     assert text.count('unit = "mm"') == 2
     assert text.count("are they mm") == 1
+
+
+def test_a_bodys_twist_and_attitude_and_never_a_quaternion(tmp_path: Path) -> None:
+    t = np.arange(0, 10, 0.02)
+    names = ["stamp", "sat.pose.position.x", "sat.pose.position.y", "sat.pose.orientation.z", "sat.pose.orientation.w"]
+    names += [
+        "sat.twist.linear.x",
+        "sat.twist.angular.z",
+        "sat.twist.angular.x",
+        "thr_fx_N",
+        "thr_mz_Nm",
+        "sat_att_deg",
+    ]
+    rows = np.column_stack([t, *(np.sin((k + 1) * t / 3) for k in range(len(names) - 1))])
+    np.savetxt(tmp_path / "log.csv", rows, "%.6f", ",", header=",".join(names), comments="")
+    (tmp_path / "study.toml").write_text(draft_study(tmp_path))
+    found = {c.column: (c.name, c.use) for s in load_study(tmp_path).streams.values() for c in s.channels}
+    assert found == {
+        "sat.pose.position.x": ("body.position.x", "output"),
+        "sat.pose.position.y": ("body.position.y", "output"),
+        "sat.pose.orientation.z": ("body.orientation.z", "output"),
+        "sat.pose.orientation.w": ("body.orientation.w", "output"),
+        "sat.twist.linear.x": ("body.velocity.x", "output"),
+        "sat.twist.angular.z": ("body.velocity.yaw", "output"),
+        "thr_fx_N": ("body.force.x", "input"),
+        "thr_mz_Nm": ("body.torque.z", "input"),
+        "sat_att_deg": ("body.yaw", "output"),
+    }

@@ -21,7 +21,7 @@ from spacerobot.recordings.drafting.vocabulary import words as words_of
 from spacerobot.recordings.guess import Guess, find_time, guess
 from spacerobot.recordings.units import UNITS
 
-_LATERAL = {"x": "x", "y": "y", "z": "z", "yaw": "yaw", "theta": "yaw", "heading": "yaw", "psi": "yaw"}
+_LATERAL = {"x": "x", "y": "y", "z": "z", "yaw": "yaw", "theta": "yaw", "heading": "yaw", "psi": "yaw", "att": "yaw"}
 _JOINT = re.compile(r"(?:^|[a-z])(\d{1,2})$")
 _PLACE = re.compile(r"(.+?)(?:\[(\d{1,2})\]|_(\d{1,2}))")
 _OF_JOINTS = words_of("q dq qd qdot tau joint joints theta effort efforts torques current currents moment")
@@ -104,9 +104,11 @@ def _reading(
     axis = next((_LATERAL[w] for w in said if w in _LATERAL), "")
     if not axis:
         axis = next((w[-1] for w in said if re.fullmatch(r"(?:v|d|f|p|t|m|w|force|pos|vel)[xyz]", w)), "")
-    if not axis and quantity in ("velocity", "position") and {"angular", "gyro", "omega", "rotation"} & set(words):
-        axis = "yaw"
-    if {"quat", "quaternion"} & set(words) or (TURN.intersection(words) and file.format == "motive"):
+    if quantity in ("velocity", "position") and {"angular", "gyro", "omega", "rotation"} & set(words):
+        axis = "yaw" if axis in ("", "z", "yaw") else ""
+    if ({"quat", "quaternion", "orientation"} & set(words) and axis != "yaw") or (
+        TURN.intersection(words) and file.format == "motive"
+    ):
         quantity, axis = "orientation", next((w[-1] for w in reversed(words) if re.fullmatch(r"q?[wxyz]", w)), "")
     thing = _joint(name, said, joints)
     if not thing:

@@ -102,10 +102,9 @@ def _read(path: Path, relative: PurePath) -> Found:
     except InputError as error:
         fault = str(error).replace(str(path), str(relative))
     stands_for_none = {j: value for j in usable if (value := sentinel(table.columns[j].values)) is not None}
-    columns = [
-        replace(c, values=np.where(c.values == stands_for_none.get(j), np.nan, c.values))
-        for j, c in enumerate(table.columns)
-    ]
+    columns = list(table.columns)
+    for j, value in stands_for_none.items():
+        columns[j] = replace(columns[j], values=np.where(columns[j].values == value, np.nan, columns[j].values))
     missing = tuple(sorted(set(stands_for_none.values())))
     table = replace(table, columns=tuple(columns))
     return Found(str(relative), reader_for(path).name, table, usable, named(relative), missing, fault)

@@ -140,7 +140,7 @@ def _body_line(kind: str, reading: Reading, main: str) -> Line | None:
     if quantity in ("force", "torque") and axis in ("x", "y", "z", "yaw"):
         if quantity == "force" and axis == "yaw":
             return None
-        return Line(reading, f"{body}.{quantity}.{axis}", use="input" if reading.command else "output")
+        return Line(reading, f"{body}.{quantity}.{axis}", use="input")  # commanded or felt, it drives the body
     if reading.command or not axis:
         return None
     if quantity == "orientation" and axis in "wxyz":

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePath
@@ -18,6 +19,9 @@ from spacerobot.support.errors import InputError
 
 LONGEST = 100_000
 """Bytes of a list that somebody keeps by hand."""
+
+HEAD = 2000
+"""Bytes in which its columns are named."""
 
 _SEPARATORS = ("\t", ";", ",")
 
@@ -67,6 +71,10 @@ def run_lists(folder: Path) -> list[RunList]:
     for path in sorted(p for p in folder.rglob("*") if p.suffix.lower() in (".csv", ".tsv", ".txt")):
         if path.is_symlink() or not path.is_file() or not 0 < path.stat().st_size < LONGEST:
             continue
+        with path.open("rb") as file:
+            head = file.read(HEAD)
+        if len(head) == HEAD and not _heading(head):
+            continue
         try:
             lines = [line for line in read_lines(path) if line.strip() and not line.startswith("#")]
         except InputError:
@@ -74,6 +82,12 @@ def run_lists(folder: Path) -> list[RunList]:
         if (made := _list(str(path.relative_to(folder)), lines)) is not None:
             found.append(made)
     return found
+
+
+def _heading(head: bytes) -> bool:
+    """Whether some cell of the first lines speaks of a mass, so that the rest is worth reading."""
+    text = re.split(r"[\t;,\r\n]", head.decode("utf-8", "replace"))
+    return any(_is_mass(cell) for cell in text if not any(c.isdigit() for c in cell))
 
 
 def _list(file: str, lines: Sequence[str]) -> RunList | None:
