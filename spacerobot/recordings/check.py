@@ -129,8 +129,7 @@ def _believed(study: Study) -> list[str]:
             found.append(f"not stated, so unknown and fitted: {', '.join(absent)}")
     if len(study.conditions()) == 1 and len(study.trials) > 1:
         found.append("all trials share one condition: nothing can be held out by condition")
-    idle = sorted(n for n in {*study.baseline.values, *study.sigma} if n.startswith("joint.") and n.endswith(IDLE))
-    if idle:
+    if idle := _idle(study):
         found.append(f"stated, but no model reads it yet: {', '.join(idle)}")
     if "wrist.stiffness" in {*study.values(), *study.baseline.unknown}:
         found += beliefs_of(study, DEFAULTS).words()
@@ -141,6 +140,17 @@ def _believed(study: Study) -> list[str]:
     if loose:
         found.append(f"channels that no balance uses: {', '.join(loose[:12])}{', ...' if len(loose) > 12 else ''}")
     return found
+
+
+def _idle(study: Study) -> list[str]:
+    """Values that are stated, or whose sigma is, and that no model of this study reads."""
+    stated = {*study.baseline.values, *study.sigma, *study.absolute}
+    idle = {n for n in stated if n.startswith("joint.") and n.endswith(IDLE)}
+    if any(c == "wrist.x" or c == "target.x" for c in study.channels()):
+        shape = (".radius", ".length", ".width", ".height")  # drawn
+        idle |= {n for n in stated if n.startswith(("wrist.", "contact.")) and n not in DEFAULTS}
+        idle |= {n for n in study.absolute if n.startswith("target.") and n not in DEFAULTS and not n.endswith(shape)}
+    return sorted(idle)
 
 
 def _noiseless(study: Study, spans: Sequence[Range]) -> list[str]:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from spacerobot.recordings.check import check_study
 from spacerobot.recordings.study import Study, load_study
 from spacerobot.support.errors import InputError
 
@@ -76,3 +77,10 @@ def test_refused_with_the_line(tmp_path: Path, line: str, said: str) -> None:
     with pytest.raises(InputError, match=said) as caught:
         study(tmp_path, line)
     assert "study.toml:10" in str(caught.value)
+
+
+def test_what_no_model_reads_is_said(tmp_path: Path) -> None:
+    found = study(tmp_path, 'wrist.preload = "0.5 N"\ntarget.contact_point.lateral = "1 mm"')
+    (said,) = (w for w in check_study(found)["warnings"] if "no model reads it" in w)
+    assert "wrist.preload" in said
+    assert "lateral" not in said
