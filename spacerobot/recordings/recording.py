@@ -199,8 +199,10 @@ def _times(root: Path, trial: Trial, stream: StreamSpec, source: Source, table: 
     rows = len(table.columns[table.index(stream.channels[0].column, where=stream.channels[0].where)].values)
     if stream.time is None:
         return stream.time_offset + np.arange(rows) / (stream.rate or 1.0)
+    said = None
     if source.time_file is None:
-        time = table.columns[table.index(stream.time, where=stream.channels[0].where)].values
+        column = table.columns[table.index(stream.time, where=stream.channels[0].where)]
+        time, said = column.values, column.unit
     else:
         path = inside(root, source.time_file, where=trial.where)
         options = Options(compression=stream.compression, rows=source.rows or stream.rows)
@@ -211,7 +213,8 @@ def _times(root: Path, trial: Trial, stream: StreamSpec, source: Source, table: 
             given=f"{len(time)} times, {rows} readings",
             where=str(table.path),
         )
-    return clock_times(table, time * units.unit(stream.time_unit).factor + stream.time_offset)
+    factor = units.factor(stream.time_unit or said or "s", ("time",), where=str(table.path))
+    return clock_times(table, time * factor + stream.time_offset)
 
 
 def _epochs(streams: Mapping[str, StreamSpec], raw: Mapping[str, tuple[RawTable, Floats, Floats]]) -> dict[str, float]:

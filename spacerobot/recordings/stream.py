@@ -63,7 +63,7 @@ class StreamSpec:
         name: the stream's name in the study.
         channels: what is read from it.
         time: the time column (name, or index from 0 as text), None where `rate` gives the times.
-        time_unit: unit of the time column.
+        time_unit: unit of the time column; None for what the file says of it, and s where it says nothing.
         time_offset: added to the times to bring them onto the clock, s.
         rate: samples per second where the file has no times, Hz.
         format: one of FORMATS, None to decide by the file's name and first bytes.
@@ -86,7 +86,7 @@ class StreamSpec:
     name: str
     channels: tuple[ChannelSpec, ...]
     time: str | None = None
-    time_unit: str = "s"
+    time_unit: str | None = None
     time_offset: float = 0.0
     rate: float | None = None
     format: str | None = None
@@ -152,8 +152,9 @@ def read_stream(document: Document, name: str) -> StreamSpec:
             valid="time = COLUMN, or rate = HZ",
             where=document.where(*path),
         )
-    time_unit = document.text(table, "time_unit", "s", *path)
-    units.factor(time_unit, ("time",), where=document.where(*path, "time_unit"))
+    time_unit = document.text(table, "time_unit", "", *path) or None
+    if time_unit is not None:
+        units.factor(time_unit, ("time",), where=document.where(*path, "time_unit"))
     clock = document.text(table, "clock", "shared", *path)
     separator = document.text(table, "separator", "", *path) if "separator" in table else None
     if separator is not None:

@@ -210,3 +210,12 @@ def test_numbers_too_large_for_metres_are_taken_for_millimetres_and_asked(tmp_pa
     text = study.path.read_text()
     assert text.count('unit = "mm"') == 2
     assert text.count("are they mm") == 1
+
+
+def test_a_line_of_units_counts_where_the_study_says_nothing(tmp_path: Path) -> None:
+    study = written(tmp_path / "rig", "t;target;slider;force\nms;m;m;N", "{t:.4f}e3;{x:.6f};{s:.6f};{f:.4f}")
+    check(study)
+    text = study.path.read_text()
+    assert 'time_unit = "ms"' in text
+    study.path.write_text(text.replace('time_unit = "ms"\n', ""))
+    check(load_study(study.path))
