@@ -29,22 +29,20 @@ def gearing(lines: Mapping[str, Sequence[Line]], files: Mapping[str, Found]) -> 
     turned = {stream: _furthest(found, files[stream]) for stream, found in lines.items()}
     furthest = max(turned.values(), default=0.0)
     motors = [s for s in lines if currents.get(s) or (furthest > FURTHEST and _moves(lines[s]))]
-    joints = list(dict.fromkeys(x.channel.split(".")[1] for s in motors for x in lines[s] if _of_motor(x)))
+    joints = list(
+        dict.fromkeys(x.channel.split(".")[1] for s in motors for x in lines[s] if x.channel.startswith("joint."))
+    )
     if not motors or not joints:
         return []
     for line in (x for found in currents.values() for x in found):
         line.question = ""
-    far = f"   # ? a joint turns by {furthest:.3g} rad: how often does each motor turn for one turn of its joint"
+    far = f"   # ? a joint turns by {furthest:.3g} rad: is that deg, or how often does a motor turn for a joint's turn"
     rows = f"{far} (rows where they are coupled)" if furthest > FURTHEST else "   # motors' turns per joint's"
     text = ["[gears]", f"streams = [{', '.join(map(toml, motors))}]", f"joints = [{', '.join(map(toml, joints))}]"]
     text.append(f"ratio = [{', '.join(['1'] * len(joints))}]{rows}")
     if any(currents.values()):
         text.append("torque_per_ampere = 1.0   # ? N m/A of each motor (a list where they differ)")
     return text
-
-
-def _of_motor(line: Line) -> bool:
-    return line.channel.startswith("joint.")
 
 
 def _moves(found: Sequence[Line]) -> bool:
