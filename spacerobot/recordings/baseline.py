@@ -7,7 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from spacerobot.recordings.document import Document, flatten
+from spacerobot.recordings.document import Document
+from spacerobot.recordings.sigmas import flat, read_sigma, relative
 from spacerobot.recordings.values import GROUPS, kind, read_values
 from spacerobot.support.errors import InputError, NotFoundError
 
@@ -39,6 +40,7 @@ class Baseline:
         unknown: dotted names that the study states as "unknown".
         law: contact law, one of LAWS.
         sigma: dotted name -> one standard deviation of the believed value, relative.
+        absolute: dotted name -> one standard deviation of a value that is believed to be zero, SI.
         scatter: dotted name -> one standard deviation of its change between conditions, relative.
         exact: dotted names of values that are held as they are stated.
     """
@@ -54,6 +56,7 @@ class Baseline:
     unknown: frozenset[str] = frozenset()
     law: str = "kelvin_voigt"
     sigma: Mapping[str, float] = field(default_factory=dict)
+    absolute: Mapping[str, float] = field(default_factory=dict)
     scatter: Mapping[str, float] = field(default_factory=dict)
     exact: frozenset[str] = frozenset()
 
@@ -69,13 +72,13 @@ def read_baseline(document: Document) -> Baseline:
     for name, value in table.items():
         if name in _TABLES and not isinstance(value, dict):
             raise InputError(f"{name!r} must be a table", given=value, where=document.where("baseline", name))
-    physical = _flat(document, {k: v for k, v in table.items() if k not in (*_PLAIN, "sigma", "scatter")}, "baseline")
+    physical = flat(document, {k: v for k, v in table.items() if k not in (*_PLAIN, "sigma", "scatter")}, "baseline")
     law = physical.pop("contact.law", "kelvin_voigt")
     if law not in LAWS:
         raise NotFoundError("contact law", str(law), LAWS, where=document.where("baseline", "contact", "law"))
     stated, pose = read_pose(document, table, "baseline")
     values = read_values(document, physical, "baseline")
-    sigma = _relative(document, table, "sigma")
+    sigma, absolute = read_sigma(document, table, values)
     robot = table.get("robot")
     if robot is not None and (not isinstance(robot, str) or not robot.strip(" <") or set(robot) & set("\0\n<")):
         raise InputError("robot must be a name or a URDF path", given=robot, where=document.where("baseline", "robot"))
@@ -93,12 +96,13 @@ def read_baseline(document: Document) -> Baseline:
         pose_stated=stated,
         approach=_approach(document, table),
         gravity=_three(document, table, "gravity", (0.0, 0.0, 0.0)),
-        values=values,
+        values={**dict.fromkeys(absolute, 0.0), **values},
         unknown=frozenset(name for name, value in physical.items() if value == "unknown"),
         law=law,
         sigma=sigma,
-        scatter=_relative(document, table, "scatter"),
-        exact=_exact(document, table, sigma),
+        absolute=absolute,
+        scatter=relative(document, table, "scatter"),
+        exact=_exact(document, table, {**sigma, **absolute}),
     )
 
 
@@ -121,13 +125,6 @@ def read_pose(document: Document, table: Mapping[str, Any], *path: str | int) ->
             where=document.where(*path, "pose"),
         )
     return True, pose
-
-
-def _flat(document: Document, table: Mapping[str, Any], *path: str) -> dict[str, Any]:
-    try:
-        return flatten(table)
-    except InputError as error:
-        raise InputError(error.what, given=error.given, where=document.where(*path)) from None
 
 
 def _choice(document: Document, table: Mapping[str, Any], key: str, known: tuple[str, ...]) -> str:
@@ -173,19 +170,6 @@ def _exact(document: Document, table: Mapping[str, Any], sigma: Mapping[str, flo
                 raise InputError("a value cannot be exact and have a sigma", given=name, where=where)
             found.add(name)
     return frozenset(found)
-
-
-def _relative(document: Document, table: Mapping[str, Any], key: str) -> dict[str, float]:
-    """A table of relative standard deviations by dotted name."""
-    found: dict[str, float] = {}
-    for name, raw in _flat(document, document.table(table, key, "baseline"), "baseline", key).items():
-        where = document.where("baseline", key, *name.split("."))
-        kind(name, where=where)
-        number = document.number(raw, "baseline", key, name)
-        if number < 0:
-            raise InputError(f"{key} of {name} must not be negative", given=number, where=where)
-        found[name] = number
-    return found
 
 
 assert set(_TABLES) - {"sigma", "scatter"} == {g.split(".")[0] for g in GROUPS}  # one list, two readers

@@ -55,9 +55,9 @@ def beliefs_of(study: Study, names: Collection[str]) -> Beliefs:
         study: what the lab says.
         names: the values that its rig is made of.
     """
-    values, held, stated = study.values(), study.baseline.exact, study.sigma
+    values, held, stated = study.values(), study.baseline.exact, {**study.absolute, **study.sigma}
     everywhere = [n for n in names if n in values or all(n in t.overrides for t in study.trials)]
-    sigma: dict[str, float] = {n: s for n, s in stated.items() if n in names and n not in held}
+    sigma: dict[str, float] = {n: s for n, s in study.sigma.items() if n in names and n not in held}
     free: dict[str, float] = {}
     beside = set()
     for name, added in ABSORBING.items():

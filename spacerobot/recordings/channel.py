@@ -106,6 +106,8 @@ class ChannelSpec:
         moment: "before", "after" or "event" for an events stream, else None.
         plus: other columns of the file, each with its factor: coupled gears, absolute angles, a command and its
             compensation, a direction between the axes.
+        plus_sigma: those of them whose factor is known no better than this standard deviation: an axis that is mounted
+            askew, a camera's axes, cross-talk.
         frame: "world", or "body" for a force along the axes of the body that it acts on; it is turned by the body's
             recorded yaw.
     """
@@ -122,6 +124,7 @@ class ChannelSpec:
     unwrap: bool = False
     moment: str | None = None
     plus: tuple[tuple[str, float], ...] = ()
+    plus_sigma: tuple[tuple[str, float], ...] = ()
     frame: str = "world"
     where: str | None = None
 
@@ -159,6 +162,8 @@ class ChannelSpec:
             )
         if any(not math.isfinite(k) for _, k in self.plus):
             raise InputError("the factors of 'plus' must be finite", given=dict(self.plus), where=self.where)
+        if any(not (math.isfinite(s) and s > 0.0) for _, s in self.plus_sigma):
+            raise InputError("a factor's sigma must be above 0", given=dict(self.plus_sigma), where=self.where)
         if self.use not in USES:
             raise NotFoundError("use of a channel", self.use, USES, where=self.where)
 

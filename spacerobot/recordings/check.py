@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict
@@ -128,8 +129,7 @@ def _believed(study: Study) -> list[str]:
             found.append(f"not stated, so unknown and fitted: {', '.join(absent)}")
     if len(study.conditions()) == 1 and len(study.trials) > 1:
         found.append("all trials share one condition: nothing can be held out by condition")
-    idle = sorted(n for n in {*study.baseline.values, *study.sigma} if n.startswith("joint.") and n.endswith(IDLE))
-    if idle:
+    if idle := _idle(study):
         found.append(f"stated, but no model reads it yet: {', '.join(idle)}")
     if "wrist.stiffness" in {*study.values(), *study.baseline.unknown}:
         found += beliefs_of(study, DEFAULTS).words()
@@ -140,6 +140,17 @@ def _believed(study: Study) -> list[str]:
     if loose:
         found.append(f"channels that no balance uses: {', '.join(loose[:12])}{', ...' if len(loose) > 12 else ''}")
     return found
+
+
+def _idle(study: Study) -> list[str]:
+    """Values that are stated, or whose sigma is, and that no model of this study reads."""
+    stated = {*study.baseline.values, *study.sigma, *study.absolute}
+    idle = {n for n in stated if n.startswith("joint.") and n.endswith(IDLE)}
+    if any(c == "wrist.x" or c == "target.x" for c in study.channels()):
+        shape = (".radius", ".length", ".width", ".height")  # drawn
+        idle |= {n for n in stated if n.startswith(("wrist.", "contact.")) and n not in DEFAULTS}
+        idle |= {n for n in study.absolute if n.startswith("target.") and n not in DEFAULTS and not n.endswith(shape)}
+    return sorted(idle)
 
 
 def _noiseless(study: Study, spans: Sequence[Range]) -> list[str]:
@@ -163,6 +174,7 @@ def _remarks(study: Study, recording: Recording) -> list[tuple[str, str]]:
     """Warnings about channels, each with what tells it from others."""
     found: list[tuple[str, str]] = []
     trial = recording.trial.id
+    found += _never_together(recording)
     for series in recording.values():
         if series.use == "input" or series.name.startswith("aux.") or series.name.endswith(".reference"):
             continue
@@ -181,4 +193,20 @@ def _remarks(study: Study, recording: Recording) -> list[tuple[str, str]]:
             found.append(
                 (f"{series.name} missing {trial}", f"{series.name}: missing in {missing:.0%} of trial {trial}")
             )
+    return found
+
+
+def _never_together(recording: Recording) -> list[tuple[str, str]]:
+    """A warning for streams that are said to share a clock and never ran at the same time by it."""
+    spans: dict[str, dict[str, tuple[float, float]]] = {}
+    for series in recording.values():
+        if len(series) > 1:
+            spans.setdefault(series.clock, {})[series.stream] = float(series.time[0]), float(series.time[-1])
+    found = []
+    for clock in spans.values():
+        for (one, (start, end)), (other, (from_, to)) in itertools.combinations(clock.items(), 2):
+            if min(end, to) <= max(start, from_):
+                said = f"{one} ({start:.6g} to {end:.6g} s) and {other} ({from_:.6g} to {to:.6g} s)"
+                text = f'trial {recording.trial.id}: {said} share a clock and never run together: clock = "own"?'
+                found.append((f"{one} {other} clock", text))
     return found

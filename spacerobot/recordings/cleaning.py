@@ -50,6 +50,15 @@ def used_values(table: RawTable, stream: StreamSpec, rows: int) -> Floats:
     return values
 
 
+def doubted_values(table: RawTable, stream: StreamSpec) -> dict[str, Floats]:
+    """The raw readings of columns whose factor in a channel is doubted, NaN where missing: (rows,) each."""
+    return {
+        column: _readings(table, column, channel, len(table.columns[table.index(channel.column)].values))
+        for channel in stream.channels
+        for column, _ in channel.plus_sigma
+    }
+
+
 def _readings(table: RawTable, name: str, channel: ChannelSpec, rows: int) -> Floats:
     """One column, NaN where it is missing."""
     column = table.columns[table.index(name, where=channel.where)].values

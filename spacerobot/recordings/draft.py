@@ -7,22 +7,25 @@ from __future__ import annotations
 
 import math
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
+from spacerobot.recordings.drafting.behaviour import by_behaviour
 from spacerobot.recordings.drafting.columns import Reading, readings
 from spacerobot.recordings.drafting.files import Found, recordings_in, robots_in
+from spacerobot.recordings.drafting.gearing import gearing
 from spacerobot.recordings.drafting.groups import Group, Trial, groups_of, trials_of, unused
 from spacerobot.recordings.drafting.heads import head
 from spacerobot.recordings.drafting.lines import Line, comment, toml
 from spacerobot.recordings.drafting.machines import AXIS, draft_machine, kind_of
 from spacerobot.recordings.drafting.names import ENDINGS
 from spacerobot.recordings.drafting.robots import joints_of
+from spacerobot.recordings.drafting.run_list import RunList, run_lists
 from spacerobot.recordings.drafting.wrist import Drafted, draft_wrist, is_wrist
-from spacerobot.recordings.guess import find_time, time_unit
+from spacerobot.recordings.guess import UNTIMED, find_time, time_unit, unsaid_unit
 from spacerobot.recordings.recording import load_trial
 from spacerobot.recordings.study import load_study
 from spacerobot.recordings.table import Column
@@ -52,6 +55,9 @@ class Draft:
         trials: which files belong together.
         remarks: what was left out, and why.
         files: further files that the study needs, name -> text.
+        gears: the lines of `[gears]`, none where joints are logged.
+        listed: trial -> mass of its target, as the lab's own list of runs has it [kg].
+        list_file: that list.
     """
 
     title: str
@@ -65,10 +71,14 @@ class Draft:
     trials: list[Trial]
     remarks: list[str]
     files: dict[str, str] = field(default_factory=dict)
+    gears: list[str] = field(default_factory=list)
+    listed: dict[str, float] = field(default_factory=dict)
+    list_file: str = ""
 
     def text(self) -> str:
         """The study.toml."""
-        parts = [head(self.title, self.kind, self.robot, self.joints, [_mass(t) for t in self.trials])]
+        parts = [head(self.title, self.kind, self.robot, self.joints, [self._mass(t)[0] for t in self.trials])]
+        parts += ["\n".join(self.gears) + "\n"] if self.gears else []
         used = {name for trial in self.trials for name in trial.files}
         parts += [self._stream(name) for name in self.lines if name in used]
         parts += [self._trial(t) for t in self.trials if any(n in self.lines for n in t.files)]
@@ -82,23 +92,24 @@ class Draft:
             lines.append(f"# left out: {comment(', '.join(self.left[name]))}")
         return "\n".join(lines) + "\n"
 
+    def _mass(self, trial: Trial) -> tuple[float | None, str]:
+        """The mass of a trial's target or body, kg, and who says so; None where nobody does, or two masses are said."""
+        if trial.id in self.listed:
+            return self.listed[trial.id], self.list_file
+        found = {v * UNITS[unit].factor for file in trial.files.values() for _, v, unit in file.named.values}
+        return (found.pop() if len(found) == 1 else None), "the file's name"
+
     def _trial(self, trial: Trial) -> str:
         asked = f"   # ? {comment(trial.question)}" if trial.question else ""
         lines = ["[[trials]]", f"id = {toml(trial.id)}{asked}"]
-        mass = _mass(trial)
+        mass, source = self._mass(trial)
         owner = "body" if self.kind == "body" else "target"
         if mass is not None:
-            lines.append(f"{owner}.mass = {mass:g}   # from the file's name")
+            lines.append(f"{owner}.mass = {mass:g}   # from {source}")
         elif self.kind == "wrist":
             lines.append("# target.mass =             # kg, if it is not the same in all trials")
         lines += [f"{name} = {toml(file.relative)}" for name, file in trial.files.items() if name in self.lines]
         return "\n".join(lines) + "\n"
-
-
-def _mass(trial: Trial) -> float | None:
-    """The mass that the names of a trial's files state, kg; None where they state none, or two."""
-    found = {v * UNITS[unit].factor for file in trial.files.values() for _, v, unit in file.named.values}
-    return found.pop() if len(found) == 1 else None
 
 
 def draft_study(folder: str | Path, robot: str | None = None) -> str:
@@ -128,13 +139,20 @@ def draft(folder: Path, robot: str | None = None) -> Draft:
     if not files:
         listed = "; ".join(refused[:5]) or "it holds none of " + ", ".join(ENDINGS)
         raise InputError("the folder holds no recording that can be read", given=str(folder), valid=listed)
+    runs = _list_of_runs(folder, files)
+    files = [f for f in files if runs is None or f.relative != runs.file]
     robot, joints = joints_of(robots_in(folder), folder, [f.relative for f in files], robot)
     groups = groups_of(files)
     seen = {g.name: readings(g.leanest, joints) for g in groups}
     trials = trials_of(groups)
     kind = "wrist" if is_wrist(seen) else kind_of(seen)
+    named = seen
+    if not joints and (kind in ("", "axis") or (kind == "body" and _no_plane(seen))):
+        seen = by_behaviour(seen, trials) or seen
+        kind = "wrist" if is_wrist(seen) else kind
     representative = {g.name: g.leanest for g in groups}
     drafted = draft_wrist(seen, trials) if kind == "wrist" else Drafted(draft_machine(kind, seen, representative))
+    _ask_what_no_name_says(drafted, named)
     told = [g for g in groups if drafted.lines.get(g.name)] or groups
     if len(told) < len(groups):  # files of which nothing was recognised would only part what belongs together
         trials = trials_of(told)
@@ -148,17 +166,46 @@ def draft(folder: Path, robot: str | None = None) -> Draft:
         joints=joints,
         groups={g.name: g for g in told},
         lines={name: found for name, found in lines.items() if found},
-        settings={g.name: _settings(g.leanest, drafted.own_clock.get(g.name)) for g in told},
+        settings={g.name: _settings(g, drafted.own_clock.get(g.name)) for g in told},
         left={g.name: _left(seen[g.name], lines[g.name]) for g in told},
         trials=trials,
         remarks=refused,
     )
+    if runs is not None and kind in ("wrist", "body"):
+        made.listed, made.list_file = runs.masses(trials), runs.file
+    if kind in ("arm", "platform"):
+        made.gears = gearing(made.lines, representative)
     if kind == "axis":
         columns = [line.reading for found in lines.values() for line in found]
         turning = any(c.unit in ("rad", "deg") or c.axis == "yaw" for c in columns)
         shape = ("revolute", "0 0 1") if turning else ("prismatic", "1 0 0")
         made.files["axis.urdf"] = AXIS.format(kind=shape[0], direction=shape[1])
     return _readable(made, folder)
+
+
+def _list_of_runs(folder: Path, files: Sequence[Found]) -> RunList | None:
+    """The lab's own list of the trials that the other files make."""
+    for runs in run_lists(folder):
+        others = [f for f in files if f.relative != runs.file]
+        if others and runs.masses(trials_of(groups_of(others))):
+            return runs
+    return None
+
+
+def _no_plane(seen: Mapping[str, Sequence[Reading]]) -> bool:
+    """Whether all that is called a position is one number, or a target's: no body's place in the plane."""
+    every = [r for found in seen.values() for r in found if r.quantity == "position" and not r.command]
+    return len(every) == 1 or all(r.thing == "target" for r in every)
+
+
+def _ask_what_no_name_says(drafted: Drafted, named: Mapping[str, Sequence[Reading]]) -> None:
+    """A question at each channel that its column's name does not bear out."""
+    for stream, lines in drafted.lines.items():
+        said = {r.column: (r.thing, r.quantity) for r in named[stream]}
+        for line in lines:
+            if said[line.reading.column] != (line.reading.thing, line.reading.quantity):
+                asked = f"{line.channel} by what it does in a hit, not by its name: is it?"
+                line.question = "; ".join(q for q in (asked, line.question) if q)
 
 
 def _unrecognised(group: Group) -> str:
@@ -186,26 +233,37 @@ def _left(found: Sequence[Reading], lines: Sequence[Line]) -> list[str]:
     return [*left[:24], *([f"and {len(left) - 24} more"] if len(left) > 24 else [])]
 
 
-def _settings(file: Found, own_clock: str | None) -> list[str]:
-    """Format, times and clock of a stream."""
+def _settings(group: Group, own_clock: str | None) -> list[str]:
+    """Format, times, clock and missing readings of a stream."""
+    file = group.leanest
     lines = [] if file.format in ("csv", "text") else [f"format = {toml(file.format)}"]
     clock = find_time(file.table)
     if clock is None:
-        lines.append("rate = 100.0   # ? Hz: no column looked like a clock")
+        lines.append(f"rate = {UNTIMED}   # ? Hz: no column looked like a clock")
     else:
         column = file.table.columns[clock]
         lines.append(f"time = {toml(file.table.names()[clock])}{_rate(column)}")
-        if time_unit(column) != "s":
+        if unsaid := unsaid_unit(column):
+            asked = f"its steps would be {_step(column):g} s"
+            lines.append(f"time_unit = {toml(unsaid)}   # ? no unit is stated, and in seconds {asked}")
+        elif time_unit(column) != "s":
             lines.append(f"time_unit = {toml(time_unit(column))}")
+    if missing := sorted({value for f in group.files for value in f.missing}):
+        lines.append(f"missing = {missing}   # no readings: given again and again, far from all others")
     if own_clock:
         lines.append(f'clock = "own"   # {comment(own_clock)}')
     return lines
 
 
 def _rate(column: Column) -> str:
-    step = float(np.median(np.diff(column.values[np.isfinite(column.values)])))
-    rate = 1.0 / (step * UNITS[time_unit(column)].factor) if step > 0 else math.nan
+    step = _step(column)
+    rate = 1.0 / (step * UNITS[unsaid_unit(column) or time_unit(column)].factor) if step > 0 else math.nan
     return f"   # about {rate:.4g} Hz" if math.isfinite(rate) else ""
+
+
+def _step(column: Column) -> float:
+    """Median step of a clock, in its own unit."""
+    return float(np.median(np.diff(column.values[np.isfinite(column.values)])))
 
 
 def _readable(made: Draft, folder: Path) -> Draft:

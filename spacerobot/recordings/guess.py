@@ -7,11 +7,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from spacerobot.recordings.drafting.languages import english
 from spacerobot.recordings.table import Column, Floats, RawTable
 from spacerobot.recordings.units import UNITS
 
 _TIME = re.compile(r"^(?:t|time|times|timestamp|stamp|zeit|rt_tout|sec|secs|seconds|elapsed|clock)(?:$|[\W_])", re.I)
 _BRACKETED = re.compile(r"[\[(]\s*([^\])]+?)\s*[\])]\s*$")
+
+SLOWEST = 1.0
+"""Longest step of a recording of anything that moves, s: what is slower by its numbers is not in seconds."""
+
+DAYS = ((729_000.0, 767_011.0), (36_525.0, 73_051.0))
+"""Days that MATLAB (from the year 0) and spreadsheets (from 1900) count for dates from 1995 or 2000 to 2100."""
+
+UNTIMED = 100.0
+"""Readings a second of a file without a clock, until its author says [Hz]."""
 
 _TURN = re.compile(r"\b(?:rotation|quat\w*|orientation)\b", re.I)
 """Parts of a quaternion, whose x is no position."""
@@ -63,7 +73,7 @@ class Guess:
 
 def is_time(column: Column) -> bool:
     """Whether the column's name and values are those of a clock."""
-    return any(_TIME.match(name) for name in column.names) and runs_forward(column.values)
+    return any(_TIME.match(english(name).strip()) for name in column.names) and runs_forward(column.values)
 
 
 def runs_forward(values: Floats) -> bool:
@@ -86,10 +96,34 @@ def find_time(table: RawTable) -> int | None:
 
 
 def time_unit(column: Column) -> str:
-    """ "ms", "us" or "ns" where the name says so, else "s"."""
-    text = " ".join(column.names)
-    found = re.search(r"(?:^|[\W_])(ms|msec|us|usec|ns|nsec)(?:$|[\W_])", text, re.I)
-    return {"m": "ms", "u": "us", "n": "ns"}[found.group(1)[0].lower()] if found else "s"
+    """ "ms", "us" or "ns" where name or file say so or seconds since 1970 are of that size, "d" for dates; else "s"."""
+    text = " ".join((*column.names, column.unit or ""))
+    found = re.search(r"(?:^|[\W_])(ms|msec|us|µs|usec|ns|nsec)(?:$|[\W_])", text, re.I)
+    if found:
+        return {"m": "ms", "u": "us", "µ": "us", "n": "ns"}[found.group(1)[0].lower()]
+    middle = float(np.nanmedian(column.values)) if len(column.values) else 0.0
+    if any(low < middle < high for low, high in DAYS) and 0.0 < _step(column) < UNITS["s"].factor / UNITS["d"].factor:
+        return "d"
+    return next((unit for unit in ("ms", "us", "ns") if _since_1970(middle * UNITS[unit].factor)), "s")
+
+
+def _step(column: Column) -> float:
+    return float(np.nanmedian(np.diff(column.values))) if len(column.values) > 1 else 0.0
+
+
+def unsaid_unit(column: Column) -> str | None:
+    """The unit that a clock's steps ask for where nothing states it and seconds would be too slow; None elsewhere."""
+    text = " ".join((*column.names, column.unit or ""))
+    step = _step(column)
+    said = time_unit(column) != "s" or re.search(r"(?:^|[\W_])(?:s|sec|secs|seconds)(?:$|[\W_])", text, re.I)
+    if said or step < SLOWEST:
+        return None
+    return next((unit for unit in ("ms", "us", "ns") if step * UNITS[unit].factor < SLOWEST), None)
+
+
+def _since_1970(seconds: float) -> bool:
+    """Whether so many seconds after 1970 a computer may have logged: 2001 to 2100."""
+    return 9.8e8 < seconds < 4.2e9
 
 
 def guess(name: str, stated: str | None = None) -> Guess:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -39,6 +39,10 @@ class Limits:
     velocity: float = math.inf
     effort: float = math.inf
     slides: bool = False
+
+    def read_from(self, zero: float) -> Limits:
+        """The same as an encoder reads them that shows `zero` [rad or m] where the URDF has its zero."""
+        return replace(self, lower=self.lower + zero, upper=self.upper + zero)
 
 
 @dataclass(frozen=True)
@@ -80,7 +84,9 @@ class Ranges:
     """
 
     def __init__(self, study: Study, limits: Mapping[str, Limits]) -> None:
-        self._study, self._limits = study, limits
+        values = study.values()
+        self._study = study
+        self._limits = {j: own.read_from(values.get(f"joint.{j}.zero", 0.0)) for j, own in limits.items()}
         self._seen: dict[str, _Seen] = {}
         self._pushed = self._force = 0.0
 

@@ -11,7 +11,8 @@ import numpy as np
 
 from spacerobot.recordings import units
 from spacerobot.recordings.body_frame import turn_to_world
-from spacerobot.recordings.cleaning import clock_times, keep_rows, used_values
+from spacerobot.recordings.channel import dimensions
+from spacerobot.recordings.cleaning import clock_times, doubted_values, keep_rows, used_values
 from spacerobot.recordings.dataroot import inside
 from spacerobot.recordings.readers import read_table
 from spacerobot.recordings.series import Series, estimate_noise
@@ -119,6 +120,7 @@ def load_trial(streams: Mapping[str, StreamSpec], root: Path, trial: Trial) -> R
         if shift:
             notes.append(f"{name}: times count from an epoch; {shift:.0f} s taken off")
         time, values = time[keep] - shift, values[keep]
+        beside = {name: column[keep] for name, column in doubted_values(table, stream).items()}
         if trial.window is not None and stream.kind == "samples":
             within = (time >= trial.window[0]) & (time <= trial.window[1])
             if not within.any():
@@ -129,6 +131,7 @@ def load_trial(streams: Mapping[str, StreamSpec], root: Path, trial: Trial) -> R
                     where=trial.where,
                 )
             time, values = time[within], values[within]
+            beside = {name: column[within] for name, column in beside.items()}
         for j, channel in enumerate(stream.channels):
             if channel.name in series:
                 raise InputError(
@@ -146,7 +149,7 @@ def load_trial(streams: Mapping[str, StreamSpec], root: Path, trial: Trial) -> R
             factor = channel.factor
             if channel.unit is None:  # then the file's own word counts, where it gives one
                 own = table.columns[table.index(channel.column)].unit
-                factor = units.unit(own).factor if own else 1.0
+                factor = units.factor(own, dimensions(channel.quantity), where=str(table.path)) if own else 1.0
             value = (values[:, j] * channel.scale + channel.offset + trial.offsets.get(channel.name, 0.0)) * factor
             if channel.unwrap:
                 value[valid] = np.unwrap(value[valid])
@@ -166,6 +169,7 @@ def load_trial(streams: Mapping[str, StreamSpec], root: Path, trial: Trial) -> R
                 channel.si_unit,
                 channel.use,
                 channel.offset_sigma * factor,
+                {column: (factor * beside[column], sigma) for column, sigma in channel.plus_sigma},
             )
     specs = [c for name in trial.sources for c in streams[name].channels]
     turn_to_world(specs, series)
@@ -195,8 +199,10 @@ def _times(root: Path, trial: Trial, stream: StreamSpec, source: Source, table: 
     rows = len(table.columns[table.index(stream.channels[0].column, where=stream.channels[0].where)].values)
     if stream.time is None:
         return stream.time_offset + np.arange(rows) / (stream.rate or 1.0)
+    said = None
     if source.time_file is None:
-        time = table.columns[table.index(stream.time, where=stream.channels[0].where)].values
+        column = table.columns[table.index(stream.time, where=stream.channels[0].where)]
+        time, said = column.values, column.unit
     else:
         path = inside(root, source.time_file, where=trial.where)
         options = Options(compression=stream.compression, rows=source.rows or stream.rows)
@@ -207,7 +213,8 @@ def _times(root: Path, trial: Trial, stream: StreamSpec, source: Source, table: 
             given=f"{len(time)} times, {rows} readings",
             where=str(table.path),
         )
-    return clock_times(table, time * units.unit(stream.time_unit).factor + stream.time_offset)
+    factor = units.factor(stream.time_unit or said or "s", ("time",), where=str(table.path))
+    return clock_times(table, time * factor + stream.time_offset)
 
 
 def _epochs(streams: Mapping[str, StreamSpec], raw: Mapping[str, tuple[RawTable, Floats, Floats]]) -> dict[str, float]:

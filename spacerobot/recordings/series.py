@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import functools
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -34,6 +35,8 @@ class Series(Brief):
         unit: SI unit.
         use: "output" or "input".
         zero: one standard deviation of where its zero is, SI; 0 where it is exact.
+        beside: other columns that come in by a factor which is doubted: name -> (n,) readings in this channel's unit,
+            and the factor's standard deviation.
     """
 
     name: str
@@ -47,6 +50,7 @@ class Series(Brief):
     unit: str
     use: str = "output"
     zero: float = 0.0
+    beside: Mapping[str, tuple[Floats, float]] = field(default_factory=dict, repr=False)
 
     def __len__(self) -> int:
         return len(self.time)

@@ -63,7 +63,7 @@ class StreamSpec:
         name: the stream's name in the study.
         channels: what is read from it.
         time: the time column (name, or index from 0 as text), None where `rate` gives the times.
-        time_unit: unit of the time column.
+        time_unit: unit of the time column; None for what the file says of it, and s where it says nothing.
         time_offset: added to the times to bring them onto the clock, s.
         rate: samples per second where the file has no times, Hz.
         format: one of FORMATS, None to decide by the file's name and first bytes.
@@ -86,7 +86,7 @@ class StreamSpec:
     name: str
     channels: tuple[ChannelSpec, ...]
     time: str | None = None
-    time_unit: str = "s"
+    time_unit: str | None = None
     time_offset: float = 0.0
     rate: float | None = None
     format: str | None = None
@@ -152,8 +152,9 @@ def read_stream(document: Document, name: str) -> StreamSpec:
             valid="time = COLUMN, or rate = HZ",
             where=document.where(*path),
         )
-    time_unit = document.text(table, "time_unit", "s", *path)
-    units.factor(time_unit, ("time",), where=document.where(*path, "time_unit"))
+    time_unit = document.text(table, "time_unit", "", *path) or None
+    if time_unit is not None:
+        units.factor(time_unit, ("time",), where=document.where(*path, "time_unit"))
     clock = document.text(table, "clock", "shared", *path)
     separator = document.text(table, "separator", "", *path) if "separator" in table else None
     if separator is not None:
@@ -285,6 +286,7 @@ def _channel(
     def number(key: str, default: float) -> float:
         return document.number(spec[key], *path, key) if key in spec else default
 
+    plus, plus_sigma = _plus(document, spec, *path)
     sigma = number("sigma", 0.0) if "sigma" in spec else None
     if sigma is not None and unit is not None:
         sigma *= units.unit(unit, where=where).factor
@@ -300,13 +302,22 @@ def _channel(
         missing=read_missing(document, spec["missing"], *path, "missing") if "missing" in spec else missing,
         unwrap=document.flag(spec, "unwrap", *path),
         moment=None if moment == "event" else moment,
-        plus=_plus(document, spec, *path),
+        plus=plus,
+        plus_sigma=plus_sigma,
         frame=document.text(spec, "frame", "world", *path),
         where=where,
     )
 
 
-def _plus(document: Document, spec: Mapping[str, Any], *path: str) -> tuple[tuple[str, float], ...]:
-    """`plus = { COLUMN = factor }`: columns that are added, each by name or index."""
-    table = document.table(spec, "plus", *path)
-    return tuple((column, document.number(factor, *path, "plus", column)) for column, factor in table.items())
+def _plus(
+    document: Document, spec: Mapping[str, Any], *path: str
+) -> tuple[tuple[tuple[str, float], ...], tuple[tuple[str, float], ...]]:
+    """`plus = { COLUMN = factor }`: columns that are added, by name or index; `[factor, sigma]` where it is doubted."""
+    factors, sigmas = [], []
+    for column, given in document.table(spec, "plus", *path).items():
+        factor = given
+        if isinstance(given, list):
+            factor, sigma = document.vector(given, 2, *path, "plus", column)
+            sigmas.append((column, sigma))
+        factors.append((column, document.number(factor, *path, "plus", column)))
+    return tuple(factors), tuple(sigmas)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from spacerobot.recordings.baseline import Baseline, read_baseline
 from spacerobot.recordings.dataroot import data_root, inside
 from spacerobot.recordings.document import Document, read_document
+from spacerobot.recordings.gears import geared, read_gears
 from spacerobot.recordings.recording import Recording, load_trial
 from spacerobot.recordings.stream import StreamSpec, read_stream
 from spacerobot.recordings.trial import _GROUPS, _KEYS, Trial, index_file, read_trials
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
     import pandas
 
 FORMAT = 1
-_TOP = ("format", "draft", "title", "data", "exact", "horizon", "baseline", "streams", "trials")
+_TOP = ("format", "draft", "title", "data", "exact", "horizon", "baseline", "gears", "streams", "trials")
 
 
 @dataclass(frozen=True)
@@ -85,6 +86,11 @@ class Study:
     def sigma(self) -> Mapping[str, float]:
         """Dotted name -> relative standard deviation of the believed value (one true value a study)."""
         return self.baseline.sigma
+
+    @property
+    def absolute(self) -> Mapping[str, float]:
+        """Dotted name -> standard deviation of a value that is believed to be zero, SI."""
+        return self.baseline.absolute
 
     @property
     def scatter(self) -> Mapping[str, float]:
@@ -253,6 +259,7 @@ def load_study(path: str | Path, data: str | Path | None = None) -> Study:
         raise InputError(
             "the study has no streams", valid='[streams.NAME] with time = "t" and channels', where=str(file)
         )
+    streams = geared(streams, read_gears(document, streams))
     trials = read_trials(document, streams, root)
     lists = [index_file(document, table, root, "trials", n) for n, table in enumerate(document.data["trials"])]
     title = document.text(document.data, "title", file.parent.name)

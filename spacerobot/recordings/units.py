@@ -38,6 +38,7 @@ _TABLE: dict[str, dict[str, float]] = {
         "ns": 1e-9,
         "min": 60.0,
         "h": 3600.0,
+        "d": 86400.0,
     },
     "length": {
         "m": 1.0,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -67,6 +68,7 @@ _JOINT: dict[str, Kind] = {
     "gain": _positive("1"),
     "bias": _any("N"),
     "torque": _any("N"),
+    "zero": _any("rad"),
     "ratio": _any("1"),
     "kp": _not_negative("1"),
     "kv": _not_negative("1"),
@@ -119,6 +121,12 @@ def kind(name: str, *, where: str | None = None) -> Kind:
     if whole is not None and key in whole.parts:
         return Kind(whole.minimum, whole.strict, whole.unit)
     raise NotFoundError("value", name, known_names(), where=where)
+
+
+def least_of(name: str) -> float:
+    """The least that the value called `name` may be."""
+    minimum = kind(name).minimum
+    return -math.inf if minimum is None else minimum
 
 
 def read_values(document: Document, flat: Mapping[str, Any], *path: str | int) -> dict[str, float]:

@@ -12,7 +12,7 @@ from spacerobot.recordings.units import UNITS
 GRAVITY = 9.80665
 BASES = {
     # time, length, angle, mass
-    "s": 1.0, "sec": 1.0, "min": 60.0, "h": 3600.0,
+    "s": 1.0, "sec": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0,
     "m": 1.0, "in": 0.0254, "inch": 0.0254, "ft": 0.3048,
     "rad": 1.0, "deg": math.pi / 180, "°": math.pi / 180, "rev": 2 * math.pi, "turn": 2 * math.pi,
     "g": 1e-3, "t": 1e3, "lb": 0.45359237, "oz": 0.45359237 / 16,

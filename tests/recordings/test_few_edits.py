@@ -12,11 +12,24 @@ from spacerobot.recordings.dataroot import recordings_folder
 
 DRAFT = "draft = true"
 ASKED = '# ? which column drives the axis: joint.axis.torque or .voltage, with use = "input"'
+COUPLED = [
+    [32, 0, 0, 0, 0, 0],
+    [0, 32, 0, 0, 0, 0],
+    [0, 0, 45, 0, 0, 0],
+    [0, 0, 0, -48, 0, 0],
+    [0, 0, 0, 0, 45, 0],
+    [0, 0, 0, 0, 32, 32],
+]
 EDITS: dict[str, dict[str, str]] = {
     "newcomer/semicolons": {},
     "newcomer/motive_and_ati": {},
     "real/tiago_arm": {},
     "real/emps": {ASKED: '\n"vir" = { is = "joint.axis.torque", scale = 35.1507, use = "input" }'},
+    "real/staubli_tx40": {
+        "ratio = [1, 1, 1, 1, 1, 1]   # ?": f"ratio = {COUPLED}   #",
+        "torque_per_ampere = 1.0   # ? ": "torque_per_ampere = 1.0   # the log has it in: ",
+        "rate = 100.0   # ? ": "rate = 5000.0   # ",
+    },
     "real/flexible_link": {ASKED: '\n"v" = { is = "joint.axis.torque", use = "input" }'},
 }
 """Folder -> what its draft asks for, and the answer; the line that says it is a draft is deleted in each."""

@@ -64,6 +64,16 @@ def test_millimetres_for_metres_show_with_both_numbers(tmp_path: Path) -> None:
     assert "0.0062" in found
 
 
+@pytest.mark.parametrize(("zero", "odd"), [(0.0, True), (3.0, False)])
+def test_limits_are_counted_from_the_encoders_zero(tmp_path: Path, zero: float, odd: bool) -> None:
+    t = np.arange(0, 1, 0.01)
+    np.savetxt(tmp_path / "log.csv", np.column_stack([t, 4.0 + np.sin(t)]), "%.5f", ",")
+    text = ARM.replace("[streams", f"[baseline.joint.S1]\nzero = {zero}\n[streams", 1)
+    (tmp_path / "study.toml").write_text(text)
+    warnings = check_study(load_study(tmp_path), {"S1": Limits(-3, 3)})["warnings"]
+    assert any("its URDF allows" in w for w in warnings) == odd
+
+
 @pytest.mark.parametrize(("size", "odd"), [(1.0, False), (57.3, True)])
 def test_joints_are_held_against_their_limits(tmp_path: Path, size: float, odd: bool) -> None:
     t = np.arange(0, 1, 0.01)

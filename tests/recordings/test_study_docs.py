@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from spacerobot.recordings import stream, trial
+from spacerobot.recordings import gears, stream, trial
 from spacerobot.recordings.readers import READERS
 from spacerobot.recordings.values import GROUPS
 
@@ -14,7 +14,7 @@ PAGE = (Path(__file__).resolve().parents[2] / "docs" / "studies.md").read_text(e
 
 def test_every_key_is_on_the_page() -> None:
     values = {key for table in GROUPS.values() for key in table}
-    keys = {*stream._KEYS, *stream._CHANNEL_KEYS, *trial._KEYS, *trial._SOURCE_KEYS, *values}
+    keys = {*gears._KEYS, *stream._KEYS, *stream._CHANNEL_KEYS, *trial._KEYS, *trial._SOURCE_KEYS, *values}
     words = set(re.findall(r"\w+", PAGE))
     assert keys - words == set()
     assert {reader.name for reader in READERS} <= words

@@ -25,6 +25,7 @@ from spacerobot.view.report.words import (
     probability,
     quantity,
     unit_of_name,
+    unit_of_value,
     with_own_units,
 )
 
@@ -231,3 +232,18 @@ def test_greater_values_are_drawn_further_up_and_to_the_right() -> None:
     frame = svg.Frame(10.0, 20.0, 100.0, 50.0, (0.0, 10.0), (-1.0, 4.0))
     assert (frame.px(0.0), frame.px(10.0)) == (10.0, 110.0)
     assert (frame.py(4.0), frame.py(-1.0)) == (20.0, 70.0), "pixels count downwards"
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [
+        ("wrist.mass", "kg"),
+        ("target.x.zero", "m"),
+        ("contact.force.zero", "N"),
+        ("joint.a.zero", "rad"),
+        ("contact.force|Fx.factor", ""),
+        ("nothing", ""),
+    ],
+)
+def test_a_believed_value_has_its_unit(name: str, unit: str) -> None:
+    assert unit_of_value(name) == unit

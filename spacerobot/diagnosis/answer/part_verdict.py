@@ -173,7 +173,7 @@ def turning_unit(unit: str) -> str:
 
 
 def _moved(part: Part) -> dict[str, Believed]:
-    return moved_values(part.fit, part.moved, part.model.believed.sigma, 1.0, settled=part.verdict in SETTLED)
+    return moved_values(part.fit, part.moved, 1.0, settled=part.verdict in SETTLED)
 
 
 def _all_moved(parts: Sequence[Part]) -> dict[str, Believed]:

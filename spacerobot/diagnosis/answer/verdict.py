@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 from msgspec import UNSET, UnsetType
 
@@ -35,7 +35,7 @@ from spacerobot.diagnosis.selection.judge import MOVED, Judgement
 from spacerobot.diagnosis.selection.kept_aside import Unseen
 from spacerobot.diagnosis.selection.limits import Limit
 from spacerobot.diagnosis.terms.data import TrialData
-from spacerobot.diagnosis.terms.hypothesis import Label
+from spacerobot.diagnosis.terms.hypothesis import LOOSE, Label
 from spacerobot.diagnosis.terms.kinds import AMBIGUOUS, LEARNED, NAMED, SETTLED
 from spacerobot.diagnosis.terms.parameters import TIMES_STATED, Free
 from spacerobot.recordings.beliefs import ABSORBING, UNSTATED
@@ -73,12 +73,12 @@ def _value(fit: Fit, key: str, unit: str, inflation: float, profiled: Intervals 
     return Value(value=value, ci95=(profiled or {}).get(key, ci), unit=unit)
 
 
-def alternative(fit: Fit, best: Fit, sigma: Mapping[str, float]) -> Alternative:
+def alternative(fit: Fit, best: Fit) -> Alternative:
     """One of several sets that the data cannot tell apart; its score is -2 ln of the likelihood over the best's.
 
     One without an effect is told by the believed values that it moves.
     """
-    stated = set() if fit.hypothesis.sites else _wrong(fit, sigma)
+    stated = set() if fit.hypothesis.sites else _wrong(fit)
     return Alternative(
         effects=placed(fit.hypothesis.label),
         parameters={k: v for k, v in fit.values().items() if "@" in k or k in stated},
@@ -86,16 +86,14 @@ def alternative(fit: Fit, best: Fit, sigma: Mapping[str, float]) -> Alternative:
     )
 
 
-def _wrong(fit: Fit, sigma: Mapping[str, float]) -> set[str]:
+def _wrong(fit: Fit) -> set[str]:
     """Believed values that a fit has beyond MOVED of their stated sigmas, whatever it was told of them."""
-    pairs = [(f, f.value(float(z))) for f, z in zip(fit.hypothesis.free, fit.z, strict=True) if f.kind == "believed"]
-    return {f.key for f, value in pairs if abs(value - f.centre) > MOVED * abs(f.centre) * sigma[f.key]}
+    return {name for name, sigmas in fit.hypothesis.sigmas(fit.z).items() if abs(sigmas) > MOVED}
 
 
 def moved_values(
     fit: Fit,
     names: Sequence[str],
-    sigma: Mapping[str, float],
     inflation: float,
     profiled: Intervals | None = None,
     *,
@@ -111,7 +109,7 @@ def moved_values(
             ci95=found.ci95 if settled else None,
             unit=found.unit,
             believed=free.centre,
-            sigma=abs(free.centre) * sigma[name],
+            sigma=free.step / (LOOSE if name in fit.hypothesis.freed else 1.0),
         )
     return out
 
@@ -121,7 +119,8 @@ def unit_of(free: Free) -> str:
     if not free.stated:
         return TIMES_STATED
     last = free.key.rsplit(".", 1)[-1]
-    return {"mass": "kg", "stiffness": "N/m", "yaw_inertia": "kg m^2"}.get(last, "N s/m" if "damping" in last else "")
+    known = {"mass": "kg", "stiffness": "N/m", "yaw_inertia": "kg m^2", "preload": "N", "bias": "N", "zero": "rad"}
+    return known.get(last, "N s/m" if "damping" in last else "")
 
 
 def all_moved(fit: Fit, absorbing: Sequence[str] = ()) -> dict[str, Moved]:
@@ -131,11 +130,12 @@ def all_moved(fit: Fit, absorbing: Sequence[str] = ()) -> dict[str, Moved]:
         fit: what is reported.
         absorbing: believed values whose job is to stand for what is not modelled (`beliefs.ABSORBING`).
     """
-    sigmas = fit.hypothesis.sigmas(fit.z)
+    pairs = zip(fit.hypothesis.free, fit.z, strict=True)
+    sigmas = fit.hypothesis.sigmas(fit.z) | {f.key: float(z) for f, z in pairs if f.kind == "zero"}
     found = [
         (f, f.value(float(z)))
         for f, z in zip(fit.hypothesis.free, fit.z, strict=True)
-        if f.kind in ("believed", "absorbing")
+        if f.kind in ("believed", "absorbing", "zero")
     ]
     found.sort(key=lambda item: (item[0].key not in absorbing, -abs(sigmas.get(item[0].key) or 0.0)))
     return {
@@ -197,12 +197,12 @@ def verdict_of_rig(
     clocks: Sequence[ClockOffset] = (),
 ) -> Verdict:
     """The whole answer of a wrist rig's study."""
-    chosen, sigma = judgement.chosen, model.believed.sigma
+    chosen = judgement.chosen
     if judgement.verdict == AMBIGUOUS:
-        others = [alternative(f, judgement.alternatives[0], sigma) for f in judgement.alternatives]
+        others = [alternative(f, judgement.alternatives[0]) for f in judgement.alternatives]
     else:
         near = [r.fit for r in judgement.rivals if r.fit.hypothesis.sites][:RIVALS]
-        others = [alternative(f, chosen, sigma) for f in near]
+        others = [alternative(f, chosen) for f in near]
     return Verdict(
         format=FORMAT,
         spacerobot=__version__,
@@ -217,7 +217,6 @@ def verdict_of_rig(
         parameters=moved_values(
             chosen,
             [n for n in judgement.moved if n in chosen.hypothesis.keys],
-            sigma,
             inflation,
             profiled,
             settled=judgement.verdict in SETTLED,

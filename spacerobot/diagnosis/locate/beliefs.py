@@ -42,6 +42,9 @@ def deviations(believed: Believed, values: Mapping[str, float], trials: Sequence
     for name, sigma in believed.sigma.items():
         if name in values and name not in believed.absorbing:
             squares[name] = (shared * sigma * values[name]) ** 2
+    for name, size in believed.absolute.items():
+        if name in values:
+            squares[name] = (shared * size) ** 2
     for name, sigma in believed.scatter.items():
         if name in values:
             squares[name] = squares.get(name, 0.0) + (alike * sigma * values[name]) ** 2

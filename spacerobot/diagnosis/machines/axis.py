@@ -140,6 +140,8 @@ def axis_model(study: Study, trials: Sequence[Trial], joint: str, robot: Robot) 
     if f"{name}.mass" not in unknown:
         values.setdefault(f"{name}.mass", own + values.get(f"{name}.armature", 0.0))
     sigma = {n: s for n, s in study.sigma.items() if n in values and n not in unknown}
+    absolute = {n: s for n, s in study.absolute.items() if n in values and n not in unknown}
+    fitted = {*unknown, *sigma, *absolute}
     sprung = f"{name}.stiffness" in values or f"{name}.stiffness" in unknown
     length = (OSCILLATIONS if sprung else RESTART) * (2.0 * math.pi if sprung else 1.0)
     made = Simulated(
@@ -147,9 +149,9 @@ def axis_model(study: Study, trials: Sequence[Trial], joint: str, robot: Robot) 
         axis(joint, whole[0].blocks[0].stream, angular, weight, driven),
         whole,
         drives,
-        believed=Believed(values, sigma, {}, conditions_of(whole), unknown),
+        believed=Believed(values, sigma, {}, conditions_of(whole), unknown, absolute=absolute),
         sizes={"": sizes},
-        covered=frozenset((e.name, name) for e in all_effects().values() if stood_for(e, name, {*unknown, *sigma})),
+        covered=frozenset((e.name, name) for e in all_effects().values() if stood_for(e, name, fitted)),
         window=study.horizon or sizes.time * (length if driven or sprung else SWINGS * 2.0 * math.pi),
     )
     made.stated = frozenset(whole[0].channels if stated else ())

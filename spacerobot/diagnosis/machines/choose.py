@@ -99,6 +99,11 @@ def _sprung(study: Study, joint: str) -> bool:
     return name in study.baseline.unknown or bool(study.value(name))
 
 
+def _felt(name: str, joint: str) -> bool:
+    """Whether a joint's balance hangs on a value: its own, any link's, and where any joint is."""
+    return name.startswith((f"joint.{joint}.", "link.")) or name.endswith(".zero")
+
+
 def balances(study: Study, trials: list[Trial], joints: tuple[str, ...]) -> list[Machine]:
     """A torque balance for each joint."""
     robot = robot_of(study)
@@ -128,7 +133,8 @@ def balances(study: Study, trials: list[Trial], joints: tuple[str, ...]) -> list
                 compared=[joint],
                 values=values,
                 unknown=unknown,
-                sigma={n: v for n, v in study.sigma.items() if n.startswith((f"joint.{joint}.", "link."))},
+                sigma={n: v for n, v in study.sigma.items() if _felt(n, joint)},
+                absolute={n: v for n, v in study.absolute.items() if _felt(n, joint)},
                 sensor=stream,
                 noise=noise,
                 idle=tuple(idle),

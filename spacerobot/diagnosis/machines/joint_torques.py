@@ -30,7 +30,7 @@ from spacerobot.dynamics.joint_kinds import joint_axis
 from spacerobot.effects.effect import Effect
 from spacerobot.effects.laws import DAMPER, SPRING
 from spacerobot.effects.mechanism import Mechanism
-from spacerobot.effects.primitives import Coordinate, Force
+from spacerobot.effects.primitives import ChannelMap, Coordinate, Force
 from spacerobot.effects.sizes import Sizes
 from spacerobot.model.robot import Robot
 
@@ -42,6 +42,9 @@ POINTS = 20
 
 WIDTH = 0.1
 """Half width of the balance's test functions, as a share of the motion's own time (its length over its speed)."""
+
+STEP = 1e-4
+"""By which a joint is moved to either side for the torque's change with its place [rad or m]: error 1e-8 of it."""
 
 FEWEST = 4
 """Half widths of a test function that a piece holds at least."""
@@ -68,6 +71,7 @@ class Motion:
     rigid: np.ndarray  # (T, J) torque that the rigid body asks for
     stride: int
     by_link: np.ndarray  # (K, T, J) of it, what each link of doubted mass asks for
+    by_zero: np.ndarray  # (Z, T, J) how it changes with each encoder's doubted zero [per rad or m]
 
 
 class InverseDynamics(Machine):
@@ -90,6 +94,7 @@ class InverseDynamics(Machine):
         values: Mapping[str, float] | None = None,
         unknown: Sequence[str] = (),
         sigma: Mapping[str, float] | None = None,
+        absolute: Mapping[str, float] | None = None,
         sensor: str = "torques",
         noise: Mapping[str, float] | None = None,
         idle: Sequence[str] = (),
@@ -102,11 +107,14 @@ class InverseDynamics(Machine):
             grids: trial -> (joint.NAME.position, .torque and perhaps .velocity on an even grid, condition, overrides).
             joints: names of the logged joints.
             compared: those whose balance counts; all if None.
-            values: believed values, "joint.NAME.mass", ".damping", ".stiffness", ".armature", ".gain", ".bias".
+            values: believed values, "joint.NAME.mass", ".damping", ".stiffness", ".armature", ".gain", ".bias",
+                ".zero".
             unknown: names of values that are to be fitted.
             sigma: relative deviations of believed values; of a "joint.NAME.mass" that is not among the values it is
                 that of the robot's own inertia about the joint, in its mean pose. A "link.NAME.mass" changes the
                 link's weight and inertia as one; links that no compared joint carries are left out.
+            absolute: deviations of values that are believed to be zero. "joint.NAME.zero" is what an encoder reads
+                where the model has its zero.
             sensor: what verdicts call the torque sensors.
             noise: standard deviations by channel, of the torques and of what the motion is taken from, where the study
                 states them all; see `Part.loudness`.
@@ -127,6 +135,11 @@ class InverseDynamics(Machine):
         self.links = tuple(self._link_mass)
         sigma = {n: s for n, s in (sigma or {}).items() if not n.startswith("link.") or n.split(".")[1] in carried}
         heavier = [_Rigid(with_masses(robot, {n: 2.0 * m}), gravity, self.joints) for n, m in self._link_mass.items()]
+        doubted = {n for n in {**sigma, **(absolute or {})} if n.endswith(".zero") and n.split(".")[1] in self.joints}
+        self._zeros = tuple(sorted(doubted))
+        sigma = {n: s for n, s in sigma.items() if not n.endswith(".zero") or n in doubted}
+        believed_zeros = {j: (values or {}).get(f"joint.{j}.zero", 0.0) for j in self.joints}
+        grids = {k: (shifted(g, believed_zeros), condition, own) for k, (g, condition, own) in grids.items()}
         self._raw = raw = {k: _kinematics(g, self.joints, SHARP) for k, (g, _, _) in grids.items()}
         self._arm = arm = _Rigid(robot, gravity, self.joints)
         own = {j: _sizes(raw.values(), i, arm if j in idle else None) for i, j in enumerate(self.joints)}
@@ -142,7 +155,7 @@ class InverseDynamics(Machine):
             thin = max(1, int(own_pace / grid.step / POINTS))
             sharp = max(SHARP, 3 * thin)  # or noise folds over
             log = raw[key] if sharp == SHARP else _kinematics(grid, self.joints, sharp)
-            log = log.thinned(thin, arm, heavier)
+            log = log.thinned(thin, arm, heavier, [self.joints.index(n.split(".")[1]) for n in self._zeros])
             half = max(SHARP, round(own_pace / log.step))
             narrow = Bump.of(sharp, grid.step)
             slow = np.array([still_below(noise or {}, j, narrow) for j in self.compared])
@@ -165,7 +178,9 @@ class InverseDynamics(Machine):
         self.base.update(
             {n: self._mass[n[: -len(".mass")]] for n in sigma if n.endswith(".mass") and n not in self.base}
         )
-        self.believed = Believed(self.base, sigma, {}, conditions_of(trials), centres)
+        around = {n: s for n, s in (absolute or {}).items() if not n.endswith(".zero") or n in doubted}
+        self.base |= {n: 0.0 for n in around if n not in self.base}
+        self.believed = Believed(self.base, sigma, {}, conditions_of(trials), centres, absolute=around)
         self.not_measured = self._silence(unknown)
 
     def _silence(self, unknown: Sequence[str]) -> str:
@@ -217,7 +232,7 @@ class InverseDynamics(Machine):
             block = Block(self.sensor, channels, at, np.where(clean, seen, 0.0), weight)
             out.append(TrialData(name, condition, dict(overrides), (block,), float(at[0]), float(at[-1])))
             motion = (log.position[part], log.velocity[part], log.acceleration[part], log.rigid[part])
-            self._motion[name] = Motion(log.step, *motion, stride, log.by_link[:, part])
+            self._motion[name] = Motion(log.step, *motion, stride, log.by_link[:, part], log.by_zero[:, part])
             self._bump[name] = bump
         return out
 
@@ -227,7 +242,7 @@ class InverseDynamics(Machine):
         A sensor that it shares is no joint's own.
         """
         felt = {f"joint.{j}" for j in self.compared}
-        fitted = {*self.believed.sigma, *self.believed.unknown}
+        fitted = {*self.believed.sigma, *self.believed.absolute, *self.believed.unknown}
         every = [s for s in super().sites(effects) if s.where not in felt or not stood_for(s.effect, s.where, fitted)]
         if len(self.compared) == len(self.joints):
             return every
@@ -252,7 +267,10 @@ class InverseDynamics(Machine):
             coordinates=coordinates,
             ports={f"joint.{j}": {f"joint.{j}": 1.0} for j in self.joints},
             forces=tuple(forces),
-            maps=tuple(m for j in self.compared for m in torque_log.logged(values, j)),
+            maps=(
+                *(m for j in self.compared for m in torque_log.logged(values, j)),
+                *(ChannelMap(_position(n), "offset", values[n] - self.base[n]) for n in self._zeros),
+            ),
             sensors={self.sensor: tuple(f"joint.{j}.torque" for j in self.compared)} if self.driven else {},
         )
 
@@ -321,6 +339,9 @@ class InverseDynamics(Machine):
         asked = motion.rigid + motion.acceleration * beyond
         for link, own in zip(self.links, motion.by_link, strict=True):
             asked = asked + (mechanism.coordinates[f"link.{link}"].mass / self._link_mass[link] - 1.0) * own
+        for zero, change in zip(self._zeros, motion.by_zero, strict=True):
+            off = sum(m.value for m in mechanism.maps if m.channel == _position(zero) and m.kind == "offset")
+            asked = asked + off * change
         acting = port_forces(mechanism, position, velocity, motion.step)
         out = []
         for joint in self.compared:
@@ -332,6 +353,19 @@ class InverseDynamics(Machine):
             torque = through_sensor(maps, torque, motion.step)
             out.append(bump.smooth(torque)[:: motion.stride])
         return Predicted((np.array(out),))
+
+
+def _position(zero: str) -> str:
+    """The channel that "joint.NAME.zero" is the zero of."""
+    return zero.removesuffix("zero") + "position"
+
+
+def shifted(grid: Grid, zeros: Mapping[str, float]) -> Grid:
+    """The grid with its joints' positions counted from the model's zero [rad or m]."""
+    moved = {f"joint.{j}.position": z for j, z in zeros.items() if z}
+    if not moved:
+        return grid
+    return replace(grid, value={c: x - moved.get(c, 0.0) for c, x in grid.value.items()})
 
 
 _UNITS = {"mass": "kg", "armature": "kg", "damping": "N s/m", "stiffness": "N/m", "friction": "N"} | torque_log.UNITS
@@ -383,15 +417,20 @@ class _Log:
     good: np.ndarray  # (T,) bool
     rigid: np.ndarray  # (T, J), empty before it is asked for
     by_link: np.ndarray  # (K, T, J), empty before it is asked for
+    by_zero: np.ndarray  # (Z, T, J), empty before it is asked for
 
-    def thinned(self, by: int, arm: _Rigid, heavier: Sequence[_Rigid]) -> _Log:
-        """Every `by`-th sample, with the rigid body's torque, and what of it each doubled link adds."""
+    def thinned(self, by: int, arm: _Rigid, heavier: Sequence[_Rigid], zeros: Sequence[int]) -> _Log:
+        """Every `by`-th sample, with the rigid body's torque, what of it each doubled link adds, and how it changes
+        with the zero of some joints' encoders."""
         some = slice(None, None, by)
         q, v, a = self.position[some], self.velocity[some], self.acceleration[some]
         rigid = arm.torque(q, v, a)
         good = np.array([self.good[i : i + by].all() for i in range(0, self.time.size, by)])
         by_link = np.array([other.torque(q, v, a) - rigid for other in heavier]).reshape(len(heavier), *rigid.shape)
-        return _Log(self.time[some], self.step * by, q, v, a, self.torque[some], good, rigid, by_link)
+        steps = (np.eye(q.shape[1])[j] * STEP for j in zeros)  # a later zero is an earlier place
+        by_zero = np.array([(arm.torque(q - s, v, a) - arm.torque(q + s, v, a)) / (2.0 * STEP) for s in steps])
+        by_zero = by_zero.reshape(len(zeros), *rigid.shape)
+        return _Log(self.time[some], self.step * by, q, v, a, self.torque[some], good, rigid, by_link, by_zero)
 
 
 def _kinematics(grid: Grid, joints: Sequence[str], half: int) -> _Log:
@@ -409,7 +448,7 @@ def _kinematics(grid: Grid, joints: Sequence[str], half: int) -> _Log:
     good = np.convolve(~grid.good, np.ones(2 * half + 1), "valid") < 0.5
     time, empty = grid.time[half:-half], np.zeros((0, len(joints)))
     smooth = (sharp.smooth(position), velocity, acceleration, sharp.smooth(torque))
-    return _Log(time, grid.step, *smooth, good, empty, empty[None])
+    return _Log(time, grid.step, *smooth, good, empty, empty[None], empty[None])
 
 
 _LOGGED = ("position", "torque")

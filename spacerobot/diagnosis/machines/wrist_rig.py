@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import functools
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
@@ -112,7 +112,9 @@ class RigModel(Machine):
             clocks=clocks,
             unheld={**self.beliefs.free, **absent},
             zeros=_zeros(study, channels),
+            absolute={n: s for n, s in study.absolute.items() if n in DEFAULTS},
         )
+        self._beside = _beside(study, channels)
         self._number = {t.id: k for k, t in enumerate(study.trials)}
         self.tolerance = tolerance
         self._lately = MechanismCache()
@@ -243,7 +245,25 @@ class RigModel(Machine):
             np.array(list(read_channels(run, mechanism, b.channels, b.time - by if by else b.time).values()))
             for b, by in zip(trial.blocks, late, strict=True)
         )
+        self.add_beside(blocks, mechanism, trial)
         return RigPredicted(blocks=blocks, touches=tuple(run.touches().tolist()), late=late, run=run)
+
+    def add_beside(self, blocks: Sequence[np.ndarray], mechanism: Mechanism, trial: TrialData) -> None:
+        """Take what other columns bring into the channels of a trial, by factors that are doubted, off what is shown.
+
+        With a factor larger than believed the channel's readings, as they are made, lack that much of the column.
+
+        Args:
+            blocks: what was predicted, shape (channels, times) each; changed in place.
+            mechanism: with the factors, as offsets of "CHANNEL|COLUMN".
+            trial: whose times.
+        """
+        for name, (time, value) in self._beside.get(trial.recorded, {}).items():
+            beyond = sum(m.value for m in mechanism.maps if m.channel == name and m.kind == "offset")
+            channel = name.partition("|")[0]
+            for block, shown in zip(trial.blocks, blocks, strict=True):
+                if channel in block.channels:
+                    shown[block.channels.index(channel)] -= beyond * np.interp(block.time, time, value)
 
 
 def _late(trial: TrialData, nuisances: tuple[Nuisance, ...], initial: np.ndarray) -> tuple[float, ...]:
@@ -302,10 +322,26 @@ def _spring(trial: TrialData, known: Mapping[str, float]) -> float | None:
 
 
 def _zeros(study: Study, shown: set[str]) -> dict[str, float]:
-    """Channels whose zero the lab has found, with its standard deviation [SI]."""
-    stated = {c.name for s in study.streams.values() for c in s.channels if c.offset_sigma > 0.0}
-    rows = (study.recording(t) for t in study.trials) if stated & shown else ()
-    return {name: r[name].zero for r in rows for name in r if name in stated & shown}
+    """Channels whose zero the lab has found, with its standard deviation [SI]; "CHANNEL|COLUMN" of doubted factors."""
+    specs = [c for s in study.streams.values() for c in s.channels if c.name in shown]
+    found = {f"{c.name}|{column}": sigma for c in specs for column, sigma in c.plus_sigma}
+    stated = {c.name for c in specs if c.offset_sigma > 0.0}
+    rows = (study.recording(t) for t in study.trials) if stated else ()
+    return {name: r[name].zero for r in rows for name in r if name in stated} | found
+
+
+def _beside(study: Study, shown: set[str]) -> dict[str, dict[str, tuple[np.ndarray, np.ndarray]]]:
+    """Trial -> "CHANNEL|COLUMN" -> times and readings of a column that comes into a channel by a doubted factor."""
+    if not any(c.plus_sigma and c.name in shown for s in study.streams.values() for c in s.channels):
+        return {}
+    found: dict[str, dict[str, tuple[np.ndarray, np.ndarray]]] = {}
+    for trial in study.trials:
+        own = found.setdefault(trial.id, {})
+        for name, series in study.recording(trial).items():
+            for column, (value, _) in series.beside.items() if name in shown else ():
+                good = np.isfinite(value)
+                own[f"{name}|{column}"] = series.time[good], value[good]
+    return found
 
 
 def turning(study: Study) -> bool:

@@ -53,10 +53,12 @@ def difference(workshop: Workshop, chosen: Fit, trial: TrialData) -> float:
     keep = counted(mechanism, trial, reduced)
     total, count, row = 0.0, 0, 0
     free = chosen.values()
-    for block, shown, late in zip(trial.blocks, reduced.blocks, reduced.late, strict=True):
+    beside = [np.zeros_like(shown) for shown in reduced.blocks]
+    workshop.model.add_beside(beside, mechanism, trial)
+    for block, shown, late, other in zip(trial.blocks, reduced.blocks, reduced.late, beside, strict=True):
         whole = read_channels(run, run.mechanism, block.channels, block.time - trial.start - late)
         for c, channel in enumerate(block.channels):
-            apart = whole[channel] + free.get(zero_key(channel), 0.0) - shown[c]
+            apart = whole[channel] + free.get(zero_key(channel), 0.0) + other[c] - shown[c]
             if channel in COUNTED_FROM:
                 apart = apart - apart[0]
             good = keep[row : row + block.time.size]

@@ -13,6 +13,7 @@ from spacerobot.diagnosis.terms.parameters import Free
 from spacerobot.effects.effect import Effect
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.trend import NUMBER, SUFFIX
+from spacerobot.recordings.values import least_of
 from spacerobot.support.errors import InputError, SimulationError
 
 Label = tuple[tuple[str, str], ...]
@@ -66,6 +67,7 @@ class Believed:
         clocks: "SENSOR.clock" of each sensor on a clock that no other shares: each trial's own start, or the clock's
             offset, stands for its lateness.
         unheld: of the absorbing ones, those that nothing holds -> the least that each may be.
+        absolute: values that are believed to be zero -> standard deviation [their own unit].
         zeros: channels whose zero is known no better than this standard deviation [the channel's unit].
     """
 
@@ -79,16 +81,21 @@ class Believed:
     clocks: tuple[str, ...] = ()
     unheld: Mapping[str, float] = field(default_factory=dict)
     zeros: Mapping[str, float] = field(default_factory=dict)
+    absolute: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def fitted(self) -> tuple[str, ...]:
         """Names of what is free in every hypothesis and may stand for an effect."""
-        return (*self.sigma, *self.unheld, *self.clocks)
+        return (*self.sigma, *self.absolute, *self.unheld, *self.clocks)
 
     def free_of(self, names: Sequence[str]) -> Believed:
         """The same with these values set free of what is stated of them."""
-        sigma = {k: v * (LOOSE if k in names else 1.0) for k, v in self.sigma.items()}
-        return replace(self, sigma=sigma, freed=tuple(names)) if names else self
+        if not names:
+            return self
+        sigma, absolute = (
+            {k: v * (LOOSE if k in names else 1.0) for k, v in stated.items()} for stated in (self.sigma, self.absolute)
+        )
+        return replace(self, sigma=sigma, absolute=absolute, freed=tuple(names))
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,8 +157,10 @@ class Hypothesis:
         values = {**base, **overrides}
         for f, x in zip(self.free, z, strict=True):
             if f.kind == "believed":
-                ratio = f.value(float(x)) / f.centre if f.centre else 1.0
-                values[f.key] = values.get(f.key, f.centre) * ratio
+                if f.centre:
+                    values[f.key] = values.get(f.key, f.centre) * f.value(float(x)) / f.centre
+                else:
+                    values[f.key] = values.get(f.key, 0.0) + f.value(float(x))
             elif f.kind in ("unknown", "absorbing"):
                 values[f.key] = f.value(float(x))
         for f, x in zip(self.free, z, strict=True):
@@ -227,6 +236,7 @@ def hypothesis(believed: Believed, sites: Sequence[Site], starts: Mapping[str, f
             free.append(parameters.absorbing(name, value, sigma))
         else:
             free.append(parameters.believed(name, value, sigma))
+    free += [parameters.around_zero(n, s, least_of(n)) for n, s in believed.absolute.items()]
     free += [parameters.absorbing(n, believed.values[n], lower=least) for n, least in believed.unheld.items()]
     free += [parameters.zero(channel, sigma) for channel, sigma in believed.zeros.items()]
     free += [parameters.unknown(n, c) for n, c in believed.unknown.items() if n not in removed]

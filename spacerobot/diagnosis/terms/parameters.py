@@ -74,6 +74,11 @@ def believed(name: str, value: float | None, sigma: float) -> Free:
     return Free(name, "believed", centre, abs(centre) * sigma, prior=True, lower=lower, stated=value is not None)
 
 
+def around_zero(name: str, sigma: float, lower: float = -math.inf) -> Free:
+    """A value believed to be zero, with its standard deviation in its own unit."""
+    return Free(name, "believed", 0.0, sigma, prior=True, lower=lower)
+
+
 def absorbing(name: str, value: float, sigma: float = UNHELD, lower: float = 0.0) -> Free:
     """A constant whose job is to absorb, free because an effect replaces it or because nothing holds it."""
     return Free(name, "absorbing", value, max(abs(value) * sigma, 0.05), lower=lower)
@@ -85,8 +90,8 @@ def zero(channel: str, sigma: float) -> Free:
 
 
 def zero_key(channel: str) -> str:
-    """Key of a channel's zero among the free parameters."""
-    return f"{channel}.zero"
+    """Key of a channel's zero among the free parameters; of "CHANNEL|COLUMN", of the column's factor beyond its own."""
+    return f"{channel}.factor" if "|" in channel else f"{channel}.zero"
 
 
 def unknown(name: str, centre: float) -> Free:

@@ -90,14 +90,47 @@ class Drift:
 
 
 def drift(axes: Sequence[Track], until: float | None) -> Drift | None:
-    """The free drift of a body up to the time `until` (its first third where none is known)."""
+    """The free drift of a body up to the time `until`, or, where none is known, as long as it goes straight."""
     time = axes[0].time
-    end = until if until is not None else float(time[0] + (time[-1] - time[0]) / 3)
+    end = until if until is not None else _straight(axes)
     within = time < end - 0.02 * (end - time[0])
     if within.sum() < FEWEST:
         return None
     velocity = tuple(float(np.polyfit(a.time[within] - time[0], a.value[within], 1)[0]) for a in axes)
     return Drift(velocity, tuple(estimate_noise(a.value) for a in axes), float(time[0]), end)
+
+
+def _straight(axes: Sequence[Track]) -> float:
+    """Until when every axis keeps to a line: of the first third, its halves, and so on the longest that does."""
+    time = axes[0].time
+    for share in (3, 6, 12, 24):
+        end = float(time[0] + (time[-1] - time[0]) / share)
+        within = time < end
+        if within.sum() < 2 * FEWEST:
+            break
+        t = time[within] - time[0]
+        bent = (float(np.std(a.value[within] - np.polyval(np.polyfit(t, a.value[within], 1), t))) for a in axes)
+        if all(b <= 1.5 * estimate_noise(a.value) for b, a in zip(bent, axes, strict=True)):
+            return end
+    return float(time[0] + (time[-1] - time[0]) / 3)
+
+
+def crest(track: Track, height: float) -> float | None:
+    """When a track turns back at its highest, by a parabola through the upper half of its last `height`.
+
+    None where it does not turn back within the track.
+    """
+    top = int(np.argmax(track.value))
+    low = np.flatnonzero(track.value <= track.value[top] - height / 2)
+    before, after = low[low < top], low[low > top]
+    if not len(before) or not len(after):
+        return None
+    window = slice(int(before[-1]) + 1, int(after[0]))
+    if window.stop - window.start < FEWEST:
+        return None
+    t = track.time[window] - track.time[top]
+    bend, slope, _ = np.polyfit(t, track.value[window], 2)
+    return float(track.time[top] - slope / (2 * bend)) if bend < 0 else None
 
 
 def contact_zero(target: Track, wrist: Track, wrist_rest: Rest, sign: int) -> tuple[float, float] | None:
@@ -119,9 +152,9 @@ def contact_zero(target: Track, wrist: Track, wrist_rest: Rest, sign: int) -> tu
     gap = sign * target.value - pushed
     after = target.time >= wrist_rest.leaves
     peak = float(pushed[after].max(initial=0.0))
-    first_back = np.flatnonzero(after & (pushed < 0.15 * peak) & (np.cumsum(after & (pushed > 0.8 * peak)) > 0))
-    stop = first_back[0] if len(first_back) else len(pushed)
-    together = after & (np.arange(len(pushed)) < stop) & (pushed > 0.1 * peak)
+    after &= np.cumsum(after & (pushed > 0.8 * peak)) > 0  # knocked away at first, it is caught again by then
+    first_back = np.flatnonzero(after & (pushed < 0.15 * peak))
+    together = after & (np.arange(len(pushed)) < (first_back[0] if len(first_back) else len(pushed)))
     if together.sum() < 2 * FEWEST or not peak > CLEAR * wrist_rest.sigma:
         return None
     x, y = pushed[together], gap[together]

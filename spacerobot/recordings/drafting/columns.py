@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from spacerobot.recordings.drafting.files import Found
+from spacerobot.recordings.drafting.languages import english
 from spacerobot.recordings.drafting.vocabulary import (
     COMMAND,
     DIMENSION,
@@ -16,11 +17,15 @@ from spacerobot.recordings.drafting.vocabulary import (
     THINGS,
     TURN,
 )
+from spacerobot.recordings.drafting.vocabulary import words as words_of
 from spacerobot.recordings.guess import Guess, find_time, guess
 from spacerobot.recordings.units import UNITS
 
-_LATERAL = {"x": "x", "y": "y", "z": "z", "yaw": "yaw", "theta": "yaw", "heading": "yaw", "psi": "yaw"}
+_LATERAL = {"x": "x", "y": "y", "z": "z", "yaw": "yaw", "theta": "yaw", "heading": "yaw", "psi": "yaw", "att": "yaw"}
 _JOINT = re.compile(r"(?:^|[a-z])(\d{1,2})$")
+_PLACE = re.compile(r"(.+?)(?:\[(\d{1,2})\]|_(\d{1,2}))")
+_OF_JOINTS = words_of("q dq qd qdot tau joint joints theta effort efforts torques current currents moment")
+"""Words of arrays that hold a number for each joint."""
 
 
 @dataclass(frozen=True)
@@ -58,11 +63,12 @@ def readings(file: Found, joints: Sequence[str]) -> list[Reading]:
     """
     clock = find_time(file.table)
     names = file.table.names()
-    words = [_words(n) for n in names]
+    words = [words_in(n) for n in names]
     words = [[w for w in ws if len(ws) == 1 or w not in ("n", "m", "mm", "deg", "rad")] or ws for ws in words]
     actual = {w for ws in words for w in ws}
     unnamed = sum(not c.names for c in file.table.columns)
     found: list[Reading] = []
+    arrays = _arrays(names)
     for j in file.usable:
         if j == clock or (clock is not None and len(file.table.columns[j].values) != file.rows):
             continue
@@ -70,6 +76,8 @@ def readings(file: Found, joints: Sequence[str]) -> list[Reading]:
         if NOT_READINGS.intersection(own) and not joints:
             continue
         reading: Reading | None = _reading(file, j, names[j], own, joints, actual)
+        if reading is not None and (stem := _stem(names[j])) in arrays:
+            reading = _in_array(reading, own, _place(names[j]), arrays[stem], joints)
         if reading is not None and not own and unnamed >= len(names) - 1:
             reading = _by_place(file, reading, clock, joints)
         if reading is not None:
@@ -82,8 +90,10 @@ def _reading(
 ) -> Reading:
     plain = guess(name, file.table.columns[index].unit)
     stated = plain.stated
-    command = bool(COMMAND.intersection(words)) or ("target" in words and bool(REAL & neighbours) and not joints)
+    command = bool(COMMAND.intersection(words)) or ("target" in words and bool(REAL & neighbours))
     said = [w for w in words if w not in REAL] if REAL & set(words) and len(words) > 1 else words
+    if "current" in words and len(REAL & set(words)) > 1:
+        said.append("current")  # another word says that it was measured
     if "target" in words and command:
         said = [w for w in said if w != "target"]
     quantity = _quantity(said) or (DIMENSION.get(UNITS[stated].dimension, "") if stated else "")
@@ -94,18 +104,22 @@ def _reading(
     axis = next((_LATERAL[w] for w in said if w in _LATERAL), "")
     if not axis:
         axis = next((w[-1] for w in said if re.fullmatch(r"(?:v|d|f|p|t|m|w|force|pos|vel)[xyz]", w)), "")
-    if not axis and quantity in ("velocity", "position") and {"angular", "gyro", "omega", "rotation"} & set(words):
-        axis = "yaw"
-    if {"quat", "quaternion"} & set(words) or (TURN.intersection(words) and file.format == "motive"):
+    if quantity in ("velocity", "position") and {"angular", "gyro", "omega", "rotation"} & set(words):
+        axis = "yaw" if axis in ("", "z", "yaw") else ""
+    if ({"quat", "quaternion", "orientation"} & set(words) and axis != "yaw") or (
+        TURN.intersection(words) and file.format == "motive"
+    ):
         quantity, axis = "orientation", next((w[-1] for w in reversed(words) if re.fullmatch(r"q?[wxyz]", w)), "")
     thing = _joint(name, said, joints)
     if not thing:
         thing = next((t for w in said for t, called in THINGS.items() if w in called), "")
     if not thing:
         thing = next((t for w in file.named.words for t, called in THINGS.items() if w in called), "")
+    if thing in THINGS and not quantity and set(words) <= {*THINGS[thing], *_LATERAL}:
+        quantity = "position"  # a thing alone is where it is
     if file.format == "motive" and "." in name:
         body = name.split(".")[0]
-        mine = next((t for w in _words(body) for t, called in THINGS.items() if w in called), "")
+        mine = next((t for w in words_in(body) for t, called in THINGS.items() if w in called), "")
         thing = mine or f"body:{body}"
     return Reading(name, index, thing, quantity, axis, stated, command, plain)
 
@@ -126,17 +140,61 @@ def _by_place(file: Found, reading: Reading, clock: int | None, joints: Sequence
     return reading
 
 
+def _stem(name: str) -> str:
+    """What comes before a number at the end: "q[3]" and "actual_q_3" are places in "q" and "actual_q"."""
+    found = _PLACE.fullmatch(name)
+    return found.group(1) if found else ""
+
+
+def _place(name: str) -> int:
+    found = _PLACE.fullmatch(name)
+    return int(found.group(2) or found.group(3)) if found else 0
+
+
+def _arrays(names: Sequence[str]) -> dict[str, int]:
+    """Stem -> how many columns are numbered behind it, from 0 and without a gap: an array of the logger's program."""
+    places: dict[str, set[int]] = {}
+    for name in names:
+        if stem := _stem(name):
+            places.setdefault(stem, set()).add(_place(name))
+    return {stem: len(own) for stem, own in places.items() if len(own) > 1 and own == set(range(len(own)))}
+
+
+def _in_array(reading: Reading, words: list[str], place: int, width: int, joints: Sequence[str]) -> Reading:
+    """A column of an array: an axis of a vector or a wrench, a part of a pose, or a joint, by its place."""
+    if reading.quantity == "orientation":
+        return reading
+    of_joints = width == len(joints) or (_OF_JOINTS.intersection(words) and width != 3)
+    if reading.quantity and of_joints and (not reading.thing or reading.thing.startswith("joint:")):
+        joint = joints[place] if width == len(joints) else f"joint{place + 1}"
+        return replace(reading, thing=f"joint:{joint}", axis="")
+    if reading.thing.startswith("joint:"):
+        return reading
+    if reading.axis or width not in (2, 3, 6, 7) or not reading.quantity:
+        return reading
+    if place < 3:
+        return replace(reading, axis="xyz"[place])
+    if reading.quantity == "force":
+        return replace(reading, quantity="torque", axis="xyz"[place - 3]) if width == 6 else reading
+    return replace(reading, quantity="orientation" if reading.quantity == "position" else "", axis="")
+
+
 def _joint(name: str, words: list[str], joints: Sequence[str]) -> str:
     """The joint that a column's name means: by its own name, else by its number."""
     flat = re.sub(r"[^a-z0-9]", "", name.lower())
     named = [j for j in joints if re.sub(r"[^a-z0-9]", "", j.lower()) in flat]
     if named:
         return f"joint:{max(named, key=len)}"
+    own = re.split(r"[^A-Za-z0-9_]+", name.strip("]) "))[-1].lower()
+    if not joints and re.fullmatch(r"[a-z]\w*_joint", own):
+        return f"joint:{own}"
     text = "".join(words)
-    if not re.search(r"joint|^(q|dq|qd|qdot|tau|pos|vel|eff|torque|effort|position|velocity|motor|axis)", text):
+    if not re.search(
+        r"joint|^(q|dq|qd|qdot|tau|pos|vel|eff|torque|effort|position|velocity|motor|axis|curr|i\d)", text
+    ):
         return ""
     number = next((int(m.group(1)) for w in reversed(words) if (m := _JOINT.search(w))), None)
-    if number is None or not (joints or re.match(r"(joint|q|dq|qd|qdot|tau|torque|effort|pos|vel)", text)):
+    if number is None or not (joints or re.match(r"(joint|q|dq|qd|qdot|tau|torque|effort|pos|vel|curr|i\d)", text)):
         return ""
     return f"joint:{joints[number - 1]}" if 0 < number <= len(joints) else f"joint:joint{number}"
 
@@ -145,6 +203,8 @@ def _quantity(words: list[str]) -> str:
     for word in words:
         if re.fullmatch(r"q[mgr]", word):
             return "position"
+        if re.fullmatch(r"i\d{1,2}", word):
+            return "current"
         bare = word.rstrip("0123456789")
         for quantity, called in QUANTITY.items():
             if word in called or bare in called:
@@ -152,11 +212,11 @@ def _quantity(words: list[str]) -> str:
     return ""
 
 
-def _words(name: str) -> list[str]:
+def words_in(name: str) -> list[str]:
     """The words of a name in lower case: "Current_VX [m/s]" is current, vx."""
     text = re.sub(r"[\[(][^\])]*[\])]\s*$", "", name.replace("$\\theta$", "theta"))
-    text = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", text)
-    return [w.lower() for w in re.split(r"[^A-Za-z0-9]+", text) if w]
+    text = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", english(text))
+    return [w.lower() for w in re.split(r"[\W_]+", text) if w]
 
 
 def _no_wishes(found: list[Reading]) -> list[Reading]:

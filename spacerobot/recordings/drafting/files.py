@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path, PurePath
 
 import numpy as np
@@ -11,10 +11,13 @@ import numpy as np
 from spacerobot.recordings.drafting.names import ENDINGS, Named, named
 from spacerobot.recordings.readers import read_table, reader_for
 from spacerobot.recordings.readers.garbage import written_to
-from spacerobot.recordings.table import Options, RawTable
+from spacerobot.recordings.table import Floats, Options, RawTable
 from spacerobot.support.errors import InputError
 
 MOST_FILES = 2000
+
+FAR = 5.0
+"""How many spans, and sizes, of all other readings away what stands for none is: no sensor jumps so, and back."""
 
 SHORTEST = 3
 """Rows of a recording: a rate and its change need so many."""
@@ -32,6 +35,7 @@ class Found:
         table: its columns, NaN where a cell is no number.
         usable: indices of the columns that hold numbers a sensor may have given.
         named: what its name says.
+        missing: readings that stand for none: the same again and again, far from all others.
         fault: what is wrong with some cell of a usable column, None where nothing is.
     """
 
@@ -40,6 +44,7 @@ class Found:
     table: RawTable
     usable: tuple[int, ...]
     named: Named
+    missing: tuple[float, ...] = ()
     fault: str | None = None
 
     @property
@@ -96,7 +101,26 @@ def _read(path: Path, relative: PurePath) -> Found:
         read_table(path, Options(wanted=frozenset(map(str, usable))))
     except InputError as error:
         fault = str(error).replace(str(path), str(relative))
-    return Found(str(relative), reader_for(path).name, table, usable, named(relative), fault)
+    stands_for_none = {j: value for j in usable if (value := sentinel(table.columns[j].values)) is not None}
+    columns = list(table.columns)
+    for j, value in stands_for_none.items():
+        columns[j] = replace(columns[j], values=np.where(columns[j].values == value, np.nan, columns[j].values))
+    missing = tuple(sorted(set(stands_for_none.values())))
+    table = replace(table, columns=tuple(columns))
+    return Found(str(relative), reader_for(path).name, table, usable, named(relative), missing, fault)
+
+
+def sentinel(values: Floats) -> float | None:
+    """The reading that stands for none, such as -9999: given more than once, and FAR beyond the span of all others."""
+    seen = values[np.isfinite(values)]
+    for value in (seen.min(), seen.max()) if len(seen) else ():
+        others = seen[seen != value]
+        if len(seen) - len(others) < 2 or len(others) < 2:
+            continue
+        low, high = others.min(), others.max()
+        if max(low - value, value - high) > FAR * max(high - low, abs(low), abs(high)) > 0.0:
+            return float(value)
+    return None
 
 
 def _considered(path: Path, folder: Path) -> bool:

@@ -54,7 +54,7 @@ class Line:
         if self.plus:
             parts.append(f"plus = {{ {', '.join(f'{toml(c)} = {k:.6g}' for c, k in self.plus.items())} }}")
         if self.offset:
-            parts.append(f"offset = {self.offset:.6g}")
+            parts.append(f"offset = {self.offset:.12g}")
         if self.offset and self.offset_sigma > 0.0:
             parts.append(f"offset_sigma = {self.offset_sigma:.1g}")
         if self.sigma is not None and SMALLEST <= self.sigma * factor <= LARGEST:  # below is rounding, and is refused

@@ -118,6 +118,8 @@ def _joint_line(reading: Reading, joint: str) -> Line | None:
         return None
     drives = quantity in _DRIVES
     line = Line(reading, f"joint.{joint}.{quantity}", use="input" if drives else "output")
+    if reading.command and drives:
+        line.remark = "as it was asked for, not measured"
     if quantity == "current":
         line.question = "a current: state the torque per ampere as scale of joint.NAME.torque, or keep it"
     return line
@@ -138,7 +140,7 @@ def _body_line(kind: str, reading: Reading, main: str) -> Line | None:
     if quantity in ("force", "torque") and axis in ("x", "y", "z", "yaw"):
         if quantity == "force" and axis == "yaw":
             return None
-        return Line(reading, f"{body}.{quantity}.{axis}", use="input" if reading.command else "output")
+        return Line(reading, f"{body}.{quantity}.{axis}", use="input")  # commanded or felt, it drives the body
     if reading.command or not axis:
         return None
     if quantity == "orientation" and axis in "wxyz":

@@ -6,18 +6,21 @@ import re
 from dataclasses import dataclass
 from pathlib import PurePath
 
+from spacerobot.recordings.drafting.languages import english
 from spacerobot.recordings.drafting.vocabulary import QUANTITIES
 from spacerobot.recordings.units import UNITS
 
 ENDINGS = (
     ".csv", ".tsv", ".txt", ".dat", ".log", ".asc", ".mat", ".h5", ".hdf5", ".npz", ".npy", ".bag", ".mcap", ".db3",
-    ".xlsx", ".gz", ".bz2", ".xz",
+    ".xlsx", ".lvm", ".prn", ".trc", ".sto", ".mot", ".out", ".gz", ".bz2", ".xz",
 )  # fmt: skip
 """Endings of files that may be recordings; a file without any, or with a number for one, may be one too."""
 
 _DATE = re.compile(r"(?:19|20)\d\d([-_. ]?)(?:0?[1-9]|1[0-2])\1(?:0[1-9]|[12]\d|3[01]|[1-9])(?![0-9])")
 _SPLIT = re.compile(r"[_\s,+=()\[\]]+|-|(?<!\d)\.|\.(?!\d)")
-_VALUE = re.compile(r"(\d+(?:[.p]\d+)?)([A-Za-zµ/]+)")
+_VALUE = re.compile(r"(?:m|mass|masse)?(\d+(?:[.p]\d+)?)([A-Za-zµ/]+)", re.IGNORECASE)
+_COMMA = re.compile(r"(?<![A-Za-z0-9.,])(\d+),(\d+)(?=[A-Za-zµ])")
+"""A decimal comma: between digits, before a unit."""
 
 
 @dataclass(frozen=True)
@@ -53,19 +56,32 @@ def named(relative: PurePath) -> Named:
         tokens = [t.lower() for t in _SPLIT.split(part) if t]
         measured = QUANTITIES.intersection(tokens) and not any(c.isdigit() for c in part)
         (words if measured else folders).extend(tokens if measured else [part])
+        values.extend(value for token in _tokens(part) if (value := _value(token)) is not None)
     keys.extend(folders)
     stem = without_ending(relative.name)
     keys.extend(date.group(0) for date in _DATE.finditer(stem))
-    for token in filter(None, _SPLIT.split(_DATE.sub("_", stem))):
-        value = _VALUE.fullmatch(token)
-        unit = UNITS.get(value.group(2)) if value else None
-        if value and unit is not None and unit.dimension == "mass":
-            values.append((token, float(value.group(1).replace("p", ".")), unit.name))
+    for token in _tokens(_DATE.sub("_", stem)):
+        if (value := _value(token)) is not None:
+            values.append(value)
         elif any(c.isdigit() for c in token):
             keys.append(token)
         else:
-            words.append(token.lower())
+            words.extend(english(token).lower().split())
     return Named(tuple(words), tuple(keys), tuple(values))
+
+
+def _tokens(text: str) -> list[str]:
+    return [t for t in _SPLIT.split(_COMMA.sub(r"\1.\2", text)) if t]
+
+
+def _value(token: str) -> tuple[str, float, str] | None:
+    """A mass that the token states, None where it states none that a body can have."""
+    found = _VALUE.fullmatch(token)
+    unit = UNITS.get(found.group(2)) if found else None
+    if found is None or unit is None or unit.dimension != "mass":
+        return None
+    number = float(found.group(1).lower().replace("p", "."))
+    return (token, number, unit.name) if number > 0.0 else None
 
 
 def same(key: str) -> str:

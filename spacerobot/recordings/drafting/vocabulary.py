@@ -19,14 +19,14 @@ THINGS = {
 QUANTITY = {
     "position": words(
         "pos position positions angle angles theta yaw heading psi q encoder encoders enc x y z px py pz "
-        "height pose efpose"
+        "height pose efpose att attitude"
     ),
     "velocity": words(
         "vel velocity velocities speed rate omega vx vy vz dx dy dz xdot ydot zdot dq qd qdot dtheta wz w gyro "
-        "thetadot yawrate"
+        "thetadot yawrate twist"
     ),
     "torque": words("tau torque torques effort efforts moment"),
-    "force": words("force forces f fx fy fz load loadcell wrench"),
+    "force": words("force forces f fx fy fz load loadcell wrench ft"),
     "current": words("curr current currents amps"),
     "voltage": words("volt voltage volts"),
 }

@@ -4,22 +4,24 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from spacerobot.recordings.drafting.approach import CERTAIN, CLEAR, Rest, Track, contact_zero, drift, rest
+from spacerobot.recordings.drafting.approach import CERTAIN, Rest, Track, contact_zero, drift, rest
+from spacerobot.recordings.drafting.clocks import meet, out_of_step, runs_apart, turned
 from spacerobot.recordings.drafting.columns import Reading
-from spacerobot.recordings.drafting.files import Found
 from spacerobot.recordings.drafting.groups import Trial
 from spacerobot.recordings.drafting.lines import Line
-from spacerobot.recordings.guess import find_time, time_unit
+from spacerobot.recordings.drafting.tracks import span, track, values
 from spacerobot.recordings.series import estimate_noise
-from spacerobot.recordings.table import Floats
 from spacerobot.recordings.units import UNITS
 
 MOST_TRIALS = 16
 """Trials whose approach is looked at; zeroes and noise are medians over them."""
+
+LARGEST_RIG = 10.0
+"""Further than a target drifts on any table [m]."""
 
 ALONG = 1e-3
 """Share of the travel that an axis may miss and still be taken for its direction: a tenth of what labs know
@@ -58,7 +60,11 @@ def draft_wrist(readings: Mapping[str, Sequence[Reading]], trials: Sequence[Tria
     places = {thing: _tracked(readings, thing) for thing in ("target", "wrist", "hand")}
     some = trials[:: max(1, len(trials) // MOST_TRIALS)][:MOST_TRIALS]
     rests = _wrist_rests(places["wrist"], some)
-    travel = _travel(places["target"], some, rests)
+    cameras = places["target"][0]
+    together = meet(some, places["wrist"][0], cameras)
+    travel = _travel(places["target"], some, rests if together else {})
+    if not together:
+        drafted.own_clock[places["wrist"][0]] = runs_apart(some, places["wrist"][0], cameras)
     for thing, (stream, columns) in places.items():
         line = _along(thing, columns, travel)
         if line is None:
@@ -68,15 +74,16 @@ def draft_wrist(readings: Mapping[str, Sequence[Reading]], trials: Sequence[Tria
             line.scale, tracks = -line.scale, [Track(t.time, -t.value) for t in tracks]
         line.sigma = _median([estimate_noise(t.value) for t in tracks])
         if thing == "target":
-            line.question = _unit_question(line, tracks)
+            line.question = _too_far_for_metres(line, tracks)
         elif zeros := [r for r in map(rest, tracks) if r is not None]:
             line.offset, line.offset_sigma = _zero(zeros, line.scale)
         drafted.lines.setdefault(stream, []).append(line)
+    _in_millimetres(drafted)
     _place_target(drafted, places, some)
     yaw = next((r for r in _of(readings, "target", places["target"][0]) if r.axis == "yaw" and not r.command), None)
     if yaw is not None and yaw.quantity == "position":
         stream = places["target"][0]
-        noise = _median([estimate_noise(_values(t.files[stream], yaw.column)) for t in some if stream in t.files])
+        noise = _median([estimate_noise(values(t.files[stream], yaw.column)) for t in some if stream in t.files])
         drafted.lines[stream].append(Line(yaw, "target.yaw", sigma=noise, unwrap=True))
     _place_force(drafted, readings, some, places, rests)
     return drafted
@@ -97,32 +104,14 @@ def _tracked(readings: Mapping[str, Sequence[Reading]], thing: str) -> tuple[str
     return "", []
 
 
-def _values(file: Found, column: str) -> Floats:
-    return file.table.columns[file.table.index(column)].values
-
-
-def track(file: Found, column: str, values: Floats | None = None) -> Track | None:
-    """A column over the file's own clock, s, without what is missing; None without a clock that runs forward."""
-    clock = find_time(file.table)
-    if clock is None:
-        return None
-    column_time = file.table.columns[clock]
-    time = column_time.values * UNITS[time_unit(column_time)].factor
-    value = _values(file, column) if values is None else values
-    if len(value) != len(time):
-        return None
-    good = np.isfinite(time) & np.isfinite(value)
-    return Track(time[good], value[good]) if good.sum() > 2 else None
-
-
 def _combined(trial: Trial, stream: str, line: Line) -> Track | None:
     """What the line makes of a trial's file, before its offset."""
     if stream not in trial.files:
         return None
     file = trial.files[stream]
-    total = line.scale * _values(file, line.reading.column)
+    total = line.scale * values(file, line.reading.column)
     for column, factor in line.plus.items():
-        total = total + factor * _values(file, column)
+        total = total + factor * values(file, column)
     return track(file, line.reading.column, total)
 
 
@@ -220,6 +209,11 @@ def _place_target(drafted: Drafted, places: Mapping[str, tuple[str, list[Reading
             continue
         if still.sign < 0:
             wrist.question = "the wrist moves against the target: is its sign right?"
+        if stream in drafted.own_clock or wrist_stream in drafted.own_clock:
+            late = turned(body, scaled, still)
+            if late is None or still.leaves is None:
+                continue
+            scaled, still = Track(scaled.time + late, scaled.value), replace(still, leaves=still.leaves + late)
         found = contact_zero(body, scaled, still, 1)
         if found is not None:
             zeros.append(found[0])
@@ -233,12 +227,22 @@ def _place_target(drafted: Drafted, places: Mapping[str, tuple[str, list[Reading
         target.remark = "0 where it touches the wrist"
 
 
-def _unit_question(line: Line, tracks: Sequence[Track]) -> str:
+def _too_far_for_metres(line: Line, tracks: Sequence[Track]) -> str:
     """A question where no unit is stated and metres would make the rig larger than any."""
     if line.reading.unit is not None or not tracks:
         return ""
     span = max(float(np.ptp(t.value)) for t in tracks)
-    return f"unit: readings span {span:.3g}; in metres?" if span > 10 else ""
+    return f"no unit is stated, and readings span {span:.3g}: are they mm" if span > LARGEST_RIG else ""
+
+
+def _in_millimetres(drafted: Drafted) -> None:
+    """Where a target without a unit goes too far for metres, mm for it and for all that is tracked without a unit."""
+    lines = [
+        x for found in drafted.lines.values() for x in found if x.reading.unit is None and x.channel.endswith(".x")
+    ]
+    if any(x.channel == "target.x" and x.question for x in lines):
+        for line in lines:
+            line.reading = replace(line.reading, unit="mm")
 
 
 def _place_force(
@@ -273,7 +277,7 @@ def _place_force(
     if not rests:
         line.question = "no pulse was seen in any trial: is this the contact force?"
         line.sigma = _median(
-            [estimate_noise(_values(t.files[stream], reading.column)) for t in trials if stream in t.files]
+            [estimate_noise(values(t.files[stream], reading.column)) for t in trials if stream in t.files]
         )
     else:
         line.scale = float(np.sign(sum(r.sign for r in rests.values())) or 1.0)
@@ -281,37 +285,25 @@ def _place_force(
         line.offset = line.scale * _zero(list(rests.values()), line.scale)[0]
         line.remark = "the component with the pulse" if line.scale > 0 else "the component with the pulse, turned round"
     drafted.lines.setdefault(stream, []).append(line)
-    if stream != places["target"][0]:
-        why = _clock(trials, rests, wrists, places, stream)
+    cameras = places["target"][0]
+    if stream != cameras:
+        # A wrist's own clock says nothing of the cameras'; rows without one, nothing at all.
+        own = places["wrist"][0] in drafted.own_clock or any(
+            span(t.files[s]) is None for t in trials for s in (stream, places["wrist"][0]) if s in t.files
+        )
+        why = runs_apart(trials, stream, cameras)
+        why = why or ("" if own else out_of_step(trials, rests, wrists, _speeds(trials, places["target"], wrists)))
         if why:
             drafted.own_clock[stream] = why
 
 
-def _clock(
-    trials: Sequence[Trial],
-    rests: Mapping[str, Rest],
-    wrists: Mapping[str, Rest],
-    places: Mapping[str, tuple[str, list[Reading]]],
-    stream: str,
-) -> str:
-    """Why the force's clock is its own: its pulse comes at another time than the wrist's first movement."""
-    camera = places["wrist"][0]
-    shared = [t for t in trials if t.id in rests and t.id in wrists]
-    apart: list[float] = []
-    for trial in shared:
-        force, wrist = rests[trial.id].leaves, wrists[trial.id].leaves
-        body = [track(trial.files[places["target"][0]], c.column) for c in places["target"][1]]
-        whole = [b for b in body if b is not None]
-        found = drift(whole, wrist) if whole and len({len(b.time) for b in whole}) == 1 else None
-        speed = max((abs(v) for v in found.velocity), default=0.0) if found else 0.0
-        # The wrist shows itself only once it is CLEAR sigmas off its rest.
-        late = CLEAR * wrists[trial.id].sigma / speed if speed > 0 else 0.1
-        if force is not None and wrist is not None and not -3 * late < force - wrist < 3 * late:
-            apart.append(force)
-    if len(apart) <= len(shared) / 2 or not shared:
-        return ""
-    seen = [r.leaves for r in wrists.values() if r.leaves is not None]
-    return (
-        f"the pulse is at {min(apart):.3g} to {max(apart):.3g} s here, the wrist moves at "
-        f"{min(seen):.3g} to {max(seen):.3g} s in {camera}"
-    )
+def _speeds(trials: Sequence[Trial], place: tuple[str, list[Reading]], wrists: Mapping[str, Rest]) -> dict[str, float]:
+    """Trial -> how fast the target comes along its fastest axis, file's unit per second; 0 where that is unknown."""
+    found: dict[str, float] = {}
+    for trial in trials:
+        if place[0] not in trial.files or trial.id not in wrists:
+            continue
+        whole = [b for c in place[1] if (b := track(trial.files[place[0]], c.column)) is not None]
+        free = drift(whole, wrists[trial.id].leaves) if whole and len({len(b.time) for b in whole}) == 1 else None
+        found[trial.id] = max((abs(v) for v in free.velocity), default=0.0) if free else 0.0
+    return found

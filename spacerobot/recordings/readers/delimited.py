@@ -11,7 +11,7 @@ import numpy as np
 
 from spacerobot.recordings.readers import limits
 from spacerobot.recordings.readers.base import Reader
-from spacerobot.recordings.readers.layout import Layout, column_names, find_layout, split
+from spacerobot.recordings.readers.layout import Layout, column_heads, find_layout, split
 from spacerobot.recordings.readers.numbers import number, reason
 from spacerobot.recordings.readers.text import read_lines
 from spacerobot.recordings.table import Column, Floats, Options, RawTable
@@ -40,7 +40,7 @@ class DelimitedReader(Reader):
             layout = find_layout(lines, options.separator, options.decimal, options.header_rows)
         except InputError as error:
             raise InputError(error.what, valid=error.valid, where=str(path)) from None
-        names = column_names(lines, layout)
+        names, units = column_heads(lines, layout)
         rows = layout.rows
         if options.rows is not None:
             rows = rows[options.rows[0] : options.rows[1]]
@@ -60,7 +60,9 @@ class DelimitedReader(Reader):
         if options.reshape is None:
             values, names = _with_lists(lines, rows, layout, values, names)
         values, names, numbers = _trim_and_reshape(path, values, names, rows, options)
-        columns = tuple(Column(names[j], np.ascontiguousarray(values[:, j])) for j in range(values.shape[1]))
+        units = units if len(names) >= len(units) and any(names) else []
+        stated = [*units, *[None] * values.shape[1]]
+        columns = tuple(Column(names[j], np.ascontiguousarray(values[:, j]), stated[j]) for j in range(values.shape[1]))
         return RawTable(path, columns, numbers)
 
 

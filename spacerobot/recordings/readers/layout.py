@@ -14,6 +14,7 @@ from operator import itemgetter
 
 from spacerobot.recordings.readers import limits
 from spacerobot.recordings.readers.numbers import number
+from spacerobot.recordings.units import UNITS
 from spacerobot.support.errors import InputError
 
 COMMENTS = ("#", "%", "//")
@@ -29,6 +30,7 @@ _CANDIDATES = (
     ("|", "."),
     (" ", "."),
     (" ", ","),
+    (",", ","),
 )
 _SAMPLE = 25
 _WORD = re.compile(r"(?!nan|inf)[a-z]{2}", re.IGNORECASE)
@@ -91,6 +93,8 @@ def find_layout(lines: Sequence[str], separator: str | None, decimal: str | None
         if (separator is not None and sep != separator) or (decimal is not None and mark != decimal):
             continue
         absent = len(together.split()) < 2 if sep == " " else sep not in together
+        if sep == mark and '"' not in together:
+            continue  # a comma of both kinds is told apart by quotes alone
         if absent and undivided:
             continue  # one column again, as under the other absent separator
         undivided = undivided or absent
@@ -144,6 +148,23 @@ def _headed(lines: Sequence[str], body: Sequence[int], separator: str, width: in
     return False
 
 
+def _grouped(lines: Sequence[Sequence[str]]) -> list[list[str]]:
+    """A line of whole names, "target.X", where one has a thing above the first of its columns and one its axes."""
+    for i, parts in enumerate(lines):
+        told = [c for c in parts if c and number(c) is None]
+        for groups in lines[:i]:
+            heads = [c for c in groups if c]
+            if not 1 < len(heads) < len(told) or len(set(told)) == len(told) or len(set(heads)) < len(heads):
+                continue
+            whole, above = [], ""
+            for group, part in zip(groups, parts, strict=True):
+                above = group or above
+                whole.append(f"{above}.{part}" if above and part else part)
+            if len({c for c in whole if c}) > len(set(told)):
+                return [whole]
+    return []
+
+
 def said(lines: Sequence[str], first: int) -> Sequence[int]:
     """Indices from `first` of the lines that are neither blank nor a comment."""
     with contextlib.suppress(IndexError):  # of an empty line
@@ -183,17 +204,38 @@ def _first_data(
     return body[0] if not any(numeric) else min(body[0] + 1, len(lines))
 
 
-def column_names(lines: Sequence[str], layout: Layout) -> list[tuple[str, ...]]:
-    """For each column the names that the header lines give it, those of the best header line first."""
+def column_heads(lines: Sequence[str], layout: Layout) -> tuple[list[tuple[str, ...]], list[str | None]]:
+    """For each column the names that the header lines give it, those of the best header line first, and its unit."""
     candidates: list[list[str]] = []
     for index in layout.header:
         line = lines[index]
         for mark in COMMENTS:
             line = line.strip().removeprefix(mark) if is_comment(lines[index]) else line
         cells = split(line, layout.separator)
-        while len(cells) > layout.width and not cells[-1]:
-            cells.pop()
+        while len(cells) > layout.width and (not cells[-1] or index == layout.header[-1]):
+            cells.pop()  # of the line above the numbers also names of what no row has
         if len(cells) == layout.width and any(c and number(c) is None for c in cells):
             candidates.append(cells)
-    candidates.sort(key=lambda cells: -len({c for c in cells if c and number(c) is None}))
-    return [tuple(dict.fromkeys(c[j][:100] for c in candidates if c[j])) for j in range(layout.width)]
+    return headings(candidates, layout.width)
+
+
+def headings(lines: Sequence[Sequence[str]], width: int) -> tuple[list[tuple[str, ...]], list[str | None]]:
+    """What the lines above the numbers say of each column: its names, the best line's first, and its unit.
+
+    A line that holds nothing but units, in brackets or not, states them where another line has the names.
+    """
+    units: list[str | None] = [None] * width
+    named = []
+    for cells in lines:
+        bare = [c.strip("[]() ") for c in cells]
+        words = [c for c in bare if c]
+        labelled = len(words) > 2 and bool(bare[0]) and bare[0] not in UNITS  # "Unit", s, mm
+        if len(lines) > 1 and words and all(c in UNITS for c in words[labelled:]) and not any(units):
+            units = [c if c in UNITS else None for c in bare]
+        else:
+            named.append(cells)
+    if not named:
+        named, units = list(lines), [None] * width
+    named = [*named, *_grouped(named)]
+    named.sort(key=lambda cells: -len({c for c in cells if c and number(c) is None}))
+    return [tuple(dict.fromkeys(c[j][:100] for c in named if c[j])) for j in range(width)], units

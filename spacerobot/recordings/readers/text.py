@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import codecs
+import contextlib
+import re
 import sys
 from pathlib import Path
 
@@ -18,8 +20,12 @@ _BOMS = (
 )
 
 
+_HEAD = 100_000
+"""Bytes by which an encoding is told."""
+
+
 def decode(raw: bytes, path: Path, encoding: str | None = None) -> str:
-    """`raw` as text: by its byte-order mark, else UTF-8, else Latin-1.
+    """`raw` as text: by its byte-order mark, else UTF-8, else the encoding of a country that it looks like.
 
     Raises:
         InputError: an unknown or wrong encoding, or bytes that are no text.
@@ -43,7 +49,7 @@ def decode(raw: bytes, path: Path, encoding: str | None = None) -> str:
         try:
             return raw.decode("utf-8")
         except UnicodeDecodeError:
-            return raw.decode("latin-1")
+            return raw.decode(_local(raw[:_HEAD]), "replace")
     except UnicodeDecodeError as error:
         line = raw.count(b"\n", 0, error.start) + 1
         raise InputError(f"not {encoding} text", where=f"{path}:{line}") from None
@@ -51,6 +57,28 @@ def decode(raw: bytes, path: Path, encoding: str | None = None) -> str:
         raise InputError(
             "unknown encoding", given=encoding, valid="utf-8, utf-16, latin-1, ...", where=str(path)
         ) from None
+
+
+def _local(head: bytes) -> str:
+    """The encoding of text that is no UTF-8: Shift-JIS or GB 2312 where every character comes out, else Latin-1.
+
+    Latin letters with marks stand alone between plain ones; the characters of those two come in pairs of bytes, of
+    which Shift-JIS begins many with what Latin-1 uses for nothing.
+    """
+    high = re.findall(rb"[\x80-\xff]+", head)
+    east = [("gb2312", all(len(run) % 2 == 0 for run in high[:-1])), ("cp932", any(c < 0xA0 for c in b"".join(high)))]
+    for encoding, likely in east:
+        text = ""
+        if likely:
+            with contextlib.suppress(UnicodeDecodeError):
+                text = codecs.getincrementaldecoder(encoding)().decode(head)
+        if text and sum(map(_written, text)) > 0.9 * sum(c > "\x7f" for c in text):
+            return encoding
+    return "latin-1"
+
+
+def _written(character: str) -> bool:
+    return "\u3040" <= character <= "\u30ff" or "\u4e00" <= character <= "\u9fff" or character in "「」（）・％"
 
 
 def read_lines(path: Path, compression: str | None = None, encoding: str | None = None) -> list[str]:

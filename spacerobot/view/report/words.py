@@ -8,6 +8,8 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from spacerobot.effects.registry import all_effects
+from spacerobot.recordings.channel import dimensions
+from spacerobot.recordings.units import SI
 from spacerobot.recordings.values import kind
 from spacerobot.support.errors import InputError
 
@@ -131,8 +133,10 @@ def unit_of_name(name: str) -> str:
 
 
 def unit_of_value(name: str) -> str:
-    """Unit of a believed value by its dotted name; none for one that nobody knows."""
+    """Unit of a believed value, or of a channel's zero, by its dotted name; none for one that nobody knows."""
     try:
+        if name.endswith(".zero") and not name.startswith("joint."):
+            return SI[dimensions(name.removesuffix(".zero"))[0]]
         return kind(name).unit
     except InputError:
         return ""

@@ -1,0 +1,118 @@
+"""A wrist rig whose columns have names that say nothing: told by what a target, a slider and a force do in a hit.
+
+A target drifts from the start and is turned back. A slider rests until then and is pushed as far as the target goes on;
+a force rests until then too, and goes by another measure. What is told so is asked, not stated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from spacerobot.recordings.drafting.approach import CLEAR, Rest, Track, drift, rest
+from spacerobot.recordings.drafting.columns import Reading
+from spacerobot.recordings.drafting.groups import Trial
+from spacerobot.recordings.drafting.tracks import track
+from spacerobot.recordings.series import estimate_noise
+
+FEW = 4
+"""Trials that are looked at; a thing is told where it is told alike in most of them."""
+
+ALIKE = 0.15
+"""Share by which a slider's push may differ from how far the target goes on: bounces, and the contact's own give."""
+
+_MEANT = {"target": ("target", "position"), "wrist": ("wrist", "position"), "force": ("", "force")}
+"""Role -> thing and quantity."""
+
+Role = str
+""" "target", "wrist" or "force"."""
+
+
+def by_behaviour(readings: Mapping[str, Sequence[Reading]], trials: Sequence[Trial]) -> dict[str, list[Reading]] | None:
+    """The readings with what their columns do in place of what their names do not say; None where no hit shows.
+
+    Args:
+        readings: stream -> what its columns seem to be.
+        trials: the trials.
+    """
+    votes: dict[tuple[str, str], list[Role]] = {}
+    some = trials[:FEW]
+    for trial in some:
+        for place, role in _roles(readings, trial).items():
+            votes.setdefault(place, []).append(role)
+    told = {place: roles[0] for place, roles in votes.items() if len(set(roles)) == 1 and 2 * len(roles) > len(some)}
+    roles = list(told.values())
+    if roles.count("target") != 1 or not {"wrist", "force"} & set(roles):
+        return None
+    out: dict[str, list[Reading]] = {}
+    for stream, found in readings.items():
+        for reading in found:
+            own = reading
+            if not reading.thing and (stream, reading.column) in told:
+                thing, quantity = _MEANT[told[stream, reading.column]]
+                own = replace(reading, thing=thing, quantity=quantity, axis="")
+            out.setdefault(stream, []).append(own)
+    return out
+
+
+def _roles(readings: Mapping[str, Sequence[Reading]], trial: Trial) -> dict[tuple[str, str], Role]:
+    """(stream, column) -> its role in one trial."""
+    moving: dict[tuple[str, str], tuple[float, Track]] = {}
+    pushed: dict[tuple[str, str], tuple[Track, Rest]] = {}
+    for stream, found in readings.items():
+        for reading in found if stream in trial.files else ():
+            own = track(trial.files[stream], reading.column)
+            if reading.command or reading.thing not in ("", "target") or own is None:
+                continue
+            if reading.thing:
+                moving[stream, reading.column] = np.inf, own
+                continue
+            still = rest(own)
+            if still is not None and still.leaves is not None and _strength(own, still) > 2 * CLEAR:
+                pushed[stream, reading.column] = own, still
+            elif still is None and (bent := _turned_back(own)) > 0.0:
+                moving[stream, reading.column] = bent, own
+    if not moving or not pushed:
+        return {}
+    place = max(moving, key=lambda p: moving[p][0])
+    target = moving[place][1]
+    further = {p: _share(target, own, still) for p, (own, still) in pushed.items()}
+    slider = min(further, key=lambda p: abs(further[p] - 1.0))
+    out = {place: "target"}
+    if abs(further[slider] - 1.0) < ALIKE:
+        out[slider] = "wrist"
+    forces = {p: _strength(*pushed[p]) for p in pushed if p != slider or slider not in out}
+    if forces:
+        out[max(forces, key=lambda p: forces[p])] = "force"
+    return out
+
+
+def _strength(own: Track, still: Rest) -> float:
+    """The furthest from rest, in sigmas."""
+    return float(np.max(np.abs(own.value - still.zero))) / still.sigma
+
+
+def _turned_back(own: Track) -> float:
+    """How far, in sigmas, a track ends from where its first drift would have led; 0 where it does not drift."""
+    free = drift([own], None)
+    sigma = estimate_noise(own.value)
+    if free is None or not sigma > 0.0:
+        return 0.0
+    went = abs(free.velocity[0]) * (free.end - free.start)
+    within = own.time < free.end
+    ahead = np.median(own.value[within]) + free.velocity[0] * (own.time[-1] - np.median(own.time[within]))
+    return abs(float(ahead - own.value[-1])) / sigma if went > 2 * CLEAR * sigma else 0.0
+
+
+def _share(target: Track, own: Track, still: Rest) -> float:
+    """How far the target goes on while a sensor is pushed from half to the whole of its peak, over that half."""
+    away = np.abs(own.value - still.zero)
+    peak = int(np.argmax(away))
+    before = np.flatnonzero(away[:peak] < 0.5 * away[peak])
+    if not len(before) or not away[peak] > 0.0:
+        return 0.0
+    first, last = own.time[before[-1]], own.time[peak]
+    went = np.interp([first, last], target.time, target.value)
+    return float(abs(went[1] - went[0]) / (away[peak] - away[before[-1]]))

@@ -1,0 +1,48 @@
+"""What other languages call the things that labs measure, said in English before names are read."""
+
+from __future__ import annotations
+
+import re
+
+_STEMS = {
+    "kraft": "force", "drehmoment": "torque", "geschwindigkeit": "velocity", "drehzahl": "velocity",
+    "winkel": "angle", "spannung": "voltage", "ziel": "target", "schlitten": "slider",
+    "handgelenk": "wrist", "greifer": "gripper", "gelenk": "joint", "achse": "axis", "sollwert": "setpoint",
+    "istwert": "actual", "zeit": "time", "plattform": "platform",
+}  # fmt: skip
+"""German writes words together (Kontaktkraft, Schlittenweg): these are found at either end of a word."""
+
+_WORDS = {
+    "soll": "setpoint", "ist": "actual", "weg": "position", "lage": "position", "masse": "mass", "strom": "current",
+    "feder": "spring", "satellit": "target", "vitesse": "velocity", "couple": "torque", "cible": "target",
+    "poignet": "wrist", "temps": "time", "consigne": "setpoint", "mesure": "measured", "fuerza": "force",
+    "velocidad": "velocity", "objetivo": "target", "muñeca": "wrist", "tiempo": "time", "forza": "force",
+    "tempo": "time", "polso": "wrist", "bersaglio": "target",
+}  # fmt: skip
+"""Whole words."""
+
+_WRITTEN_THROUGH = {
+    "目標": "setpoint", "目標値": "setpoint", "指令": "command", "ターゲット": "target", "標的": "target",
+    "対象": "target",
+    "衛星": "satellite", "手首": "wrist", "スライダ": "slider", "ハンド": "hand", "手先": "hand", "関節": "joint",
+    "位置": "position", "変位": "position", "角度": "angle", "速度": "velocity", "角速度": "omega", "力": "force",
+    "トルク": "torque", "電流": "current", "電圧": "voltage", "時刻": "time", "時間": "time", "質量": "mass",
+    "目标": "target", "手腕": "wrist", "滑块": "slider", "位移": "position", "力矩": "torque", "时间": "time",
+    "关节": "joint", "电流": "current", "电压": "voltage", "质量": "mass",
+}  # fmt: skip
+"""Scripts without blanks: found anywhere, the longest first."""
+
+_ENDS = re.compile(rf"^(?:{'|'.join(_STEMS)})|(?:{'|'.join(_STEMS)})$", re.IGNORECASE)
+_THROUGH = re.compile("|".join(sorted(_WRITTEN_THROUGH, key=len, reverse=True)))
+_LETTERS = re.compile(r"[^\W\d_]+")
+
+
+def english(text: str) -> str:
+    """`text` with the words that are known here said in English; all else stays as it is."""
+    text = _THROUGH.sub(lambda found: f" {_WRITTEN_THROUGH[found.group(0)]} ", text)
+    text = _LETTERS.sub(_parted, text)
+    return _LETTERS.sub(lambda found: _WORDS.get(found.group(0).lower(), found.group(0)), text)
+
+
+def _parted(word: re.Match[str]) -> str:
+    return _ENDS.sub(lambda part: f" {_STEMS[part.group(0).lower()]} ", word.group(0))

@@ -1,0 +1,117 @@
+"""A lab's own list of its runs among the recordings: which mass each trial's target had."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path, PurePath
+
+from spacerobot.recordings.drafting.columns import words_in
+from spacerobot.recordings.drafting.groups import Trial
+from spacerobot.recordings.drafting.names import same, without_ending
+from spacerobot.recordings.guess import guess
+from spacerobot.recordings.readers.numbers import number
+from spacerobot.recordings.readers.text import read_lines
+from spacerobot.recordings.units import UNITS
+from spacerobot.support.errors import InputError
+
+LONGEST = 100_000
+"""Bytes of a list that somebody keeps by hand."""
+
+HEAD = 2000
+"""Bytes in which its columns are named."""
+
+_SEPARATORS = ("\t", ";", ",")
+
+
+@dataclass(frozen=True)
+class RunList:
+    """A table with a row for each run.
+
+    Attributes:
+        file: relative to the folder.
+        rows: cells of each row by column.
+        mass: the column with the target's mass.
+        factor: kg per one of its unit.
+        decimal: mark of its numbers.
+    """
+
+    file: str
+    rows: tuple[Mapping[str, str], ...]
+    mass: str
+    factor: float
+    decimal: str
+
+    def masses(self, trials: Sequence[Trial]) -> dict[str, float]:
+        """Trial -> its target's mass [kg], by the column that names most trials: by file, or by number.
+
+        Empty where no column names half of them, or one of them twice with two masses.
+        """
+        best: dict[str, float] = {}
+        for column in self.rows[0]:
+            if column == self.mass:
+                continue
+            found = {
+                t.id: {m for row in self.rows if _means(row[column], t) and (m := self._mass(row))} for t in trials
+            }
+            told = {name: own.pop() for name, own in found.items() if len(own) == 1}
+            best = told if len(told) > len(best) else best
+        return best if 2 * len(best) > len(trials) else {}
+
+    def _mass(self, row: Mapping[str, str]) -> float:
+        value = number(row[self.mass], self.decimal)
+        return self.factor * value if value is not None and value > 0.0 else 0.0
+
+
+def run_lists(folder: Path) -> list[RunList]:
+    """The tables in a folder that have a column of masses of a target."""
+    found = []
+    for path in sorted(p for p in folder.rglob("*") if p.suffix.lower() in (".csv", ".tsv", ".txt")):
+        if path.is_symlink() or not path.is_file() or not 0 < path.stat().st_size < LONGEST:
+            continue
+        with path.open("rb") as file:
+            head = file.read(HEAD)
+        if len(head) == HEAD and not _heading(head):
+            continue
+        try:
+            lines = [line for line in read_lines(path) if line.strip() and not line.startswith("#")]
+        except InputError:
+            continue
+        if (made := _list(str(path.relative_to(folder)), lines)) is not None:
+            found.append(made)
+    return found
+
+
+def _heading(head: bytes) -> bool:
+    """Whether some cell of the first lines speaks of a mass, so that the rest is worth reading."""
+    text = re.split(r"[\t;,\r\n]", head.decode("utf-8", "replace"))
+    return any(_is_mass(cell) for cell in text if not any(c.isdigit() for c in cell))
+
+
+def _list(file: str, lines: Sequence[str]) -> RunList | None:
+    if len(lines) < 2:
+        return None
+    separator = max(_SEPARATORS, key=lines[0].count)
+    head, *rest = csv.reader(lines, delimiter=separator, skipinitialspace=True)
+    masses = [c for c in head if _is_mass(c)]
+    rows = tuple(dict(zip(head, (c.strip() for c in row), strict=True)) for row in rest if len(row) == len(head))
+    if len(masses) != 1 or len(set(head)) < len(head) or len(head) < 2 or not rows:
+        return None
+    stated = guess(masses[0]).stated
+    factor = UNITS[stated].factor if stated and UNITS[stated].dimension == "mass" else 1.0
+    comma = separator != "," and any("," in row[masses[0]] for row in rows)
+    return RunList(file, rows, masses[0], factor, "," if comma else ".")
+
+
+def _is_mass(column: str) -> bool:
+    words = words_in(column)
+    return "mass" in words and not {"wrist", "slider", "hand", "arm", "base", "chaser"} & set(words)
+
+
+def _means(cell: str, trial: Trial) -> bool:
+    """Whether a cell names the trial: one of its files, with or without folder and ending, or its number."""
+    names = {n for f in trial.files.values() for n in (f.relative, PurePath(f.relative).name)}
+    names |= {without_ending(n) for n in names} | {part for n in names for part in PurePath(n).parts[:-1]}
+    return bool(cell) and (cell in names or same(cell) == same(trial.id))

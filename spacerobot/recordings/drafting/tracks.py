@@ -1,0 +1,51 @@
+"""A column of a file over the file's own clock."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from spacerobot.recordings.drafting.approach import Track
+from spacerobot.recordings.drafting.files import Found
+from spacerobot.recordings.guess import UNTIMED, find_time, time_unit, unsaid_unit
+from spacerobot.recordings.table import Floats
+from spacerobot.recordings.units import UNITS
+
+
+def clock(file: Found) -> Floats | None:
+    """The file's times, s; None without a clock."""
+    index = find_time(file.table)
+    if index is None:
+        return None
+    column = file.table.columns[index]
+    return column.values * UNITS[unsaid_unit(column) or time_unit(column)].factor
+
+
+def span(file: Found) -> tuple[float, float] | None:
+    """When the file begins and ends by its own clock, s."""
+    time = clock(file)
+    if time is None or not np.isfinite(time).any():
+        return None
+    return float(np.nanmin(time)), float(np.nanmax(time))
+
+
+def values(file: Found, column: str) -> Floats:
+    """The readings of a column, in the file's unit."""
+    return file.table.columns[file.table.index(column)].values
+
+
+def track(file: Found, column: str, readings: Floats | None = None) -> Track | None:
+    """A column over the file's own clock, s, without what is missing; evenly spaced where the file has none.
+
+    Args:
+        file: the file.
+        column: its column.
+        readings: instead of the column's own.
+    """
+    time = clock(file)
+    value = values(file, column) if readings is None else readings
+    if time is None:
+        time = np.arange(len(value)) / UNTIMED
+    if len(value) != len(time):
+        return None
+    good = np.isfinite(time) & np.isfinite(value)
+    return Track(time[good], value[good]) if good.sum() > 2 else None
