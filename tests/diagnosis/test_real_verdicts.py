@@ -156,3 +156,43 @@ def test_the_silverbox_has_a_cubic_spring() -> None:
     before, after = channel(verdict, "joint.axis.position")
     assert after < 0.001
     assert after < 0.1 * before
+
+
+def test_the_industrial_arm_rubs_at_every_joint_and_at_the_drive_of_two() -> None:
+    """Published, joint side: viscous 8.05, 5.53, 1.97, 1.11, 1.86, 0.65, Coulomb 7.14, 8.26, 6.34, 2.48, 3.03, 0.28;
+    motor 6 turns with joint 5 too, its own friction 0.616 and 1.95."""
+    verdict = verdict_of("staubli_tx40")
+    published = {1: (7.14, 8.05), 2: (8.26, 5.53), 3: (6.34, 1.97), 4: (2.48, 1.11)}
+    for n, (dry, viscous) in published.items():
+        own = {e["effect"]: e["parameters"] for e in parts(verdict)[f"joint_{n}"]["effects"]}
+        assert own["coulomb_friction"]["force_Nm"]["value"] == pytest.approx(dry, rel=0.25)
+        assert own["viscous_friction"]["coefficient_Nms_rad"]["value"] == pytest.approx(viscous, rel=0.25)
+    for n in (5, 6):
+        assert any(e["effect"] == "transmission_coupling" for e in parts(verdict)[f"joint_{n}"]["effects"])
+    every = [channel(verdict, f"joint.joint_{n}.torque")[1] for n in range(1, 7)]
+    assert (sum(x**2 for x in every) / 6.0) ** 0.5 < 2.3
+
+
+def test_joints_whose_effort_is_not_measured_are_listed_and_do_not_weaken_the_whole() -> None:
+    verdict = verdict_of("tiago_arm")
+    for n in (5, 6, 7):
+        part = parts(verdict)[f"arm_{n}_joint"]
+        assert part["verdict"] == "not_trusted"
+        assert "motion asks for" in part["not_measured"]
+    assert verdict["verdict"] == "named"
+    for n in range(1, 5):
+        assert any("friction" in e["effect"] for e in parts(verdict)[f"arm_{n}_joint"]["effects"])
+
+
+def test_the_ruler_bends_behind_its_motor() -> None:
+    verdict = verdict_of("flexible_link")
+    assert "joint_flexibility" in {e["effect"] for e in parts(verdict)["motor"]["effects"]}
+    assert channel(verdict, "joint.motor.position")[1] < 11.5
+
+
+def test_the_pendulum_has_dry_friction_and_drag() -> None:
+    verdict = verdict_of("single_pendulum")
+    found = {e["effect"] for e in parts(verdict)["hinge"]["effects"]}
+    assert "quadratic_damping" in found
+    assert found & {"coulomb_friction", "asymmetric_friction"}
+    assert channel(verdict, "joint.hinge.position")[1] < 0.0063

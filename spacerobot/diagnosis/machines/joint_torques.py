@@ -53,7 +53,7 @@ SILENT = 0.1
 """A torque that varies by less than this share of what its own weight and inertia ask for is not what moved the joint:
 friction adds to it, nothing that a body can be takes nine tenths of it away."""
 
-REST = 0.01
+REST = 0.002
 """Share of a joint's typical speed below which it may as well stand still, whatever its noise is."""
 
 FEWEST_READINGS = 4
@@ -161,8 +161,8 @@ class InverseDynamics(Machine):
             slow = np.array([still_below(noise or {}, j, narrow) for j in self.compared])
             pieces = self._cut(key, log, condition, overrides, half, slow)
             pieces = pieces or self._cut(key, log, condition, overrides, half, 0.0 * slow)
-            rests = np.maximum(slow, [REST * own[j].length / own[j].time for j in self.compared])
-            moving = self._cut(key, log, condition, overrides, half, rests)
+            rest = np.array([REST * own[j].length / own[j].time for j in self.compared])
+            moving = self._cut(key, log, condition, overrides, half, slow, rest)
             if 2 * len(moving) > len(pieces):  # else its weight at rest is most of what is known
                 pieces = moving
             lenses += [Lens(narrow, self._bump[piece.id], thin) for piece in pieces]
@@ -206,11 +206,19 @@ class InverseDynamics(Machine):
         return f"its torque reads {shown:.2g} {unit} rms about its mean where the motion asks for {moved:.2g}"
 
     def _cut(
-        self, key: str, log: _Log, condition: str, overrides: Mapping[str, float], half: int, slow: np.ndarray
+        self,
+        key: str,
+        log: _Log,
+        condition: str,
+        overrides: Mapping[str, float],
+        half: int,
+        slow: np.ndarray,
+        rest: np.ndarray | float = 0.0,
     ) -> list[TrialData]:
         """The trial in pieces, each with its motion and with its torque seen through the test functions.
 
-        Where a joint may stand still dry friction holds whatever is asked of it: such readings say nothing.
+        Where a joint may stand still dry friction holds whatever is asked of it: such readings say nothing. They are
+        left out where it is slower than `slow` at some time within a test function, or than `rest` all the while.
         """
         bump = Bump.of(half, log.step)
         stride = max(1, half // 2)
@@ -223,7 +231,10 @@ class InverseDynamics(Machine):
             seen = bump.smooth(log.torque[part][:, index])[::stride].T
             still = np.abs(log.velocity[part][:, index]) < slow
             bad = (~log.good[part][:, None] | still).astype(float)
-            clean = np.array([np.convolve(b, np.ones(2 * half + 1), "valid")[::stride] < 0.5 for b in bad.T])
+            over = np.ones(2 * half + 1)
+            clean = np.array([np.convolve(b, over, "valid")[::stride] < 0.5 for b in bad.T])
+            stays = (np.abs(log.velocity[part][:, index]) < rest).astype(float)
+            clean &= np.array([np.convolve(s, over, "valid")[::stride] < over.size - 0.5 for s in stays.T])
             at = log.time[part][half:-half][::stride]
             weight = np.where(clean, 1.0, 0.0) / (FIRST_NOISE * self._level[:, None])
             if clean.sum() < FEWEST_READINGS:

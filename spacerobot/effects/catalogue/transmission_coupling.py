@@ -9,6 +9,10 @@ from spacerobot.effects.effect import Effect, Parameter
 from spacerobot.effects.laws import DAMPER
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Force, Friction
+from spacerobot.effects.sizes import Sizes
+
+LEAST = 0.1
+"""Of a ratio that makes a coupling."""
 
 
 def _joints(mechanism: Mechanism) -> list[str]:
@@ -45,6 +49,10 @@ class TransmissionCoupling(Effect):
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:
         """Every joint that has another before it; where one alone is compared, those beyond it and itself."""
         return tuple(j for j in _joints(mechanism) if partner(mechanism, j) is not None)
+
+    def plausible(self, values: Mapping[str, float], sizes: Sizes) -> bool:
+        """Gears of two joints turn together; with a ratio near nothing the friction is the joint's own."""
+        return abs(values["ratio"]) > LEAST
 
     def apply(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
         """As everywhere; a drive of which no friction is stated has none."""

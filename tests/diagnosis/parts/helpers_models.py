@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
 import pytest
 
 from spacerobot.diagnosis.machines.grid import Grid
+from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.model.robot import Robot
 from spacerobot.recordings.dataroot import recordings_folder
 from spacerobot.recordings.study import Study, load_study
@@ -61,3 +64,9 @@ def arm_log(
         value[f"joint.{joint}.position"] = q[:, j] + 1e-5 * rng.standard_normal(time.size)
         value[f"joint.{joint}.torque"] = torque[:, j]
     return Grid(time, step, value, np.ones(time.size, dtype=bool))
+
+
+def in_own_unit(state: Any, trials: Sequence[TrialData]) -> np.ndarray:
+    """What is left over, in the unit of the readings, of all that count, shape (N,)."""
+    weights = [t.blocks[0].weight.ravel() for t in trials]
+    return np.concatenate([state.raw[t.id][w > 0.0] / w[w > 0.0] for t, w in zip(trials, weights, strict=True)])

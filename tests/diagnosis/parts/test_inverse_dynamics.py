@@ -8,7 +8,7 @@ from typing import cast
 
 import numpy as np
 import pytest
-from helpers_models import ARM, arm_log, real_study
+from helpers_models import ARM, arm_log, in_own_unit, real_study
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -62,7 +62,7 @@ def test_a_right_model_leaves_the_torque_noise_alone() -> None:
     model = model_of({}, "elbow")
     fit = fitted(model)
     state = Fitter(model, model.trials).state(fit.hypothesis, fit.z, {t.id: np.zeros(0) for t in model.trials})
-    rest = np.concatenate([state.raw[t.id] / t.blocks[0].weight.ravel() for t in model.trials])
+    rest = in_own_unit(state, model.trials)
     assert np.sqrt(np.mean(rest**2)) < 0.02
 
 
@@ -105,7 +105,7 @@ def test_emps_friction_against_the_published_values() -> None:
     state = Fitter(model, model.trials).state(made, fit.z, {t.id: np.zeros(0) for t in model.trials})
     for condition, limit in (("plain", 0.041), ("pulses", 0.054)):
         chosen = [t for t in model.trials if t.condition == condition]
-        error = sum(np.sum((state.raw[t.id] / t.blocks[0].weight.ravel()) ** 2) for t in chosen)
+        error = np.sum(in_own_unit(state, chosen) ** 2)
         assert np.sqrt(error / sum(np.sum(t.blocks[0].value ** 2) for t in chosen)) < limit
 
 
@@ -156,7 +156,7 @@ def left_over(model: InverseDynamics, gain: float) -> float:
     """What the fitted baseline leaves, rms [N m]."""
     fit = fitted(model)
     state = Fitter(model, model.trials).state(fit.hypothesis, fit.z, {t.id: np.zeros(0) for t in model.trials})
-    rest = np.concatenate([state.raw[t.id] / t.blocks[0].weight.ravel() for t in model.trials])
+    rest = in_own_unit(state, model.trials)
     return gain * float(np.sqrt(np.mean(rest**2)))
 
 

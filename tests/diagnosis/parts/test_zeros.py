@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers_models import ARM, arm_log
+from helpers_models import ARM, arm_log, in_own_unit
 
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.fitting.noise import floor_of, reweighted
@@ -37,7 +37,7 @@ def fitted(model: InverseDynamics) -> tuple[dict[str, float], dict[str, float], 
     steps = np.array([f.slope(z) for f, z in zip(fit.hypothesis.free, fit.z, strict=True)])
     error = np.sqrt(np.diag(fit.covariance)) * steps
     state = Fitter(model, trials).state(made, fit.z, {t.id: np.zeros(0) for t in trials})
-    rest = np.concatenate([state.raw[t.id] / t.blocks[0].weight.ravel() for t in trials])
+    rest = in_own_unit(state, trials)
     return fit.values(), dict(zip(made.keys, error.tolist(), strict=True)), float(np.sqrt(np.mean(rest**2)))
 
 
