@@ -22,6 +22,7 @@ from spacerobot.diagnosis.machines.measured import through_sensor
 from spacerobot.diagnosis.selection.forward_selection import grow
 from spacerobot.diagnosis.selection.held_out import folds
 from spacerobot.diagnosis.selection.part_result import Part
+from spacerobot.diagnosis.terms.candidates import plainest
 from spacerobot.diagnosis.terms.hypothesis import hypothesis
 from spacerobot.model.library import load
 from spacerobot.support.errors import NotFoundError
@@ -114,7 +115,8 @@ def test_franka_joints_have_friction() -> None:
     models = models_for(real_study("franka_exciting"))
     assert [m.name for m in models] == [f"panda_joint{i}" for i in range(1, 8)]
     found = grow(models[6], most=2)
-    assert ("coulomb_friction", "joint.panda_joint7") in found.after.label
+    # dry friction, whichever law has it: a drive that gives a little before it slides is Dahl's
+    assert ("coulomb_friction", "joint.panda_joint7") in plainest(found.after.label)
     before, after = (x["joint.panda_joint7.torque"] for x in found.rms())
     assert before == pytest.approx(0.28, abs=0.03)
     assert after < 0.07
