@@ -10,7 +10,7 @@ from pathlib import Path
 from fuzz.target import Target
 from spacerobot.effects.registry import all_effects
 from spacerobot.model.spacecraft import SpacecraftSpec
-from spacerobot.simulation import scene_file
+from spacerobot.simulation import scene_toml
 from spacerobot.simulation.parts import ContactLaw, Servo, Wrist
 from spacerobot.simulation.parts import Target as Body
 from spacerobot.simulation.scene_file import read_scene, scene_from_text
@@ -85,7 +85,7 @@ def _prepare(folder: Path) -> Callable[[bytes], None]:
 
 _TABLES = (Wrist, ContactLaw, Body, Servo, SpacecraftSpec)
 _WORDS = (
-    *scene_file._TOP, *(f.name for kind in _TABLES for f in dataclasses.fields(kind)), *all_effects(),
+    *scene_toml._TOP, *(f.name for kind in _TABLES for f in dataclasses.fields(kind)), *all_effects(),
     "target.y", "arm",
     *(p.name for effect in all_effects().values() for p in effect.parameters), "nan", "inf", "1e12", "1e-12", "1e300",
     "hertz", "kelvin_voigt", "hunt_crossley", "multibody", "servo", "joint.turn", "../../x.urdf", "/etc/passwd", "true",

@@ -34,7 +34,6 @@ def volume(solid: solids.Solid) -> float:
         (solids.cylinder(0.1, 0.3, 80), np.pi * 0.01 * 0.3, 0.01),
         (solids.sphere(0.1, 60, 90), 4.0 / 3.0 * np.pi * 1e-3, 0.01),
         (solids.capsule(0.05, 0.2, 40, 60), np.pi * 0.0025 * 0.2 + 4.0 / 3.0 * np.pi * 0.05**3, 0.01),
-        (solids.cone(0.1, 0.2, 80), np.pi * 0.01 * 0.2 / 3.0, 0.01),
         (solids.coil(0.02, 0.001, 6, 1.0, 60, 24), np.pi * 1e-6 * 6 * 2.0 * np.pi * 0.02, 0.15),
     ],
 )
