@@ -7,6 +7,7 @@ from typing import Final
 
 from spacerobot.effects.effect import FORM, Effect, Parameter
 from spacerobot.effects.mechanism import Mechanism
+from spacerobot.effects.sizes import Sizes
 
 SUFFIX: Final = FORM + "trend"
 """What stands behind the name of an effect that changes."""
@@ -31,7 +32,7 @@ class Trend(Effect):
             "title": f"{steady.title} that changes over the trials",
             "phrase": f"{steady.phrase or steady.title} that changes over the trials",
             "formula": steady.formula,
-            "refines": (steady.name,),
+            "refines": (steady.name, *(plainer + SUFFIX for plainer in steady.refines)),
             "parameters": (*steady.parameters, Parameter(TREND, "", 0.0, 0.02, -MOST, MOST, (0.0,), shape=True)),
         }
         for key, value in given.items():
@@ -40,6 +41,10 @@ class Trend(Effect):
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:
         """Where the other could sit."""
         return self.steady.places(mechanism)
+
+    def plausible(self, values: Mapping[str, float], sizes: Sizes) -> bool:
+        """As the other effect, at its first strength."""
+        return self.steady.plausible({p.name: values[p.name] for p in self.steady.parameters}, sizes)
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
         """The other effect, as strong as it is in this trial."""

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from spacerobot.diagnosis.terms.candidates import contains, redundant, refines
 from spacerobot.effects.registry import all_effects, effect
+from spacerobot.effects.sizes import Sizes
 from spacerobot.effects.trend import NUMBER, SUFFIX, TREND, may_change
 from spacerobot.simulation.rig import rig
 
@@ -41,5 +42,18 @@ def test_a_changing_effect_holds_the_steady_one_and_its_special_cases() -> None:
     assert refines(changing[0], "coulomb_friction")
     assert contains([changing], [("coulomb_friction", "wrist")])
     assert not contains([("coulomb_friction", "wrist")], [changing])
+    assert contains([changing], [("coulomb_friction" + SUFFIX, "wrist")])
+    assert redundant([changing, ("coulomb_friction", "wrist")])
+    assert redundant([("coulomb_friction", "wrist"), ("coulomb_friction", "wrist")])
     assert redundant([("coulomb_friction", "wrist"), ("coulomb_friction" + SUFFIX, "wrist")])
     assert not redundant([("coulomb_friction" + SUFFIX, "wrist"), ("table_tilt", "target")])
+
+
+def test_a_changing_effect_is_as_plausible_as_the_steady_one() -> None:
+    """A bristle that gives by a micrometre is no bristle, whether it fades or not."""
+    sizes = Sizes(force=1.0, length=0.01, time=0.1, reading=1e-4)
+    for stiffness in (1e2, 1e9):
+        values = {"force_N": 0.4, "stiffness_N_m": stiffness}
+        steady, changing = effect("dahl_friction"), effect("dahl_friction" + SUFFIX)
+        assert changing.plausible({**values, TREND: 0.01}, sizes) == steady.plausible(values, sizes)
+    assert not steady.plausible(values, sizes)

@@ -24,7 +24,7 @@ from spacerobot.diagnosis.selection.search_state import (
     screened,
     share_of,
 )
-from spacerobot.diagnosis.terms.candidates import contains, mirrored, plainest, redundant, simpler
+from spacerobot.diagnosis.terms.candidates import by_name, contains, mirrored, plainest, redundant, simpler
 from spacerobot.diagnosis.terms.hypothesis import Label, Site
 from spacerobot.effects.registry import effect
 from spacerobot.effects.trend import SUFFIX, TREND, may_change
@@ -116,9 +116,16 @@ def more(pool: Pool, found: Found, report: Report) -> None:
 
 
 def changing(found: Found) -> list[Task]:
-    """The best single effects, and those of the best set, each as one that grows or fades over the trials."""
+    """The best single effects, and those of the best set, each as one that grows or fades over the trials.
+
+    Of several laws of one thing the plainest first: five richer ones are no reason to do without it.
+    """
     tasks = []
-    few = [f for f in found.singles_by_cost() if found.baseline.cost - f.cost > WORTH_A_FIT][:TOP_SINGLES]
+    best: dict[Label, list[Fit]] = {}
+    for fit in found.singles_by_cost():
+        if found.baseline.cost - fit.cost > WORTH_A_FIT:
+            best.setdefault(plainest(fit.hypothesis.label), []).append(fit)
+    few = [f for kind, laws in [*best.items()][:TOP_SINGLES] for f in (found.fits.get(kind, laws[0]), laws[0])]
     for fit in {id(f): f for f in (found.best, *few)}.values():
         for site in fit.hypothesis.sites:
             if site.trials or not may_change(site.effect):
@@ -254,7 +261,7 @@ def simplify(pool: Pool, found: Found, report: Report) -> None:
     for best in {id(f): f for f in (found.preferred([*found.fits.values()]), found.best)}.values():
         bound = held_labels(best)
         for label in simpler(best.hypothesis.label):
-            if not known.issuperset(label):  # a special case that the catalogue was to do without
+            if not known.issuperset(by_name(label)):  # a special case that the catalogue was to do without
                 continue
             if bound.intersection(label):  # it would be held there too
                 continue

@@ -45,8 +45,7 @@ def by_name(label: Sequence[tuple[str, str]]) -> tuple[tuple[str, str], ...]:
 
 def redundant(label: Sequence[tuple[str, str]]) -> bool:
     """Whether one place has two laws of the same thing."""
-    known = [(_known(name), name, where) for name, where in label]
-    laws = [(one.refines or (name,), where) for one, name, where in known if one is not None]
+    laws = plainest(label)
     return len(laws) != len(set(laws))
 
 
