@@ -170,11 +170,11 @@ class Bench:
         for item in screen.best().values():
             cost = fit.cost * max(1.0 - item.gain / total, 0.0)
             out.append(Promise(item.site, _begun(item, item.amplitude if item.gain > 0.0 else 1.0), cost))
+        best = {p.site.label: p for p in out}
         for one in self._tried_whole(fit, sites):
-            place = next((k for k, p in enumerate(out) if p.site is one.site), None)
-            if place is None or one.cost < out[place].cost:
-                out[len(out) if place is None else place : len(out) if place is None else place + 1] = [one]
-        return out
+            if one.site.label not in best or one.cost < best[one.site.label].cost:
+                best[one.site.label] = one
+        return list(best.values())
 
     def _tried_whole(self, fit: Fit, sites: Sequence[Site]) -> list[Promise]:
         """Of effects that let something move by itself, what a few steps of a fit from each of some starts come to.
@@ -194,7 +194,7 @@ class Bench:
                     made = (*fit.hypothesis.sites, site)
                     near = fit_near(self.fitter(), self.model.believed, made, fit, start, max_iterations=FEW_STEPS)
                     out.append(Promise(site, start, near.cost))
-        return sorted(out, key=lambda p: -p.cost)
+        return out
 
     def fitted(self, near: Fit, promise: Promise) -> Fit | None:
         """A promise fitted; None where it cannot be, or where the fit is no physics."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -13,14 +14,15 @@ from spacerobot.diagnosis.machines.grid import Grid
 from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
 from spacerobot.diagnosis.terms.hypothesis import hypothesis
 from spacerobot.model.library import load
+from spacerobot.model.robot import Robot
 
 GRAVITY = (0.0, 0.0, -9.81)
 DRY, SLOPE = 0.8, 0.3
 
 
-def coupled(robot: object, seed: int) -> Grid:
+def coupled(robot: Robot, seed: int) -> Grid:
     """The elbow's drive turns with the shoulder too, and rubs at the sum of both rates."""
-    grid = arm_log(robot, seed, {})  # type: ignore[arg-type]
+    grid = arm_log(robot, seed, {})
     rate = sum(np.gradient(grid.value[f"joint.{j}.position"], grid.step) for j in ("shoulder", "elbow"))
     rate = np.convolve(rate, np.ones(21) / 21.0, "same")  # the noise of differences apart
     rubs = DRY * np.sign(rate) + SLOPE * rate
@@ -28,9 +30,11 @@ def coupled(robot: object, seed: int) -> Grid:
     return replace(grid, value={**grid.value, **more})
 
 
-def model_of(make: object, joint: str) -> InverseDynamics:
+def model_of(make: Callable[[Robot, int], Grid], joint: str) -> InverseDynamics:
     robot = load(ARM)
-    grids = {f"run{n}": (make(robot, n), f"motion {n}", {}) for n in range(2)}  # type: ignore[operator]
+    grids: dict[str, tuple[Grid, str, dict[str, float]]] = {
+        f"run{n}": (make(robot, n), f"motion {n}", {}) for n in range(2)
+    }
     return InverseDynamics(robot, GRAVITY, grids, ("shoulder", "elbow"), compared=[joint])
 
 
@@ -64,8 +68,8 @@ def test_a_coupling_of_next_to_nothing_is_none() -> None:
 
 
 def test_a_torque_that_hardly_reads_tells_nothing() -> None:
-    def dead(robot: object, seed: int) -> Grid:
-        grid = arm_log(robot, seed, {})  # type: ignore[arg-type]
+    def dead(robot: Robot, seed: int) -> Grid:
+        grid = arm_log(robot, seed, {})
         return replace(grid, value={**grid.value, "joint.elbow.torque": 0.01 * grid.value["joint.elbow.torque"]})
 
     assert "where the motion asks for" in model_of(dead, "elbow").not_measured
@@ -76,8 +80,8 @@ def test_a_torque_that_hardly_reads_tells_nothing() -> None:
 def test_a_joint_at_rest_is_not_asked_which_way_it_slides() -> None:
     """Friction that holds takes whatever sign the rest asks for; a quarter of standing still must not weigh."""
 
-    def resting(robot: object, seed: int) -> Grid:
-        grid = arm_log(robot, seed, {"elbow": (0.6, 0.2, 0.0)})  # type: ignore[arg-type]
+    def resting(robot: Robot, seed: int) -> Grid:
+        grid = arm_log(robot, seed, {"elbow": (0.6, 0.2, 0.0)})
         still = grid.time > 0.75 * grid.time[-1]
         last = int(np.argmax(still))
         value = {
