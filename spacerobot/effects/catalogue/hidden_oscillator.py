@@ -22,6 +22,7 @@ class HiddenOscillator(Effect):
     formula = r"m_s (\ddot\xi + \ddot x) = -m_s (2\zeta\omega_s \dot\xi + \omega_s^2 \xi), \quad m_t \to m_t - m_s"
     source = "Abramson (1966), NASA SP-106, equivalent mechanical model of slosh"
     kind = "body"
+    carried = True  # in free fall nothing shakes it
     parameters = (
         Parameter("mass_kg", "kg", 0.0, 0.2, 0.0, 1e4, (0.5, 1.5, 0.2)),
         Parameter("frequency_Hz", "Hz", 1.0, 0.1, 0.05, 100.0, (2.0, 0.8, 5.0), log=True, shape=True),
