@@ -36,7 +36,7 @@ RATE = {
 }
 """Kind of concealment -> rate that it counts in; all others have an effect to be named."""
 
-FIRST = {"nothing": 205, "value": 205, "outside": 226, "named": 170}
+FIRST = {"nothing": 205, "value": 205, "outside": 226, "named": 170, "spoiled": 160}
 """Rate -> campaigns with which it has its 200: some outside the catalogue are set apart, an effect that is named has
 more than one parameter, and the power curves name effects too. The power curves come before those beyond.
 """

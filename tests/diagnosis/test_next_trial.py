@@ -63,18 +63,18 @@ def test_the_furthest_is_neither_the_first_nor_the_last() -> None:
 
 def fitted(cost: float, *, freed: tuple[str, ...] = (), moved: float = 0.0) -> Any:
     free = SimpleNamespace(kind="believed", key="target.mass", centre=20.0, value=lambda z: 20.0 + z)
-    made = SimpleNamespace(label=(), sites=(), freed=freed, free=[free])
+    in_sigmas = {"target.mass": moved / 0.2}  # 1 % of 20 kg
+    made = SimpleNamespace(label=(), sites=(), freed=freed, free=[free], sigmas=lambda z: in_sigmas)
     return SimpleNamespace(hypothesis=made, cost=cost, z=[moved], values=lambda: {"target.mass": 20.0 + moved})
 
 
 def test_an_alternative_costs_what_it_leaves_more_than_the_best() -> None:
-    assert alternative(fitted(12.0), fitted(10.0), {"target.mass": 0.01}).score == pytest.approx(2.0)
+    assert alternative(fitted(12.0), fitted(10.0)).score == pytest.approx(2.0)
 
 
 def test_it_is_told_by_values_beyond_three_of_their_own_sigmas() -> None:
-    sigma = {"target.mass": 0.01}  # of 20 kg
     for moved, told in ((0.5, {}), (-0.5, {}), (0.7, {"target.mass": 20.7}), (-0.7, {"target.mass": 19.3})):
-        assert alternative(fitted(1.0, moved=moved), fitted(0.0), sigma).parameters == pytest.approx(told)
+        assert alternative(fitted(1.0, moved=moved), fitted(0.0)).parameters == pytest.approx(told)
 
 
 def test_a_belief_that_is_given_up_is_paid_for() -> None:

@@ -132,7 +132,7 @@ def test_one_effect_instead_of_several_wrong_values_is_ambiguous(tmp_path: Path)
     assert judgement.chosen is scale
     assert loose in judgement.alternatives
     assert loose is not None
-    told = alternative(loose, scale, shop.model.believed.sigma)
+    told = alternative(loose, scale)
     assert told.effects == []
     assert set(told.parameters) <= set(moved(loose))
     assert told.parameters

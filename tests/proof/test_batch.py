@@ -112,7 +112,7 @@ def test_rates_fill_alike_then_the_power_curves() -> None:
     orders = schedule(FULL, 4)
     turns = batch.in_turn(orders)
     assert sorted(o.name for o in turns) == sorted(o.name for o in orders)
-    first = Counter(batch.rate_of(o) for o in turns[:400])
+    first = Counter(batch.rate_of(o) for o in turns[: 100 * len(batch.FIRST)])
     assert set(first.values()) == {100}
     every = Counter(batch.rate_of(o) for o in orders)
     begin = next(i for i, o in enumerate(turns) if o.kind == "power")

@@ -10,6 +10,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from spacerobot.effects.registry import all_effects
+from spacerobot.recordings.value_units import unit_of_value
 from spacerobot.view.report import svg
 from spacerobot.view.report.formula import mathml
 from spacerobot.view.report.story import few_trials, improvement
@@ -25,7 +26,6 @@ from spacerobot.view.report.words import (
     probability,
     quantity,
     unit_of_name,
-    unit_of_value,
     with_own_units,
 )
 

@@ -40,6 +40,7 @@ from spacerobot.diagnosis.terms.kinds import AMBIGUOUS, LEARNED, NAMED, SETTLED
 from spacerobot.diagnosis.terms.parameters import TIMES_STATED, Free
 from spacerobot.recordings.beliefs import ABSORBING, UNSTATED
 from spacerobot.recordings.study import Study
+from spacerobot.recordings.value_units import unit_of_value
 
 RIVALS = 5
 """Rivals that a verdict lists beside what is said."""
@@ -118,9 +119,7 @@ def unit_of(free: Free) -> str:
     """Unit of a believed value; of one that each trial states for itself, what its factor is counted in."""
     if not free.stated:
         return TIMES_STATED
-    last = free.key.rsplit(".", 1)[-1]
-    known = {"mass": "kg", "stiffness": "N/m", "yaw_inertia": "kg m^2", "preload": "N", "bias": "N", "zero": "rad"}
-    return known.get(last, "N s/m" if "damping" in last else "")
+    return unit_of_value(free.key)
 
 
 def all_moved(fit: Fit, absorbing: Sequence[str] = ()) -> dict[str, Moved]:

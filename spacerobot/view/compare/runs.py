@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from spacerobot.diagnosis.answer.schema import validate
+from spacerobot.recordings.value_units import unit_of_value
 from spacerobot.support.errors import InputError
 from spacerobot.view.report.words import (
     beyond,
@@ -20,7 +21,6 @@ from spacerobot.view.report.words import (
     parameter_label,
     per_unit,
     quantity,
-    unit_of_value,
     with_own_units,
 )
 

@@ -13,6 +13,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
+from spacerobot.recordings.value_units import unit_of_value
 from spacerobot.view.report import charts, words
 from spacerobot.view.report.evidence import Evidence, Trace
 from spacerobot.view.report.formula import mathml
@@ -97,7 +98,7 @@ def _environment() -> Environment:
     for function in (
         words.number, words.quantity, words.percent, words.probability, words.effects_phrase, words.effect_phrase,
         words.parameter_label, words.parameters_text, words.unit_text, words.effect_title, words.place, words.finite,
-        words.unit_of_value, words.beyond,
+        unit_of_value, words.beyond,
         change_text, capital,
     ):  # fmt: skip
         environment.filters[function.__name__] = function

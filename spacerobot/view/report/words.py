@@ -8,10 +8,6 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from spacerobot.effects.registry import all_effects
-from spacerobot.recordings.channel import dimensions
-from spacerobot.recordings.units import SI
-from spacerobot.recordings.values import kind
-from spacerobot.support.errors import InputError
 
 _PLACES = {
     "wrist": "in the wrist's guide",
@@ -130,16 +126,6 @@ def unit_of_name(name: str) -> str:
     units = [re.sub(r"(\d)$", r"^\1", t).replace("Ns", "N s").replace("Nms", "N m s") for t in tokens[start:]]
     # an inertia is told as a joint's mass is: in kg, which are kg m^2 where it turns
     return "kg" if units == ["kg", "m^2"] else "/".join(units)
-
-
-def unit_of_value(name: str) -> str:
-    """Unit of a believed value, or of a channel's zero, by its dotted name; none for one that nobody knows."""
-    try:
-        if name.endswith(".zero") and not name.startswith("joint."):
-            return SI[dimensions(name.removesuffix(".zero"))[0]]
-        return kind(name).unit
-    except InputError:
-        return ""
 
 
 def unit_text(unit: str | None) -> str:
