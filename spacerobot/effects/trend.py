@@ -46,14 +46,18 @@ class Trend(Effect):
         """As the other effect, at its first strength."""
         return self.steady.plausible({p.name: values[p.name] for p in self.steady.parameters}, sizes)
 
-    def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
-        """The other effect, as strong as it is in this trial."""
+    def in_trial(self, values: Mapping[str, float], number: float) -> dict[str, float]:
+        """The other effect's values, as strong as it is in a trial, counted from 0."""
         strength = self.steady.strength
-        share = 1.0 + values[TREND] * values.get(NUMBER, 0.0)
+        share = 1.0 + values[TREND] * number
         changed = strength.null + (values[strength.name] - strength.null) * share
         inside = {p.name: values[p.name] for p in self.steady.parameters}
         inside[strength.name] = min(max(changed, strength.lower), strength.upper)
-        return self.steady.edit(mechanism, where, inside)
+        return inside
+
+    def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
+        """The other effect, as strong as it is in this trial."""
+        return self.steady.edit(mechanism, where, self.in_trial(values, values.get(NUMBER, 0.0)))
 
 
 def may_change(effect: Effect) -> bool:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from spacerobot.diagnosis.terms.candidates import contains, redundant, refines
 from spacerobot.effects.registry import all_effects, effect
 from spacerobot.effects.sizes import Sizes
-from spacerobot.effects.trend import NUMBER, SUFFIX, TREND, may_change
+from spacerobot.effects.trend import NUMBER, SUFFIX, TREND, Trend, may_change
 from spacerobot.simulation.rig import rig
 
 CHANGING = [e for e in all_effects().values() if may_change(e) and "wrist" in e.places(rig({}))]
@@ -57,3 +57,15 @@ def test_a_changing_effect_is_as_plausible_as_the_steady_one() -> None:
         steady, changing = effect("dahl_friction"), effect("dahl_friction" + SUFFIX)
         assert changing.plausible({**values, TREND: 0.01}, sizes) == steady.plausible(values, sizes)
     assert not steady.plausible(values, sizes)
+
+
+def test_a_trials_values_are_those_of_the_steady_effect_at_that_strength() -> None:
+    """What the scene of a trial is written with acts as the changing effect does in it."""
+    changing = effect("coulomb_friction" + SUFFIX)
+    assert isinstance(changing, Trend)
+    values = {"force_N": 0.4, TREND: -0.05}
+    for number in (0, 3, 11):
+        own = changing.in_trial(values, number)
+        assert own == {"force_N": pytest.approx(0.4 * (1.0 - 0.05 * number))}
+        edited = changing.edit(rig({}), "wrist", {**values, NUMBER: float(number)})
+        assert edited.frictions == effect("coulomb_friction").edit(rig({}), "wrist", own).frictions

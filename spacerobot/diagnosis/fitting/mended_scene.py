@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.machines.wrist_rig import RigModel, together
+from spacerobot.diagnosis.terms.hypothesis import Site
+from spacerobot.effects.trend import Trend
 from spacerobot.recordings.study import Study
 from spacerobot.simulation.parts.contact import ContactLaw
 from spacerobot.simulation.parts.effect_at import EffectAt
@@ -13,6 +16,14 @@ from spacerobot.simulation.parts.target import Target
 from spacerobot.simulation.parts.wrist import Wrist
 from spacerobot.simulation.rig import DEFAULTS
 from spacerobot.simulation.scene import Scene
+
+
+def _as_it_is(site: Site, free: Mapping[str, float], number: int) -> EffectAt:
+    """An effect with its fitted values; one that changes over the trials as strong as it is in this one."""
+    values = {p.name: free[site.key(p.name)] for p in site.effect.parameters}
+    if isinstance(site.effect, Trend):
+        return EffectAt(site.effect.steady.name, site.where, site.effect.in_trial(values, number))
+    return EffectAt(site.effect.name, site.where, values)
 
 
 def scene_of(study: Study, model: RigModel, fit: Fit, trial: str | None = None) -> Scene:
@@ -24,9 +35,10 @@ def scene_of(study: Study, model: RigModel, fit: Fit, trial: str | None = None) 
         fit: what was found.
         trial: which; if none is named, the first in which every effect acts, or the first of all.
     """
+    numbers = {t.id: number for number, t in enumerate(study.trials) if t.id in fit.trials}
     if trial is None:
         sites = fit.hypothesis.sites
-        trial = next((t.id for t in study.trials if len(fit.hypothesis.acting(t.id)) == len(sites)), study.trials[0].id)
+        trial = next((t for t in numbers if len(fit.hypothesis.acting(t)) == len(sites)), next(iter(numbers)))
     chosen = study.trial(trial)
     base = {n: v for n, v in study.values().items() if n in DEFAULTS}
     overrides = {n: v for n, v in chosen.overrides.items() if n in DEFAULTS}
@@ -34,10 +46,7 @@ def scene_of(study: Study, model: RigModel, fit: Fit, trial: str | None = None) 
         {**DEFAULTS, **fit.hypothesis.trial_values(fit.z, {**model.base, **base}, study.condition(chosen), overrides)}
     )
     free = fit.values()
-    effects = tuple(
-        EffectAt(s.effect.name, s.where, {p.name: free[s.key(p.name)] for p in s.effect.parameters})
-        for s in fit.hypothesis.acting(chosen.id)
-    )
+    effects = tuple(_as_it_is(s, free, numbers[trial]) for s in fit.hypothesis.acting(trial))
     data = model.trial(chosen.id)
     start = {
         (n.coordinate, n.rate): float(v)
