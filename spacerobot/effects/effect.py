@@ -18,6 +18,11 @@ FORM: Final = "~"
 """What stands between the name of an effect and the form that it is in."""
 
 
+def said_name(name: str) -> str:
+    """The name that a verdict gives an effect: a learned law's shape or a form is no part of it."""
+    return name.split("[")[0].split(FORM)[0]
+
+
 @dataclass(frozen=True)
 class Parameter:
     """One number of an effect.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
@@ -45,6 +45,19 @@ def first_orders(order: int, kind: str) -> tuple[tuple[complex, complex], ...]:
         residue = gain / np.prod(p - np.delete(poles, k))
         found.append((complex(-p), complex(-residue / p)))
     return tuple(found)
+
+
+def summed(form: tuple[int, str], respond: Callable[[complex | float], np.ndarray]) -> np.ndarray:
+    """Output of a filter, shape (T,), from what `respond` makes of its input by a first-order one of each rate.
+
+    Of each conjugate pair one is asked for, and counts twice with its real part.
+    """
+    parts = [
+        (2.0 if rate.imag else 1.0) * (gain * respond(rate if rate.imag else rate.real)).real
+        for rate, gain in first_orders(*form)
+        if rate.imag >= 0.0
+    ]
+    return np.asarray(sum(parts))
 
 
 class HigherOrder(SensorEffect):

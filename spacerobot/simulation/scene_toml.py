@@ -37,6 +37,7 @@ from spacerobot.model.spacecraft import SpacecraftSpec
 from spacerobot.simulation.parts import ContactLaw, EffectAt, Motion, Servo, Target, Wrist
 from spacerobot.simulation.parts.checks import number, vector
 from spacerobot.support.errors import InputError, NotFoundError
+from spacerobot.support.files import read_toml_text
 
 T = TypeVar("T")
 
@@ -60,16 +61,8 @@ def made_from_file(make: Callable[..., T], path: str | Path) -> T:
     Raises:
         InputError: the file is missing, no TOML, or describes no scene; with file, key, and what is valid.
     """
-    file = Path(path)
-    try:
-        if not file.is_file():
-            raise InputError("no such scene", given=str(path), valid="a scene in a TOML file")
-        if file.stat().st_size > MAX_BYTES:
-            raise InputError("too large for a scene", given=f"{file.stat().st_size} bytes", where=str(path))
-        text = file.read_text(encoding="utf-8")
-    except (OSError, UnicodeError, ValueError) as error:
-        raise InputError(f"the scene cannot be read ({error})", given=str(path)) from None
-    return made_from_text(make, text, where=str(path), folder=file.resolve().parent)
+    text = read_toml_text(path, "scene", MAX_BYTES)
+    return made_from_text(make, text, where=str(path), folder=Path(path).resolve().parent)
 
 
 def made_from_text(make: Callable[..., T], text: str, *, where: str, folder: Path | None) -> T:

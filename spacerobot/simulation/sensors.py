@@ -10,7 +10,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from spacerobot.effects.filters import BOTH_WAYS, first_orders
+from spacerobot.effects.filters import BOTH_WAYS, summed
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import ChannelMap, Readout
 from spacerobot.support.errors import NotFoundError
@@ -156,12 +156,10 @@ def _through(m: ChannelMap, value: np.ndarray, grid: np.ndarray, at: np.ndarray,
     """One filter's output on an even grid, shape (T,), of an input that jumps by `jump` at times `at`, shape (E,)."""
     from scipy.signal import lfilter
 
-    step, out = float(grid[1] - grid[0]), np.zeros_like(value)
-    after = np.searchsorted(grid, at)
-    for rate, gain in first_orders(*m.form):
-        if rate.imag < 0.0:
-            continue  # the conjugate of another
-        a: Any = 2.0 * math.pi * m.value * step * (rate if rate.imag else rate.real)
+    step, after = float(grid[1] - grid[0]), np.searchsorted(grid, at)
+
+    def respond(rate: complex | float) -> np.ndarray:
+        a: Any = 2.0 * math.pi * m.value * step * rate
         decay, come = np.exp(-a), -np.expm1(-a)
         late = 1.0 - come / a  # weight of the newer end of a linear piece
         early = come - late
@@ -171,8 +169,9 @@ def _through(m: ChannelMap, value: np.ndarray, grid: np.ndarray, at: np.ndarray,
             beyond = np.zeros_like(own)
             np.add.at(beyond, after, jump * (-np.expm1(-a * (grid[after] - at) / step) - late))
             own = own + lfilter([1.0], den, beyond)
-        out += (2.0 if rate.imag else 1.0) * (gain * own).real
-    return out
+        return np.asarray(own)
+
+    return summed(m.form, respond)
 
 
 def _jumps(run: Run, readout: Readout, inertias: list[ChannelMap], grid: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

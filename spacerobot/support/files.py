@@ -44,6 +44,28 @@ def write_text(path: Path, text: str) -> None:
         stream.write(text)
 
 
+def read_toml_text(path: str | Path, what: str, most: int) -> str:
+    """Text of a TOML file that a user names.
+
+    Args:
+        path: of the file.
+        what: it describes, e.g. "scene".
+        most: bytes that such a file has at most.
+
+    Raises:
+        InputError: it is missing, too large or no text.
+    """
+    file = Path(path)
+    try:
+        if not file.is_file():
+            raise InputError(f"no such {what}", given=str(path), valid=f"a {what} in a TOML file")
+        if file.stat().st_size > most:
+            raise InputError(f"too large for a {what}", given=f"{file.stat().st_size} bytes", where=str(path))
+        return file.read_text(encoding="utf-8")
+    except (OSError, UnicodeError, ValueError) as error:
+        raise InputError(f"the {what} cannot be read ({error})", given=str(path)) from None
+
+
 def may_write(path: Path, what: str, overwrite: bool) -> None:
     """Refuse to write over what is there, were it a link that leads nowhere.
 

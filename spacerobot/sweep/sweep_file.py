@@ -14,6 +14,7 @@ from spacerobot.simulation.parts.checks import number, vector
 from spacerobot.simulation.scene import Scene
 from spacerobot.simulation.scene_file import read_scene, scene_from_table
 from spacerobot.support.errors import InputError, NotFoundError
+from spacerobot.support.files import read_toml_text
 from spacerobot.sweep.keys import known
 from spacerobot.sweep.plan import MOST, Plan
 from spacerobot.sweep.scatter import KINDS, Scatter
@@ -31,15 +32,7 @@ def read_sweep(path: str | Path) -> str:
     Raises:
         InputError: it is missing, too large or no text.
     """
-    file = Path(path)
-    try:
-        if not file.is_file():
-            raise InputError("no such sweep", given=str(path), valid="a sweep in a TOML file")
-        if file.stat().st_size > MAX_BYTES:
-            raise InputError("too large for a sweep", given=f"{file.stat().st_size} bytes", where=str(path))
-        return file.read_text(encoding="utf-8")
-    except (OSError, UnicodeError, ValueError) as error:
-        raise InputError(f"the sweep cannot be read ({error})", given=str(path)) from None
+    return read_toml_text(path, "sweep", MAX_BYTES)
 
 
 def plan_from_text(text: str, folder: Path, *, seed: int | None = None, where: str = "sweep") -> Plan:

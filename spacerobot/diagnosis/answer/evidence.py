@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from spacerobot.diagnosis.answer.record import Verdict, said_name, written
+from spacerobot.diagnosis.answer.record import Verdict, written
 from spacerobot.diagnosis.answer.verdict import labels_of, pattern
 from spacerobot.diagnosis.fitting.adequacy import Left
 from spacerobot.diagnosis.fitting.fitted import Fit
@@ -21,6 +21,7 @@ from spacerobot.diagnosis.selection.part_result import Part, balance
 from spacerobot.diagnosis.selection.search_state import Found
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Label
+from spacerobot.effects.effect import said_name
 from spacerobot.effects.registry import effect as effect_of
 from spacerobot.recordings.study import Study
 

@@ -10,7 +10,7 @@ from msgspec import UNSET, Meta, UnsetType
 
 from spacerobot.diagnosis.terms.hypothesis import Label
 from spacerobot.diagnosis.terms.kinds import Kind, LeadsTo, Told
-from spacerobot.effects.effect import FORM
+from spacerobot.effects.effect import said_name
 from spacerobot.support.jsonio import plain
 
 FORMAT: Final = 1
@@ -358,11 +358,6 @@ class Verdict(Record, frozen=True, kw_only=True):
 def placed(label: Label) -> list[Placed]:
     """A set of effects, each at its place."""
     return [Placed(effect=said_name(e), where=w) for e, w in label]
-
-
-def said_name(effect: str) -> str:
-    """The name that a verdict gives an effect: a learned law's shape or a form is no part of it."""
-    return effect.split("[")[0].split(FORM)[0]
 
 
 def read(found: Mapping[str, Any]) -> Verdict:

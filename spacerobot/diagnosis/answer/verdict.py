@@ -24,7 +24,6 @@ from spacerobot.diagnosis.answer.record import (
     Value,
     Verdict,
     placed,
-    said_name,
 )
 from spacerobot.diagnosis.answer.spoiled import left_out, noise_told
 from spacerobot.diagnosis.fitting.fitted import Fit, Intervals, interval
@@ -38,6 +37,7 @@ from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import LOOSE, Label
 from spacerobot.diagnosis.terms.kinds import AMBIGUOUS, LEARNED, NAMED, SETTLED
 from spacerobot.diagnosis.terms.parameters import TIMES_STATED, Free
+from spacerobot.effects.effect import said_name
 from spacerobot.recordings.beliefs import ABSORBING, UNSTATED
 from spacerobot.recordings.study import Study
 from spacerobot.recordings.value_units import unit_of_value

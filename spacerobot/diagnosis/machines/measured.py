@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from spacerobot.effects.filters import BOTH_WAYS, first_orders
+from spacerobot.effects.filters import BOTH_WAYS, summed
 from spacerobot.effects.kernel import padded
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.memory import at_rest
@@ -106,13 +106,11 @@ def _filtered(m: ChannelMap, value: np.ndarray, step: float) -> np.ndarray:
     """A channel, shape (T,), through a low-pass filter that had settled at its first reading."""
     from scipy.signal import lfilter
 
-    out = np.zeros_like(value)
-    for rate, gain in first_orders(*m.form):
-        if rate.imag >= 0.0:  # twice the real part of each pair
-            decay = np.exp(-2.0 * np.pi * m.value * step * (rate if rate.imag else rate.real))
-            own = lfilter([1.0 - decay], [1.0, -decay], value, zi=[decay * value[0]])[0]
-            out += (2.0 if rate.imag else 1.0) * (gain * own).real
-    return out
+    def respond(rate: complex | float) -> np.ndarray:
+        decay = np.exp(-2.0 * np.pi * m.value * step * rate)
+        return np.asarray(lfilter([1.0 - decay], [1.0, -decay], value, zi=[decay * value[0]])[0])
+
+    return summed(m.form, respond)
 
 
 def through_sensor(maps: tuple[ChannelMap, ...], value: np.ndarray, step: float) -> np.ndarray:

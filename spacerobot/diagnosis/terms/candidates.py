@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Container, Iterable, Mapping, Sequence
 
 from spacerobot.diagnosis.terms.hypothesis import Believed, Site
-from spacerobot.effects.effect import FORM, Effect
+from spacerobot.effects.effect import Effect, said_name
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.registry import all_effects, effect
 from spacerobot.support.errors import InputError, NotFoundError
@@ -40,7 +40,7 @@ def plainest(label: Sequence[tuple[str, str]]) -> tuple[tuple[str, str], ...]:
 
 def by_name(label: Sequence[tuple[str, str]]) -> tuple[tuple[str, str], ...]:
     """A set by the names that a verdict gives its effects, whatever form they are in."""
-    return tuple(sorted((name.split(FORM)[0], where) for name, where in label))
+    return tuple(sorted((said_name(name), where) for name, where in label))
 
 
 def redundant(label: Sequence[tuple[str, str]]) -> bool:

@@ -6,10 +6,9 @@ import math
 from collections.abc import Mapping
 from dataclasses import replace
 
+from spacerobot.effects.divided import divided
 from spacerobot.effects.effect import Effect, Parameter
-from spacerobot.effects.laws import DAMPER, SPRING
 from spacerobot.effects.mechanism import Mechanism
-from spacerobot.effects.primitives import Coordinate, Force
 from spacerobot.support.errors import InputError
 
 
@@ -51,13 +50,7 @@ class HiddenOscillator(Effect):
                 where=f"{self.name} at {where}",
             )
         omega = 2.0 * math.pi * values["frequency_Hz"]
-        inner = Coordinate(f"{where}.slosh", share, carrier=where)
-        divided = mechanism.with_mass(where, total - share).with_appendage(
-            inner,
-            inner.name,
-            {inner.name: 1.0, where: -1.0},
-            Force(f"{inner.name}.spring", inner.name, SPRING, (share * omega * omega,)),
-            Force(f"{inner.name}.damper", inner.name, DAMPER, (2.0 * values["damping_ratio"] * omega * share,)),
-        )
+        damping = 2.0 * values["damping_ratio"] * omega * share
+        edited, inner = divided(mechanism, where, "slosh", share, stiffness=share * omega * omega, damping=damping)
         pulls = [replace(f, body=inner.name) for f in mechanism.fields if f.body == where]
-        return divided.with_field(*pulls)
+        return edited.with_field(*pulls)

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from spacerobot.effects.divided import divided
 from spacerobot.effects.effect import Effect, Parameter
-from spacerobot.effects.laws import DAMPER, SPRING
 from spacerobot.effects.mechanism import Mechanism
-from spacerobot.effects.primitives import Coordinate, Force
 from spacerobot.support.errors import InputError
 
 
@@ -47,11 +46,7 @@ class JointFlexibility(Effect):
                 valid=f"below {own.mass:g}",
                 where=f"{self.name} at {where}",
             )
-        link = Coordinate(f"{where}.link", share, angular=own.angular, carrier=where)
-        return mechanism.with_mass(where, own.mass - share).with_appendage(
-            link,
-            link.name,
-            {link.name: 1.0, where: -1.0},
-            Force(f"{link.name}.spring", link.name, SPRING, (values["stiffness_N_m"],)),
-            Force(f"{link.name}.damper", link.name, DAMPER, (values["damping_Ns_m"],)),
+        edited, _ = divided(
+            mechanism, where, "link", share, stiffness=values["stiffness_N_m"], damping=values["damping_Ns_m"]
         )
+        return edited
