@@ -13,7 +13,7 @@ import pytest
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
 from spacerobot.diagnosis.learning.bands import band
 from spacerobot.diagnosis.learning.curves import fit_curve
-from spacerobot.diagnosis.learning.describe import describe
+from spacerobot.diagnosis.learning.learn import _closed
 from spacerobot.effects import registry
 from spacerobot.effects.effect import Effect, Parameter
 from spacerobot.effects.kernel import Kernel
@@ -80,12 +80,15 @@ def test_a_worn_guide_is_learned_with_its_band_and_its_formula(monkeypatch: pyte
     seen = band(right)
     truth = np.array([worn(1.0, 0.0, x, (1.6, 0.008, 0.003)) for x in seen.x])
     assert np.mean((seen.low <= truth) & (truth <= seen.high)) >= 0.85
-    told = describe(right)
-    assert told is not None
+    closed = _closed(workshop, right)
+    assert closed is not None
+    told, form = closed
+    assert workshop.left_by(form).adequate
     assert told.like == "coulomb_friction"
-    assert told.parameters["a_1"][0] == pytest.approx(1.6, rel=0.05)
-    assert told.parameters["a_1_place"][0] == pytest.approx(0.008, rel=0.05)
-    assert told.parameters["a_1_width"][0] == pytest.approx(0.003, rel=0.1)
+    found = {key.rpartition(".")[2]: value for key, value in form.values().items() if "@" in key}
+    assert found["a_1"] == pytest.approx(1.6, rel=0.05)
+    assert found["a_1_place"] == pytest.approx(0.008, rel=0.05)
+    assert found["a_1_width"] == pytest.approx(0.003, rel=0.1)
 
 
 def test_a_damper_of_one_stroke_is_learned_and_only_its_sum_with_the_damping_is_claimed(
@@ -102,6 +105,8 @@ def test_a_damper_of_one_stroke_is_learned_and_only_its_sum_with_the_damping_is_
     damping = sum(workshop.model.base[n] for n in ("wrist.damping", "wrist.equivalent_damping") if n in seen.with_)
     truth = damping * seen.x + 11.0 * np.minimum(seen.x, 0.0)
     assert np.mean((seen.low <= truth) & (truth <= seen.high)) >= 0.85
-    told = describe(right)
-    assert told is not None
+    closed = _closed(workshop, right)
+    assert closed is not None
+    told, form = closed
+    assert workshop.left_by(form).adequate
     assert "one stroke" in told.words

@@ -34,6 +34,7 @@ class Diagnosis(Brief):
         left: of a wrist rig, what the finalists leave over, by set of effects.
         model: of other machines, what was found as TOML, for `spacerobot overlay --model`.
         scene: of a wrist rig, its first trial as the chosen model has it.
+        law_file: of a law that was learned and has a formula, a Python file that defines it as an effect.
         parts: of other machines, what was found at each joint, body or sensor.
     """
 
@@ -45,6 +46,7 @@ class Diagnosis(Brief):
     parts: tuple[Part, ...] = ()
     scene: Scene | None = None
     model: str | None = None
+    law_file: str | None = None
 
     @cached_property
     def verdict(self) -> dict[str, Any]:
