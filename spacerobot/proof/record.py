@@ -15,8 +15,7 @@ from typing import Any
 from spacerobot.proof.blind import COMMAND, diagnose
 from spacerobot.proof.campaign import seal, write_study
 from spacerobot.proof.conceal import conceal
-from spacerobot.proof.engine.outsiders import OUTSIDERS
-from spacerobot.proof.judge import Judgement, judge, labels
+from spacerobot.proof.judge import Judgement, judge, labels, outside
 from spacerobot.proof.oracle import Bench, Fitted, fitted_labels, only_of, starts_of
 from spacerobot.proof.orders import Order
 from spacerobot.support.errors import InputError, SimulationError
@@ -145,7 +144,7 @@ def _compared(
     more parameters, costs no more than it does; whoever sees the readings alone cannot know better.
     """
     hidden = labels(truth["effects"])
-    known = all(name not in OUTSIDERS for name, _ in hidden)
+    known = not outside(truth["effects"])
     out: dict[str, Any] = {"same": False, "equal": False}
     try:
         bench = Bench(study)

@@ -44,6 +44,7 @@ TARGETS: dict[str, tuple[str, str, float]] = {
     "wrong_parameter": ("wrong believed value recognised as such", ">=", 0.90),
     "abstained": ("abstention outside the catalogue", ">=", 0.90),
     "spoiled": ("named, or said to be spoiled, where recordings are spoiled", ">=", 0.80),
+    "learned": ("law of no catalogue learned, at its port", ">=", 0.90),
     "coverage": ("truth inside the 95 % interval", "between", 0.90),
     "held_out_ratio": ("median held-out error over the oracle's", "<=", 1.05),
 }
@@ -108,6 +109,7 @@ def rates(records: Sequence[Record]) -> dict[str, Rate]:
         "in_set": rate(seen, lambda r: bool(r["in_set"])),
         "wrong_parameter": rate((r for r in counted if r["expected"] == "wrong_parameter"), lambda r: bool(r["top"])),
         "abstained": rate(apart, lambda r: bool(r["abstained"])),
+        "learned": rate((r for r in counted if r["expected"] == "learned"), lambda r: bool(r["top"])),
         "coverage": coverage([r for r in played if r["expected"] != "spoiled"]),
         "spoiled": rate((r for r in counted if r["expected"] == "spoiled"), lambda r: bool(r["top"])),
     }
