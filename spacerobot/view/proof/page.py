@@ -54,11 +54,12 @@ _ROW_NOTES = """\
 baseline was tuned on one trial, as the paper's c_eq is. `rare`: shows in one trial of the campaign. `imitated`: a
 sensor does what looks like damping or delay. `withheld`: an effect of the catalogue which the diagnosis had to do
 without. `law`: a law of no catalogue at one port, to be learned there (`proof/engine/laws.py`). `moving`: a spinning
-target hit off its centre, a free-floating chaser, or a seven-joint arm on servos. That arm has seven modes and the law that stands for it one: its stiffness is scored against the arm's static one; its mass
-and damping, which imitate seven, against those of the tip, and count like all others. `joints`: the same arm driven
-along paths of its own, its joints logged; each joint's torque balance is diagnosed, and dry, viscous or quadratic
-friction, a load on the last link, a heavier rotor or (in no catalogue) a torque that ripples with the angle is hidden.
-`power`: for the power curves, many of them below the limit.
+target hit off its centre, a free-floating chaser, or a seven-joint arm on servos. That arm has seven modes and the
+law that stands for it one: its stiffness is scored against the arm's static one; its mass and damping, which imitate
+seven, against those of the tip, and count like all others. `joints`: the same arm driven along paths of its own, its
+joints logged; each joint's torque balance is diagnosed, and dry, viscous or quadratic friction, a load on the last
+link, a heavier rotor or (in no catalogue) a torque that ripples with the angle is hidden.
+`power`:for the power curves, many of them below the limit.
 """
 
 _MISSES = """\
