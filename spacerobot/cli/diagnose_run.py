@@ -7,6 +7,7 @@ import contextlib
 import importlib
 import json
 import os
+import re
 import sys
 from collections.abc import Mapping
 from typing import Any
@@ -122,6 +123,12 @@ class _Stages:
             self._done = done
 
 
+def _in_a_line(latex: str) -> str:
+    """A learned law's formula as a terminal can show it."""
+    text = re.sub(r"\\frac\{([^{}]*)\}\{([^{}]*)\}", r"(\1)/\2", latex)
+    return re.sub(r"\\(left|right)|\\(?=[a-z])", "", text.replace(r"\,", " "))
+
+
 def _show(args: argparse.Namespace, verdict: Mapping[str, Any], folder: RunFolder | None) -> int:
     if args.json:
         print(dumps(verdict))
@@ -145,9 +152,15 @@ def _show(args: argparse.Namespace, verdict: Mapping[str, Any], folder: RunFolde
             low, high = p["ci95"]
             print(f"    {name:24} {_number(p['value'])}   95 % {_number(low)} to {_number(high)} {p['unit']}")
     for law in verdict.get("learned", []):
-        print(f"    {law['kind']} of {' and '.join(law['depends_on'])}: {law['formula'] or 'no short formula'}")
+        formula = _in_a_line(law["formula"]) if law["formula"] else "no short formula"
+        print(f"    {law['kind']} of {' and '.join(law['depends_on'])}: {formula}")
+        for name, p in law["parameters"].items():
+            low, high = p["ci95"]
+            print(f"    {name:24} {_number(p['value'])}   95 % {_number(low)} to {_number(high)} {p['unit']}")
         if law["like"]:
             print(f"    {law['like']['words']}")
+        if law["formula"] and folder is not None:
+            print(f"    a draft of an effect of your own: {folder.folder / 'my_law.py'}")
     if verdict["verdict"] == "ambiguous":
         for other in verdict["alternatives"]:
             names = " + ".join(f"{e['effect']} at {e['where']}" for e in other["effects"])

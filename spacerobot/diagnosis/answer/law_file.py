@@ -15,8 +15,6 @@ Say what it is: give it a name, a title and a source, and its parameters names t
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
 {imports}
 
 from spacerobot.effects.effect import Effect, Parameter
@@ -107,7 +105,11 @@ def law_file(law: FormulaLaw, values: Mapping[str, float], where: str, file: str
     memory = "from spacerobot.effects.memory import Memory\n" if form.kind == "memory" else ""
     return _FILE.format(
         file=file,
-        imports="from dataclasses import replace" if contact else "",
+        imports="\n".join(
+            (["import math"] if "math." in total else [])
+            + ["from collections.abc import Mapping"]
+            + (["from dataclasses import replace"] if contact else [])
+        ),
         kernel=f"from spacerobot.effects.kernel import {kernel}\n" if kernel else "",
         primitives=f"{memory}from spacerobot.effects.primitives import {primitives}\n" if primitives else "",
         law=template.format(sum=total, fading=len(law.parameters) - 1),
