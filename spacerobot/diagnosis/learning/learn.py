@@ -24,7 +24,7 @@ from spacerobot.diagnosis.selection.search_state import Found, Report
 from spacerobot.diagnosis.selection.unseen import foretell
 from spacerobot.diagnosis.terms.kinds import LEARNED, SAME
 from spacerobot.effects.formula import FormulaLaw
-from spacerobot.effects.learned import Kind, Variable
+from spacerobot.effects.learned import Kind, Variable, ports_for
 from spacerobot.support.errors import SimulationError
 
 TRIED: tuple[tuple[str, Kind, Variable], ...] = (
@@ -114,8 +114,8 @@ def _numbers(fit: Fit) -> int:
 
 def _learn(pool: Pool, beside: Fit, report: Report) -> Learnt | None:
     """The law that explains what is left beside a fit; None where no curve at one port leaves nothing but noise."""
-    ports = pool.workshop.model.trial_mechanism(beside.hypothesis, beside.z, pool.workshop.trials[0])
-    begun = [pool.aside(fit_curve, beside, *t) for t in TRIED if t[0] in (*ports.ports, "contact")]
+    machine = pool.workshop.model.trial_mechanism(beside.hypothesis, beside.z, pool.workshop.trials[0])
+    begun = [pool.aside(fit_curve, beside, *t) for t in TRIED if t[0] in ports_for(t[1], machine)]
     curves: list[Curve] = []
     for done, waiting in enumerate(begun):
         report("learning a law", done, len(begun))
