@@ -13,6 +13,7 @@ from spacerobot.proof.orders import CURVES, FAMILIES, KINDS, MOVING
 from spacerobot.proof.rates import (
     Rate,
     Record,
+    calibration_error,
     coverage,
     median_interval,
     place,
@@ -46,6 +47,7 @@ TARGETS: dict[str, tuple[str, str, float]] = {
     "spoiled": ("named, or said to be spoiled, where recordings are spoiled", ">=", 0.80),
     "learned": ("law of no catalogue learned, at its port", ">=", 0.90),
     "coverage": ("truth inside the 95 % interval", "between", 0.90),
+    "calibration": ("expected calibration error of the stated confidence", "<=", 0.05),
     "held_out_ratio": ("median held-out error over the oracle's", "<=", 1.05),
 }
 """Key -> (what it says, sense, bound); coverage is to lie between 0.90 and WIDEST."""
@@ -182,6 +184,7 @@ def as_json(records: Sequence[Record], about: dict[str, Any]) -> dict[str, Any]:
     """The batch as one object: what it was, its rates against the targets, its rows."""
     found = rates(records)
     ratio, least, most = held_out_ratio(records)
+    error, lower, upper = calibration_error(sealed(records))
     targets = {
         key: {
             "rate": r.value,
@@ -202,6 +205,7 @@ def as_json(records: Sequence[Record], about: dict[str, Any]) -> dict[str, Any]:
         "diagnosis_failed": [r["name"] for r in usable(records) if r["said"] == "failed"],
         "targets": {
             **targets,
+            "calibration": {"error": error, "interval_95": [lower, upper], "met": met("calibration", lower, upper)},
             "held_out_ratio": {
                 "median": ratio,
                 "interval_95": [least, most],

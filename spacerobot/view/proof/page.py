@@ -10,7 +10,7 @@ import numpy as np
 
 from spacerobot.proof.judge import NOTICEABLE
 from spacerobot.proof.orders import KINDS
-from spacerobot.proof.rates import Record, coverage, rate, relative_errors
+from spacerobot.proof.rates import Record, calibration_error, coverage, rate, relative_errors
 from spacerobot.proof.summary import (
     MOVES,
     TARGETS,
@@ -124,11 +124,14 @@ def _targets(records: Sequence[Record]) -> str:
         title, sense, bound = TARGETS[key]
         asked = "90 to 98 %" if sense == "between" else f"{sense} {100 * bound:g} %"
         rows.append([title, asked, str(found), _tick(met(key, found.low, found.high)) if found.total else "-"])
-    ratio, low, high = held_out_ratio(records)
-    title, sense, bound = TARGETS["held_out_ratio"]
-    said = "-" if math.isnan(ratio) else f"{ratio:.3f} ({low:.3f} to {high:.3f})"
-    tick = "-" if math.isnan(ratio) else _tick(met("held_out_ratio", low, high))
-    rows.append([title, f"{sense} {bound:g}", said, tick])
+    for key, (value, low, high) in (
+        ("calibration", calibration_error(sealed(records))),
+        ("held_out_ratio", held_out_ratio(records)),
+    ):
+        title, sense, bound = TARGETS[key]
+        said = "-" if math.isnan(value) else f"{value:.3f} ({low:.3f} to {high:.3f})"
+        tick = "-" if math.isnan(value) else _tick(met(key, low, high))
+        rows.append([title, f"{sense} {bound:g}", said, tick])
     return f"{table(['', 'asked', 'found', 'reached'], rows)}\n{_REACHED}"
 
 
