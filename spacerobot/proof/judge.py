@@ -166,6 +166,21 @@ def _stated(key: str, true: float, value: Mapping[str, Any]) -> dict[str, Any]:
     return {"parameter": key, "true": true, "value": number, "low": low, "high": high}
 
 
+def band_share(truth: Mapping[str, Any], verdict: Mapping[str, Any]) -> float | None:
+    """Share of a learned law's table whose band holds the true force, with what it trades with; None of another law."""
+    law = next((LAWS[e["effect"]] for e in truth["effects"] if e["effect"] in LAWS), None)
+    if law is None or verdict["verdict"] != "learned":
+        return None
+    found, numbers = verdict["learned"][0], truth["effects"][0]
+    table = found["table"]
+    if (found["where"], found["kind"], table["variable"]) != (law.where, law.kind, law.of):
+        return None
+    traded = sum(float(truth["rig_as_built"][name]) for name in table["total_with"])
+    rows = zip(table["x"], table["low"], table["high"], strict=True)
+    inside = [low <= law.curve(x, numbers) + traded * x <= high for x, low, high in rows]
+    return sum(inside) / len(inside)
+
+
 def outside(effects: Sequence[Mapping[str, Any]]) -> bool:
     """Whether any of the effects is in no catalogue."""
     return any(e["effect"] in OUTSIDERS or e["effect"] in LAWS for e in effects)
