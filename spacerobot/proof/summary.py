@@ -213,7 +213,6 @@ def as_json(records: Sequence[Record], about: dict[str, Any]) -> dict[str, Any]:
         "diagnosis_failed": [r["name"] for r in usable(records) if r["said"] == "failed"],
         "targets": {
             **targets,
-            "band": _band(records),
             "calibration": {"error": error, "interval_95": [lower, upper], "met": met("calibration", lower, upper)},
             "held_out_ratio": {
                 "median": ratio,
@@ -221,6 +220,7 @@ def as_json(records: Sequence[Record], about: dict[str, Any]) -> dict[str, Any]:
                 "met": met("held_out_ratio", least, most),
             },
         },
+        "learned_bands": _band(records),
         "median_parameter_error": float(np.median(errors)) if errors else math.nan,
         "median_seconds": float(np.median([r["seconds"] for r in usable(records)])) if usable(records) else math.nan,
         "smallest_found": smallest(records),
