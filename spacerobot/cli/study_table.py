@@ -24,6 +24,8 @@ from spacerobot.view.table.page import page
 
 REAL = "real/"
 
+BY_HAND = "<!-- Written by hand from here on: `spacerobot study table` keeps it. -->"
+
 
 def run(args: argparse.Namespace) -> int:
     """Diagnose and write; studies whose recordings are absent are named, and an error only where all are."""
@@ -46,13 +48,21 @@ def run(args: argparse.Namespace) -> int:
             bar.advance(note=short)
     if not verdicts:
         raise InputError("no study could be read", given=", ".join(names), valid="SPACEROBOT_DATA with the recordings")
-    text = page(verdicts, absent)
+    text = page(verdicts, absent) + ("" if args.out is None else by_hand(args.out))
     if args.out is None:
         print(text)
     else:
         write_text(args.out, text)
         print(f"{args.out}: {len(verdicts)} studies")
     return 0
+
+
+def by_hand(path: Path) -> str:
+    """What an earlier page at this place has from the line BY_HAND on, which its next writing keeps."""
+    if not path.is_file():
+        return ""
+    _, line, rest = path.read_text(encoding="utf-8").partition(f"\n{BY_HAND}\n")
+    return line[1:] + rest
 
 
 def _verdict(study: Study, name: str, runs: Path | None) -> Mapping[str, Any]:

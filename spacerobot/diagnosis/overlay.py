@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,6 +11,8 @@ from spacerobot import __version__
 from spacerobot.diagnosis.forward.base import ForwardModel, TrialOverlay
 from spacerobot.diagnosis.forward.choose import model_of, overlays
 from spacerobot.diagnosis.forward.residuals import Residuals, by_channel, residuals
+from spacerobot.recordings.channel import SLIDING, joint_of
+from spacerobot.recordings.rig_robot import sliding_joints
 from spacerobot.recordings.study import Study
 from spacerobot.support.errors import NotFoundError
 from spacerobot.support.executors.base import Executor
@@ -152,8 +154,15 @@ def overlay(
     found = None if model is None else Path(model)
     simulates = model_of(study, found)
     by_id: dict[str, TrialOverlay] = {}
+    slides = sliding_joints(study) if any(joint_of(c) for c in study.channels()) else frozenset()
     coming = (simulates.simulate(t) for t in study.trials) if workers is None else overlays(study, found, workers)
     for done in coming:
-        by_id[done.id] = done
+        by_id[done.id] = _in_own_units(done, slides)
         report()
     return Overlay(study, simulates, tuple(by_id[t.id] for t in study.trials))
+
+
+def _in_own_units(trial: TrialOverlay, slides: Collection[str]) -> TrialOverlay:
+    """The same with lengths and forces for joints that slide."""
+    own = [replace(c, unit=SLIDING.get(c.unit, c.unit)) if joint_of(c.channel) in slides else c for c in trial.channels]
+    return replace(trial, channels=tuple(own))

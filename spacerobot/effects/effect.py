@@ -66,7 +66,7 @@ class Parameter:
             raise InputError(
                 f"{self.name} is outside its bounds",
                 given=value,
-                valid=f"{self.lower:g} to {self.upper:g} {self.unit}",
+                valid=f"{self.lower:g} to {self.upper:g}" + (f" {self.unit}" if self.unit != "1" else ""),
                 where=where or None,
             )
         return float(value)

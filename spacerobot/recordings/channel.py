@@ -66,6 +66,9 @@ EXAMPLES: tuple[str, ...] = (
 )
 """One name of each kind of channel, for messages and documentation. `aux.NAME` is kept but never balanced."""
 
+SLIDING = {"rad": "m", "rad/s": "m/s", "rad/s2": "m/s2", "Nm": "N"}
+"""What a channel of a joint has where it slides, in the place of what it has where it turns."""
+
 MOMENTS = ("before", "after", "event")
 """When a column of an events stream was taken, relative to the event."""
 
@@ -85,6 +88,11 @@ def dimensions(name: str, *, where: str | None = None) -> tuple[str, ...]:
         if re.fullmatch(pattern, name):
             return found
     raise NotFoundError("channel", name, EXAMPLES, where=where)
+
+
+def joint_of(name: str) -> str:
+    """The joint whose channel this is; empty where it is no joint's."""
+    return name.removeprefix("joint.").rpartition(".")[0] if name.startswith("joint.") else ""
 
 
 @dataclass(frozen=True)

@@ -22,6 +22,9 @@ from spacerobot.support.errors import InputError
 Ask = Callable[[Recording], Iterable[InputError]]
 """What somebody else finds wrong with a trial that can be read."""
 
+LINEAR = 0.05
+"""Zero of a joint that turns [rad] up to which its torque is linear in it, to 1.3 ‰: a sine's square term."""
+
 IDLE = (".friction", ".ratio", ".kp", ".kv")
 """Values of a joint that a study may state and that nothing simulates."""
 
@@ -90,6 +93,7 @@ def check_study(
         "ranges": [asdict(r) for r in spans],
         "warnings": [
             *_believed(study),
+            *_far_zeros(study, limits or {}),
             *strangers(study.channels(), limits or {}),
             *(r.warning for r in spans if r.warning),
             *_noiseless(study, spans),
@@ -140,6 +144,22 @@ def _believed(study: Study) -> list[str]:
     if loose:
         found.append(f"channels that no balance uses: {', '.join(loose[:12])}{', ...' if len(loose) > 12 else ''}")
     return found
+
+
+def _far_zeros(study: Study, limits: Mapping[str, Limits]) -> list[str]:
+    """A warning for zeros of encoders of joints that turn, doubted by more than a line is good for."""
+    values = study.values()
+    sizes = {**{n: share * abs(values.get(n, 0.0)) for n, share in study.sigma.items()}, **study.absolute}
+    far = [
+        f"{name} (sigma {size:.2g} rad)"
+        for name, size in sizes.items()
+        if name.startswith("joint.") and name.endswith(".zero") and size > LINEAR
+        if not limits.get(name.split(".")[1], Limits()).slides
+    ]
+    if not far:
+        return []
+    linear = f"torques are taken as linear in a zero, good to {LINEAR:g} rad"
+    return [f"{linear}; state it nearer, or what was found as the belief of a second run: {', '.join(far)}"]
 
 
 def _idle(study: Study) -> list[str]:

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from spacerobot.recordings.drafting.behaviour import by_behaviour
+from spacerobot.recordings.drafting.cells import trials_in
 from spacerobot.recordings.drafting.columns import Reading, readings
 from spacerobot.recordings.drafting.files import Found, recordings_in, robots_in
 from spacerobot.recordings.drafting.gearing import gearing
@@ -108,7 +109,7 @@ class Draft:
             lines.append(f"{owner}.mass = {mass:g}   # from {source}")
         elif self.kind == "wrist":
             lines.append("# target.mass =             # kg, if it is not the same in all trials")
-        lines += [f"{name} = {toml(file.relative)}" for name, file in trial.files.items() if name in self.lines]
+        lines += [f"{name} = {_source(file)}" for name, file in trial.files.items() if name in self.lines]
         return "\n".join(lines) + "\n"
 
 
@@ -140,7 +141,7 @@ def draft(folder: Path, robot: str | None = None) -> Draft:
         listed = "; ".join(refused[:5]) or "it holds none of " + ", ".join(ENDINGS)
         raise InputError("the folder holds no recording that can be read", given=str(folder), valid=listed)
     runs = _list_of_runs(folder, files)
-    files = [f for f in files if runs is None or f.relative != runs.file]
+    files = [t for f in files if runs is None or f.relative != runs.file for t in trials_in(f)]
     robot, joints = joints_of(robots_in(folder), folder, [f.relative for f in files], robot)
     groups = groups_of(files)
     seen = {g.name: readings(g.leanest, joints) for g in groups}
@@ -181,6 +182,12 @@ def draft(folder: Path, robot: str | None = None) -> Draft:
         shape = ("revolute", "0 0 1") if turning else ("prismatic", "1 0 0")
         made.files["axis.urdf"] = AXIS.format(kind=shape[0], direction=shape[1])
     return _readable(made, folder)
+
+
+def _source(file: Found) -> str:
+    if file.variable is None:
+        return toml(file.relative)
+    return f"{{ file = {toml(file.relative)}, variable = {toml(file.variable)} }}"
 
 
 def _list_of_runs(folder: Path, files: Sequence[Found]) -> RunList | None:
@@ -238,7 +245,9 @@ def _settings(group: Group, own_clock: str | None) -> list[str]:
     file = group.leanest
     lines = [] if file.format in ("csv", "text") else [f"format = {toml(file.format)}"]
     clock = find_time(file.table)
-    if clock is None:
+    if clock is None and file.rate is not None:
+        lines.append(f"rate = {file.rate:g}   # Hz, by the clock beside it")
+    elif clock is None:
         lines.append(f"rate = {UNTIMED}   # ? Hz: no column looked like a clock")
     else:
         column = file.table.columns[clock]

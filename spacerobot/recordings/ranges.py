@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from spacerobot.recordings.channel import SLIDING, joint_of
 from spacerobot.recordings.recording import Recording
 from spacerobot.recordings.series import Series
 from spacerobot.recordings.study import Study
@@ -15,9 +16,6 @@ from spacerobot.recordings.study import Study
 ODD = 30.0
 """Ratio from which a reading and its belief cannot both be right: halfway between right and off by a thousand
 (millimetres) on a logarithmic scale, and below the 57 of degrees for radians."""
-
-SLIDING = {"rad": "m", "rad/s": "m/s", "rad/s2": "m/s2", "Nm": "N"}
-"""What a channel of a joint has where it slides, in the place of what it has where it turns."""
 
 TURNS = 4 * math.pi
 """A joint angle beyond two turns is in degrees where its robot states no limits."""
@@ -99,8 +97,8 @@ class Ranges:
 
     def _unit(self, series: Series) -> str:
         """The channel's own; of a joint that slides lengths and forces, where the study states no unit."""
-        joint = series.name.removeprefix("joint.").rpartition(".")[0] if series.name.startswith("joint.") else ""
-        return SLIDING.get(series.unit, series.unit) if self._limits.get(joint, Limits()).slides else series.unit
+        slides = self._limits.get(joint_of(series.name), Limits()).slides
+        return SLIDING.get(series.unit, series.unit) if slides else series.unit
 
     def found(self) -> list[Range]:
         """The ranges, in order of the study."""

@@ -8,6 +8,7 @@ from typing import Any
 
 from lxml import etree
 
+from spacerobot.model.describe import joint_rows
 from spacerobot.model.library import load
 from spacerobot.model.robot import Robot
 from spacerobot.recordings.study import Study
@@ -43,6 +44,15 @@ def study_robot(study: Study, *, floating: bool | None = None, default: str | No
         _state(bodies[name].find("inertia"), moments)
     folders = [source.parent] if isinstance(source, Path) else []
     return load(etree.tostring(root).decode(), floating=floating, package_dirs=folders, mend=True)
+
+
+def sliding_joints(study: Study) -> frozenset[str]:
+    """Joints that slide in the study's robot: files say neither that nor, often, a unit. None where it has no robot."""
+    try:
+        robot = study_robot(study)
+    except InputError:
+        return frozenset()
+    return frozenset(str(row["name"]) for row in joint_rows(robot) if row["unit"] == "m")
 
 
 def mended_links(robot: Robot) -> list[str]:

@@ -66,10 +66,11 @@ def simulate(
     if not (math.isfinite(end) and end > 0.0):
         raise InputError("duration must be positive", given=end)
     if end > LONGEST:
+        spring = "a stiffer wrist, stiffer servos" if scene.joints == "servo" else "a stiffer wrist"
         raise InputError(
             "the run would last too long",
             given=f"{end:g} s in all",
-            valid=f"at most {LONGEST:g} s; a stiffer wrist, a lighter or a faster target, or a duration",
+            valid=f"at most {LONGEST:g} s; {spring}, a lighter or a faster target, or a duration",
             where="duration",
         )
     rate = usual_rate(end) if rate is None else rate

@@ -9,6 +9,7 @@ import pytest
 
 from spacerobot.diagnosis.forward.choose import forward_model
 from spacerobot.diagnosis.forward.driven_axis import RESTART, DrivenAxis, start_state
+from spacerobot.diagnosis.overlay import overlay
 from spacerobot.recordings.study import load_study
 from spacerobot.support.errors import InputError
 from tests.overlay.studies import axis_study, needs_real
@@ -29,6 +30,17 @@ def test_a_wrong_axis_shows_one(tmp_path: Path) -> None:
     for name, baseline in (("mass", "mass = 3.3\ndamping = 4.0"), ("damping", "mass = 3.0\ndamping = 0.0")):
         wrong = residual(axis_study(tmp_path / name, baseline=baseline))
         assert np.abs(wrong).max() > 50 * np.abs(right).max(), name
+
+
+@pytest.mark.parametrize(("kind", "unit"), [("prismatic", "m"), ("revolute", "rad")])
+def test_without_a_unit_the_robot_says_whether_an_axis_slides(tmp_path: Path, kind: str, unit: str) -> None:
+    folder = axis_study(tmp_path)
+    (folder / "axis.urdf").write_text((folder / "axis.urdf").read_text().replace("prismatic", kind))
+    text = (folder / "study.toml").read_text().replace(', unit = "N"', "").replace(', unit = "m"', "")
+    (folder / "study.toml").write_text(text)
+    found = overlay(load_study(folder))
+    assert [c.unit for c in found["a"].channels] == [unit]
+    assert {v.unit for v in found.model.values} >= ({"kg"} if unit == "m" else {"kg m2"})
 
 
 def test_a_drive_logged_in_volts_is_turned_into_newtons(tmp_path: Path) -> None:

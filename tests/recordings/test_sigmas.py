@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from spacerobot.recordings.check import check_study
+from spacerobot.recordings.ranges import Limits
 from spacerobot.recordings.study import Study, load_study
 from spacerobot.support.errors import InputError
 
@@ -84,3 +85,11 @@ def test_what_no_model_reads_is_said(tmp_path: Path) -> None:
     (said,) = (w for w in check_study(found)["warnings"] if "no model reads it" in w)
     assert "wrist.preload" in said
     assert "lateral" not in said
+
+
+@pytest.mark.parametrize(("size", "told"), [("2 deg", False), ("5 deg", True)])
+def test_a_zero_that_a_line_does_not_hold_is_told(tmp_path: Path, size: str, told: bool) -> None:
+    found = study(tmp_path, f'joint.a.zero = "{size}"')
+    said = [w for w in check_study(found)["warnings"] if "linear in a zero" in w]
+    assert bool(said) is told
+    assert not [w for w in check_study(found, {"a": Limits(slides=True)})["warnings"] if "linear in a zero" in w]

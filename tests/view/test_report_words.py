@@ -1,17 +1,15 @@
-"""Words, numbers, formulas and small charts of reports."""
+"""Words, numbers, formulas of reports."""
 
 from __future__ import annotations
 
 import math
 
-import numpy as np
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from spacerobot.effects.registry import all_effects
 from spacerobot.recordings.value_units import unit_of_value
-from spacerobot.view.report import svg
 from spacerobot.view.report.formula import mathml
 from spacerobot.view.report.story import few_trials, improvement
 from spacerobot.view.report.unseen import unseen
@@ -112,24 +110,6 @@ def test_a_hostile_formula_is_shown_as_text(latex: str) -> None:
     assert "<img" not in said
 
 
-@settings(max_examples=100, derandomize=True)
-@given(st.floats(-1e6, 1e6), st.floats(1e-6, 1e6))
-@example(-879609.5156249999, 1.0002404451370269e-06)
-def test_ticks_are_round_and_inside(low: float, span: float) -> None:
-    values = svg.ticks(low, low + span)
-    assert 2 <= len(values) <= 12
-    slack = 1e-6 * span + 1e-15 * abs(low)  # a number's last digits
-    assert all(low - slack <= v <= low + span + slack for v in values)
-    steps = np.diff(values)
-    np.testing.assert_allclose(steps, steps[0], rtol=1e-6, atol=1e-9 * max(abs(low), span))
-
-
-def test_span_of_nothing_and_of_one_value() -> None:
-    assert svg.span_of(np.array([np.nan])) == (0.0, 1.0)
-    low, high = svg.span_of(np.array([3.0]))
-    assert low < 3.0 < high
-
-
 def test_one_channel_that_gains_is_told_of_where_all_together_hide_it() -> None:
     overall = {"rms_before": 1.14, "rms_after": 1.11}
     turning = {"rms_before": 0.18, "rms_after": 0.03}
@@ -226,12 +206,6 @@ def test_forces_on_a_body_of_unknown_mass_are_per_kilogram() -> None:
     assert "0.1 N m s/rad per kg m²" in text
     assert "0.1 rad" in text
     assert per_unit({"effects": effects, "detectable": []})["effects"] == effects
-
-
-def test_greater_values_are_drawn_further_up_and_to_the_right() -> None:
-    frame = svg.Frame(10.0, 20.0, 100.0, 50.0, (0.0, 10.0), (-1.0, 4.0))
-    assert (frame.px(0.0), frame.px(10.0)) == (10.0, 110.0)
-    assert (frame.py(4.0), frame.py(-1.0)) == (20.0, 70.0), "pixels count downwards"
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
+from spacerobot.cli.study_table import BY_HAND, by_hand
 from spacerobot.view.table.beside import beside
 
 
@@ -29,3 +32,14 @@ def test_ours_is_as_good_where_it_is_no_larger() -> None:
 
 def test_without_figures_there_is_no_section() -> None:
     assert beside({"a": {}}) == []
+
+
+def test_what_is_written_by_hand_below_the_line_is_kept(tmp_path: Path) -> None:
+    path = tmp_path / "page.md"
+    assert by_hand(path) == ""
+    path.write_text(f"# made\n{BY_HAND}\n\n## Mine\n", encoding="utf-8")
+    assert by_hand(path) == f"{BY_HAND}\n\n## Mine\n"
+    path.write_text("# made\n", encoding="utf-8")
+    assert by_hand(path) == ""
+    page = Path(__file__).parents[2] / "docs" / "real-recordings.md"
+    assert "## Further sets" in by_hand(page), "the next `make real-table` keeps it"

@@ -22,7 +22,7 @@ from spacerobot.diagnosis.machines import torque_log
 from spacerobot.diagnosis.machines.axis import axis
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.effects.mechanism import Mechanism
-from spacerobot.recordings.rig_robot import study_robot
+from spacerobot.recordings.rig_robot import sliding_joints, study_robot
 from spacerobot.recordings.study import Study
 from spacerobot.recordings.trial import Trial
 from spacerobot.simulation.reduced.run import simulate
@@ -83,7 +83,7 @@ class DrivenAxis(ForwardModel):
             stated["mass"] += values.get(prefix + "armature", 0.0)
         wanted = tuple(n for n in LAWS if n not in stated and (n == "mass" or n in unknown))
         tracks = [study.recording(t) for t in study.trials]
-        angular = tracks[0][f"joint.{joint}.position"].unit == "rad"
+        angular = tracks[0][f"joint.{joint}.position"].unit == "rad" and joint not in sliding_joints(study)
         return cls(
             study,
             joint,

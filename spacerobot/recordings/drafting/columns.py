@@ -98,7 +98,7 @@ def _reading(
         said = [w for w in said if w != "target"]
     quantity = _quantity(said) or (DIMENSION.get(UNITS[stated].dimension, "") if stated else "")
     if not quantity or (quantity == "position" and stated is None):
-        quantity = _quantity(list(file.named.words)) or quantity
+        quantity = _of_file(file) or quantity
     if stated in UNITS and DIMENSION.get(UNITS[stated].dimension) not in (None, quantity):
         quantity = DIMENSION[UNITS[stated].dimension]  # the unit is the surer word
     axis = next((_LATERAL[w] for w in said if w in _LATERAL), "")
@@ -126,7 +126,7 @@ def _reading(
 
 def _by_place(file: Found, reading: Reading, clock: int | None, joints: Sequence[str]) -> Reading | None:
     """A column without a name: the n-th joint, or the n-th axis, where the file's name says what it holds."""
-    quantity = _quantity(list(file.named.words))
+    quantity = _of_file(file)
     readable = [j for j in range(len(file.table.columns)) if j != clock]
     place = readable.index(reading.index)
     words = set(file.named.words)
@@ -138,6 +138,11 @@ def _by_place(file: Found, reading: Reading, clock: int | None, joints: Sequence
             str(reading.index), reading.index, reading.thing, quantity, "xyz"[place], None, False, reading.plain
         )
     return reading
+
+
+def _of_file(file: Found) -> str:
+    """What the file's name says that it holds; a letter alone is an axis, an input or an output of something."""
+    return _quantity([w for w in file.named.words if w not in ("x", "y", "z", "u")])
 
 
 def _stem(name: str) -> str:

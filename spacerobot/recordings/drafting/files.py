@@ -37,6 +37,8 @@ class Found:
         named: what its name says.
         missing: readings that stand for none: the same again and again, far from all others.
         fault: what is wrong with some cell of a usable column, None where nothing is.
+        variable: the one array of a file of several trials that this is, None for a file that is one.
+        rate: readings a second of an array without a clock of its own [Hz], None where nothing says it.
     """
 
     relative: str
@@ -46,6 +48,8 @@ class Found:
     named: Named
     missing: tuple[float, ...] = ()
     fault: str | None = None
+    variable: str | None = None
+    rate: float | None = None
 
     @property
     def rows(self) -> int:

@@ -1,19 +1,44 @@
-"""The report's pictures as SVG, each with a text alternative that says what it shows in numbers."""
+"""The report's pictures, each with a text alternative that says what it shows in numbers."""
 
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from markupsafe import Markup
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import PathPatch
+from matplotlib.path import Path
 
-from spacerobot.view.report import svg
-from spacerobot.view.report.evidence import Surface, Trace
+from spacerobot.view import plotting
+from spacerobot.view.plotting import BLACK, BLUE, GREEN, GREY, VERMILION
+from spacerobot.view.report.evidence import Array, Surface, Trace
+from spacerobot.view.report.inline import inline
 from spacerobot.view.report.words import effects_phrase, finite, number, quantity, unit_text
 
-WIDTH = 760.0
+WIDTH = 7.6
+"""Of the widest pictures, in inches."""
+
+POINTS = "points"
+"""What a scatter whose points answer the pointer is called."""
+
+
+@dataclass(frozen=True)
+class Chart:
+    """A picture in the colours of `inline.THEME`, what it says, and what each point of it says."""
+
+    figure: Figure
+    says: str
+    hints: Mapping[str, Sequence[str]] = field(default_factory=dict)
+
+    def inline(self, name: str = "") -> Markup:
+        """As part of a page, told apart by a name from another that shows the same."""
+        return inline(self.figure, self.says, self.hints, name)
 
 
 def trace_label(trace: Trace) -> str:
@@ -29,95 +54,103 @@ def trace_label(trace: Trace) -> str:
     return f"{where}{held}: measured" + (f", and predicted; {'; '.join(parts)}." if parts else ".")
 
 
-def trace_chart(trace: Trace, height: float = 330.0) -> Markup:
-    """Measured and predicted over time above, what is left of it in noise units below."""
-    root = svg.drawing(WIDTH, height, trace_label(trace))
-    label = f"{trace.channel} [{unit_text(trace.unit) or '1'}]"
-    x = svg.span_of(trace.time, pad=0.01)
-    y = svg.span_of(trace.measured, trace.before, trace.after)
-    upper = svg.Frame(66, 10, WIDTH - 82, 0.56 * (height - 60), x, y)
-    svg.axes(root, upper, y_label=label, x_numbers=False)
-    svg.dots(root, upper, trace.time, trace.measured, "measured", radius=2.6)
-    for values, klass in ((trace.before, "before"), (trace.after, "after")):
-        if len(values):
-            svg.line(root, upper, trace.time, values, klass)
-    residuals = [trace.residual(which) for which in ("before", "after")]
-    if any(len(r) for r in residuals):
-        top = upper.top + upper.height + 18
-        least = np.array([-3.0, 3.0]) if trace.sigma else np.zeros(1)
-        lower = svg.Frame(66, top, WIDTH - 82, height - 42 - top, x, svg.span_of(*residuals, least))
-        svg.axes(root, lower, "time [s]", "off by [σ]" if trace.sigma else f"off by [{unit_text(trace.unit) or '1'}]")
+@plotting.style()
+def traces_chart(traces: Sequence[Trace], height: float = 3.3) -> Chart:
+    """Measured and predicted over time above, what is left of it in noise units below; a column for each trial."""
+    figure = _paper(WIDTH if len(traces) == 1 else 4.2 * len(traces), height, top=0.1 if len(traces) == 1 else 0.3)
+    grid = figure.subplots(2, len(traces), sharex="col", squeeze=False, height_ratios=(1.7, 1))
+    figure.subplots_adjust(hspace=0.12)
+    for (above, below), trace in zip(grid.T, traces, strict=True):
+        _dots(above, trace.time, trace.measured)
+        for which, colour, dash in (("before", VERMILION, "--"), ("after", BLUE, "-")):
+            if len(getattr(trace, which)):
+                above.plot(trace.time, getattr(trace, which), dash, color=colour)
+                below.plot(trace.time, trace.residual(which), dash, lw=1.1, color=colour)
         if trace.sigma:
-            svg.band(root, lower, -2.0, 2.0)
-        for values, klass in zip(residuals, ("before", "after"), strict=True):
-            if len(values):
-                svg.line(root, lower, trace.time, values, f"thin {klass}")
-    return svg.markup(root)
+            below.axhspan(-2.0, 2.0, color=GREEN, alpha=0.15, lw=0)
+        above.margins(x=0.01)
+        below.set_xlabel("time [s]")
+        if len(traces) > 1:
+            above.set_title(_text(f"trial {trace.trial}" + (f" ({trace.condition})" if trace.condition else "")))
+    unit = unit_text(traces[0].unit) or "1"
+    grid[0, 0].set_ylabel(_text(f"{traces[0].channel} [{unit}]"))
+    grid[1, 0].set_ylabel("off by [σ]" if traces[0].sigma else f"off by [{unit}]")
+    for axes in grid[:, 0]:
+        axes.yaxis.set_label_coords(-0.62 / axes.bbox.width * figure.dpi, 0.5)
+    return Chart(figure, " ".join(map(trace_label, traces)))
 
 
-def surface_chart(surface: Surface, width: float = 370.0, height: float = 230.0) -> Markup:
+@plotting.style()
+def surface_chart(surface: Surface) -> Chart:
     """Residual force against what it depends on."""
-    quantity_label = f"{surface.quantity} [{unit_text(surface.unit) or '1'}]"
-    force_label = f"residual [{unit_text(surface.y_unit) or '1'}]"
+    unit, of = unit_text(surface.unit), unit_text(surface.y_unit)
     low, high = float(np.nanmin(surface.y)), float(np.nanmax(surface.y))
-    label = (
-        f"Residual of {surface.balance} against {surface.quantity}: from {number(low)} to {number(high)} "
-        f"{unit_text(surface.y_unit)} over {number(np.nanmin(surface.x))} to {number(np.nanmax(surface.x))} "
-        f"{unit_text(surface.unit)}, {len(surface.x)} points with error bars."
+    says = (
+        f"Residual of {surface.balance} against {surface.quantity}: from {number(low)} to {number(high)} {of} over "
+        f"{number(np.nanmin(surface.x))} to {number(np.nanmax(surface.x))} {unit}, {len(surface.x)} points with error "
+        "bars."
     )
-    root = svg.drawing(width, height, label)
-    y = svg.span_of(surface.y - surface.error, surface.y + surface.error, np.zeros(1))
-    frame = svg.Frame(62, 10, width - 74, height - 54, svg.span_of(surface.x), y)
-    svg.axes(root, frame, quantity_label, force_label)
-    svg.add(root, "line", klass="zero", x1=frame.left, x2=frame.left + frame.width, y1=frame.py(0.0), y2=frame.py(0.0))
-    names = [
-        f"{number(x)} {unit_text(surface.unit)}: {number(y)} ± {number(e, 2)} {unit_text(surface.y_unit)}"
-        for x, y, e in zip(surface.x, surface.y, surface.error, strict=True)
-    ]
-    svg.error_bars(root, frame, surface.x, surface.y, surface.error, names)
-    return svg.markup(root)
+    figure = _paper(4.2, 2.7)
+    axes = figure.subplots()
+    there = np.isfinite(surface.x) & np.isfinite(surface.y)
+    x, y, error = surface.x[there], surface.y[there], np.nan_to_num(surface.error[there], posinf=0.0)
+    axes.vlines(x, y - error, y + error, color=BLUE, lw=1.2)
+    axes.scatter(x, y, s=14, color=BLUE, gid=POINTS)
+    axes.axhline(0.0, color=GREY, lw=0.8, ls="--")
+    axes.set_xlabel(_text(f"{surface.quantity} [{unit or '1'}]"))
+    axes.set_ylabel(_text(f"residual [{of or '1'}]"))
+    hints = [f"{number(a)} {unit}: {number(b)} ± {number(c, 2)} {of}" for a, b, c in zip(x, y, error, strict=True)]
+    return Chart(figure, says, {POINTS: hints})
 
 
-def law_chart(law: Mapping[str, Any], width: float = 560.0, height: float = 280.0) -> Markup:
+@plotting.style()
+def law_chart(law: Mapping[str, Any]) -> Chart:
     """A learned law: the total with the band that holds it everywhere at once, and the curve alone."""
     table = law["table"]
     x, alone, total, low, high = (np.array(table[k], dtype=float) for k in ("x", "law", "total", "low", "high"))
     on, unit, of = law["depends_on"][0], unit_text(table["unit"]), unit_text(table["value_unit"])
-    said = f"Learned law at {law['where']} against {on}: from {number(float(total.min()))} to "
-    root = svg.drawing(width, height, f"{said}{number(float(total.max()))} {of}, with a band of 95 %.")
-    frame = svg.Frame(62, 10, width - 74, height - 54, svg.span_of(x, pad=0.0), svg.span_of(total, alone, np.zeros(1)))
-    svg.axes(root, frame, f"{on} [{unit or '1'}]", f"{'stiffness' if law['kind'] == 'memory' else 'force'} [{of}]")
-    svg.ribbon(root, frame, x, low, high)
-    svg.add(root, "line", klass="zero", x1=frame.left, x2=frame.left + frame.width, y1=frame.py(0.0), y2=frame.py(0.0))
+    figure = _paper(WIDTH, 3.2)
+    axes = figure.subplots()
+    axes.fill_between(x, low, high, color=GREEN, alpha=0.15, lw=0)
+    axes.axhline(0.0, color=GREY, lw=0.8, ls="--")
     if table["total_with"]:
-        svg.line(root, frame, x, alone, "before")
-    svg.line(root, frame, x, total, "after")
-    return svg.markup(root)
+        axes.plot(x, alone, "--", color=VERMILION)
+    axes.plot(x, total, color=BLUE)
+    axes.margins(x=0.0)
+    seen = np.concatenate([total, alone, [0.0]])
+    margin = 0.06 * float(np.ptp(seen)) or 1.0
+    axes.set_ylim(float(seen.min()) - margin, float(seen.max()) + margin)  # a wide band is cut off, not followed
+    axes.set_xlabel(_text(f"{on} [{unit or '1'}]"))
+    axes.set_ylabel(_text(f"{'stiffness' if law['kind'] == 'memory' else 'force'} [{of}]"))
+    said = f"Learned law at {law['where']} against {on}: from {number(float(total.min()))} to "
+    return Chart(figure, f"{said}{number(float(total.max()))} {of}, with a band of 95 %.")
 
 
-def improvement_chart(overall: Mapping[str, Any], unit: str = " σ") -> Markup | None:
+@plotting.style()
+def improvement_chart(overall: Mapping[str, Any], unit: str = " σ") -> Chart | None:
     """Held-out error before, after and the noise floor, as bars on one scale; None without numbers."""
     rows = [
-        ("baseline, refitted", finite(overall.get("rms_before")), "before"),
-        ("chosen model", finite(overall.get("rms_after")), "after"),
-        ("sensor noise", finite(overall.get("noise_floor")), "noise"),
+        ("baseline, refitted", finite(overall.get("rms_before")), VERMILION),
+        ("chosen model", finite(overall.get("rms_after")), BLUE),
+        ("sensor noise", finite(overall.get("noise_floor")), GREY),
     ]
-    shown = [(name, value, klass) for name, value, klass in rows if value is not None and math.isfinite(value)]
+    shown = [(name, value, colour) for name, value, colour in rows if value is not None and math.isfinite(value)]
     if not shown:
         return None
-    largest = max(value for _, value, _ in shown) or 1.0
     said = ", ".join(f"{name} {number(value, 3)}{unit}" for name, value, _ in shown)
-    root = svg.drawing(WIDTH, 34.0 * len(shown) + 8, f"Error on held-out trials: {said}.")
-    for i, (name, value, klass) in enumerate(shown):
-        y = 6.0 + 34.0 * i
-        svg.add(root, "text", name, klass="label", x=150, y=y + 17, text_anchor="end")
-        width = max(520.0 * value / largest, 1.5)
-        svg.add(root, "rect", klass=f"bar {klass}", x=160, y=y, width=width, height=24, rx=4)
-        svg.add(root, "text", f"{number(value, 3)}{unit}", klass="value", x=168 + width, y=y + 17)
-    return svg.markup(root)
+    largest = max(value for _, value, _ in shown) or 1.0
+    figure, axes = _sheet(0.36 * len(shown) + 0.08)
+    for i, (name, value, colour) in enumerate(shown):
+        y = 0.2 + 0.36 * i
+        axes.text(1.55, y, name, ha="right", va="center")
+        length = max(5.0 * value / largest, 0.015)
+        axes.barh(y, length, 0.26, left=1.65, color=colour)
+        axes.text(1.75 + length, y, f"{number(value, 3)}{unit}", va="center")
+    return Chart(figure, f"Error on held-out trials: {said}.")
 
 
-def parameter_chart(name: str, item: Mapping[str, Any]) -> Markup | None:
+@plotting.style()
+def parameter_chart(name: str, item: Mapping[str, Any]) -> Chart | None:
     """A parameter's interval beside what was believed, in believed sigmas where those are known."""
     value, believed = finite(item.get("value")), finite(item.get("believed"))
     low, high = (finite(v) for v in (item.get("ci95") or (None, None)))
@@ -125,43 +158,78 @@ def parameter_chart(name: str, item: Mapping[str, Any]) -> Markup | None:
     if value is None or believed is None or len(numbers) < 2:
         return None
     sigma, unit = finite(item.get("sigma")), item.get("unit")
-    half = 2.0 * sigma if sigma is not None and math.isfinite(sigma) else 0.0
-    said = f"{name}: believed {quantity(believed, unit)}, fitted {quantity(value, unit, item.get('ci95'))}."
-    root = svg.drawing(360, 62, said)
-    span = svg.span_of(np.array([*numbers, believed - half, believed + half]), pad=0.12)
-    frame = svg.Frame(10, 6, 340, 32, span, (0.0, 1.0))
-    svg.axes(root, frame, y_numbers=False)
-    if half:
-        width = frame.px(believed + half) - frame.px(believed - half)
-        svg.add(root, "rect", klass="floor", x=frame.px(believed - half), y=8, width=width, height=28)
-    svg.add(root, "line", klass="before line", x1=frame.px(believed), x2=frame.px(believed), y1=8, y2=36)
+    figure = _paper(3.2, 0.6, left=0.1, bottom=0.25)
+    axes = figure.subplots()
+    if sigma is not None and math.isfinite(sigma):
+        axes.axvspan(believed - 2.0 * sigma, believed + 2.0 * sigma, color=GREEN, alpha=0.15, lw=0)
+    axes.axvline(believed, color=VERMILION, ls="--")
     if low is not None and high is not None and math.isfinite(low) and math.isfinite(high):
-        svg.add(root, "line", klass="after line", x1=frame.px(low), x2=frame.px(high), y1=22, y2=22)
-    svg.add(root, "circle", klass="after", cx=frame.px(value), cy=22, r=5)
-    return svg.markup(root)
+        axes.plot([low, high], [0.0, 0.0], color=BLUE, lw=4)
+    axes.plot([value], [0.0], "o", color=BLUE)
+    axes.margins(x=0.12)
+    axes.locator_params(axis="x", nbins=4)
+    axes.yaxis.set_visible(False)
+    axes.spines["left"].set_visible(False)
+    said = f"{name}: believed {quantity(believed, unit)}, fitted {quantity(value, unit, item.get('ci95'))}."
+    return Chart(figure, said)
 
 
-def rivals_chart(hypotheses: Sequence[Mapping[str, Any]], limit: int = 12) -> Markup | None:
+@plotting.style()
+def rivals_chart(hypotheses: Sequence[Mapping[str, Any]], limit: int = 12) -> Chart | None:
     """Held-out score below the best, of those that were scored on held-out data."""
-    scored = []
-    for item in hypotheses:
-        score = finite(item.get("held_out"))
-        if score is not None and math.isfinite(score):
-            scored.append((score, effects_phrase(item.get("effects") or ())))
-    if len(scored) < 2:
+    scored = [(finite(h.get("held_out")), effects_phrase(h.get("effects") or ())) for h in hypotheses]
+    rows = sorted(((s, n) for s, n in scored if s is not None and math.isfinite(s)), key=lambda p: -p[0])[:limit]
+    if len(rows) < 2:
         return None
-    scored.sort(key=lambda pair: -pair[0])
-    rows = scored[:limit]
     worst = max(max(-score for score, _ in rows), 1e-12)
-    said = "; ".join(f"{name} {number(score, 3)}" for score, name in rows)
-    root = svg.drawing(WIDTH, 40.0 * len(rows) + 6, f"Held-out log score below the best: {said}.")
-    for i, (score, name) in enumerate(rows):
-        y = 4.0 + 40.0 * i
-        svg.add(root, "text", name, klass="label", x=4, y=y + 12)
-        y += 16.0
+    named = [(score, textwrap.wrap(name, 100) or [""]) for score, name in rows]
+    figure, axes = _sheet(sum(0.16 * len(lines) + 0.26 for _, lines in named) + 0.06)
+    y = 0.03
+    for i, (score, lines) in enumerate(named):
+        axes.text(0.03, y, _text("\n".join(lines), 400), va="top")
+        y += 0.16 * len(lines) + 0.13
         # A logarithmic length, since scores run from hundredths to hundreds.
-        length = max(300.0 * math.log10(1.0 + 99.0 * max(-score, 0.0) / worst), 2.0)
-        klass, value = ("bar after", "best") if i == 0 else ("bar rival", number(score, 3))
-        svg.add(root, "rect", klass=klass, x=4, y=y, width=length, height=18, rx=3)
-        svg.add(root, "text", value, klass="value", x=12 + length, y=y + 14)
-    return svg.markup(root)
+        length = max(3.2 * math.log10(1.0 + 99.0 * max(-score, 0.0) / worst), 0.02)
+        axes.barh(y, length, 0.17, left=0.03, color=GREY if i else BLUE)
+        axes.text(0.12 + length, y, number(score, 3) if i else "best", va="center")
+        y += 0.13
+    said = "; ".join(f"{name} {number(score, 3)}" for score, name in rows)
+    return Chart(figure, f"Held-out log score below the best: {said}.")
+
+
+def _paper(
+    width: float, height: float, *, left: float = 0.8, right: float = 0.15, bottom: float = 0.5, top: float = 0.1
+) -> Figure:
+    """An empty figure with margins in inches: laying out by what the labels need takes twice the time to draw."""
+    figure = plotting.canvas(width, height)
+    figure.set_layout_engine(None)
+    sides = {"left": left / width, "right": 1.0 - right / width}
+    figure.subplots_adjust(**sides, bottom=bottom / height, top=1.0 - top / height)
+    return figure
+
+
+def _sheet(height: float) -> tuple[Figure, Axes]:
+    """An empty sheet whose coordinates are inches from the upper left corner."""
+    figure = _paper(WIDTH, height, left=0.0, right=0.0, bottom=0.0, top=0.0)
+    axes = figure.subplots()
+    axes.set_axis_off()
+    axes.set(xlim=(0.0, WIDTH), ylim=(height, 0.0))
+    return figure, axes
+
+
+def _dots(axes: Axes, x: Array, y: Array) -> None:
+    """Samples as one path of round caps: a marker each would take ten times the text."""
+    there = np.isfinite(x) & np.isfinite(y)
+    at = np.repeat(np.column_stack([x[there], y[there]]), 2, axis=0)
+    codes = np.tile([Path.MOVETO, Path.LINETO], len(at) // 2)
+    if len(at):
+        path = Path(at, codes)
+        path.should_simplify = False  # lines of no length are what is drawn here
+        axes.add_patch(PathPatch(path, fill=False, ec=BLACK, lw=3.6, alpha=0.55, capstyle="round"))
+        axes.update_datalim(at)
+        axes.autoscale_view()
+
+
+def _text(text: str, limit: int = 60) -> str:
+    """Plain text for a figure: dollar signs are no mathematics here."""
+    return (text if len(text) <= limit else text[: limit - 1] + "…").replace("$", r"\$")

@@ -48,7 +48,7 @@ def page(verdict: Mapping[str, Any], evidence: Evidence) -> str:
     hero = _hero(verdict, evidence)
     fitted, screened, more = _rivals(_with_held_out(verdict, evidence.hypotheses))
     unit = " σ" if (verdict.get("held_out") or {}).get("unit", "sigma") == "sigma" else ""
-    surfaces = [(s, charts.surface_chart(s)) for s in evidence.surfaces[:24]]
+    surfaces = [(s, charts.surface_chart(s).inline()) for s in evidence.surfaces[:24]]
     template = _environment().get_template("page.html")
     return template.render(
         v=verdict,
@@ -63,21 +63,21 @@ def page(verdict: Mapping[str, Any], evidence: Evidence) -> str:
         scheme=(verdict.get("held_out") or {}).get("scheme"),
         unseen=unseen(verdict),
         hero=hero,
-        hero_chart=charts.trace_chart(hero) if hero is not None else None,
-        static=[(t, charts.trace_chart(t)) for t in _one_a_channel(evidence)],
+        hero_chart=charts.traces_chart([hero]).inline("hero") if hero is not None else None,
+        static=[(t, charts.traces_chart([t]).inline()) for t in _one_a_channel(evidence)],
         located=evidence.located or verdict["located"],
         surfaces=surfaces,
         formulas=_formulas(verdict, evidence),
-        improvement_chart=charts.improvement_chart(_overall(verdict), unit),
+        improvement_chart=_inline(charts.improvement_chart(_overall(verdict), unit)),
         unit=unit,
-        rivals_chart=charts.rivals_chart(evidence.hypotheses),
+        rivals_chart=_inline(charts.rivals_chart(evidence.hypotheses)),
         fitted=fitted,
         screened=screened,
         more_screened=more,
         scored=any(finite(h.get("held_out")) is not None for h in evidence.hypotheses),
         best=_best(evidence.hypotheses),
         laws=[_drawn(law) for law in verdict.get("learned", ())],
-        parameter_charts={k: charts.parameter_chart(k, p) for k, p in verdict["parameters"].items()},
+        parameter_charts={k: _inline(charts.parameter_chart(k, p)) for k, p in verdict["parameters"].items()},
         data=Markup(data),  # noqa: S704 - JSON with every bracket escaped
         kept=kept,
         scripts=scripts,
@@ -136,9 +136,13 @@ def policy(scripts: Sequence[str], styles: Sequence[str]) -> str:
     )
 
 
+def _inline(chart: charts.Chart | None) -> Markup | None:
+    return chart.inline() if chart is not None else None
+
+
 def _drawn(law: Mapping[str, Any]) -> tuple[Mapping[str, Any], Markup | None, Markup, Markup]:
     """A learned law, its formula, how its curve acts, and the curve."""
-    return law, mathml(law["formula"]) if law["formula"] else None, mathml(law["law"]), charts.law_chart(law)
+    return law, mathml(law["formula"]) if law["formula"] else None, mathml(law["law"]), charts.law_chart(law).inline()
 
 
 def _hero(verdict: Mapping[str, Any], evidence: Evidence) -> Trace | None:

@@ -9,12 +9,11 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from matplotlib.figure import Figure
-
 from spacerobot.support.files import atomic, write_text
 from spacerobot.support.jsonio import plain
 from spacerobot.support.workers import begin, context, may_fork, without_interrupts
 from spacerobot.view import plotting
+from spacerobot.view.report.charts import Chart
 from spacerobot.view.report.evidence import read_evidence
 from spacerobot.view.report.page import page
 from spacerobot.view.report.plots import drawings
@@ -38,7 +37,7 @@ def _unnoted(names: Sequence[str]) -> None:
     """Nobody wants to know."""
 
 
-_drawings: dict[str, Callable[[], Figure | None]] = {}
+_drawings: dict[str, Callable[[], Chart | None]] = {}
 """Of the report that is being written: processes that begin meanwhile have them too."""
 
 
@@ -84,10 +83,10 @@ def _spread(write: Callable[[str], list[str]], names: Sequence[str], jobs: int) 
 
 
 def _write(folder: Path, name: str) -> list[str]:
-    figure = _drawings[name]()
-    if figure is None:
+    chart = _drawings[name]()
+    if chart is None:
         return []
     with atomic(Path(folder) / f"{name}.png", "wb") as stream:
-        stream.write(plotting.png(figure))
-    write_text(Path(folder) / f"{name}.svg", plotting.svg(figure))
+        stream.write(plotting.png(chart.figure))
+    write_text(Path(folder) / f"{name}.svg", plotting.svg(chart.figure))
     return [f"{name}.png", f"{name}.svg"]
