@@ -40,7 +40,7 @@ ROUND = 0.1
 SHARPEST = 1e-9
 """Half the width [s] of a corner that is not rounded."""
 
-MOST = 3
+MOST = 4
 """Corners of a track, at most."""
 
 LEVEL = np.array([0.025, 0.5, 0.975])
@@ -63,21 +63,26 @@ class Track:
 
 
 def kinks(tracks: Sequence[Track]) -> tuple[Moment, ...]:
-    """The moments at which all tracks together are bent, in order; none where a smooth curve does as well."""
+    """The moments at which all tracks together are bent sharply, in order; none where a smooth curve does as well.
+
+    Corners that would do as well rounded stand for what is smooth and was left out, beside the knocks.
+    """
     start, end = min(float(t.time[0]) for t in tracks), max(float(t.time[-1]) for t in tracks)
     grid = start + (end - start) * np.linspace(MARGIN, 1.0 - MARGIN, MOMENTS)
     found: list[float] = []
     known: list[float] = []
+    sharp: list[int] = []
     accepted = _left(tracks, [])
     for count in range(1, MOST + 1):
         found = _with_one_more(tracks, found, grid)
         square = _left(tracks, found)
         fall = 1.0 - float(np.sqrt(square / max(accepted, 1e-300)))
-        further = count - len(known)
-        large = fall > 1.0 - (1.0 - FALL) ** further and square < _smooth(tracks, count)
-        if large and _significant(tracks, known, found) and all(_sharp(tracks, found, k) for k in range(count)):
-            known, accepted = list(found), square
-    return tuple(_moment(tracks, sorted(known), k) for k in range(len(known)))
+        large = fall > 1.0 - (1.0 - FALL) ** (count - len(known))
+        if large and square < _smooth(tracks, count) and _significant(tracks, known, found):
+            some = [k for k in range(count) if _sharp(tracks, found, k)]
+            if some:
+                known, sharp, accepted = list(found), some, square
+    return tuple(sorted((_moment(tracks, known, k) for k in sharp), key=lambda m: m.time))
 
 
 def _with_one_more(tracks: Sequence[Track], found: Sequence[float], grid: np.ndarray) -> list[float]:
