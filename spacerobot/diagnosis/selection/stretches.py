@@ -15,7 +15,7 @@ import numpy as np
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.noise import correlation_time, split
 from spacerobot.diagnosis.fitting.profile import LEVEL_95
-from spacerobot.diagnosis.locate.kinks import Track, kinks
+from spacerobot.diagnosis.locate.kinks import MARGIN, Track, kinks
 from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.machines.touch import Moment
 from spacerobot.diagnosis.selection.growth import Growth
@@ -25,6 +25,9 @@ from spacerobot.effects.primitives import Readout
 
 FEW = 8
 """Predictions next to the end of a stretch by whose parabola its rate there is told: they are smooth."""
+
+TRIFLE = 0.1
+"""A stretch with less than this share of the rms that all stretches leave over has nothing missing that counts."""
 
 CLEAR = 3.0
 """Standard errors from nothing at which a coordinate was struck: of several a few lie beyond two of them by chance."""
@@ -59,13 +62,34 @@ def momentary(catalogue: Iterable[Effect], model: Machine) -> dict[str, Effect]:
 
 
 def bends(growth: Growth, places: Mapping[str, Effect]) -> dict[str, list[Moment]]:
-    """By recorded trial, the moments at which what the choice leaves over is bent."""
+    """By recorded trial, the moments at which what the choice leaves over is bent.
+
+    Not where a stretch is predicted far better than all are: nothing that counts is missing there.
+    """
     bench, fit = growth.bench, growth.after.fit
+    tracks = {t.id: [k for k, r in _tracks(bench.model, fit, t) if r.of in places] for t in bench.trials}
+    squares = {name: _mean_square(some) for name, some in tracks.items() if some}
+    least = TRIFLE**2 * float(np.mean(list(squares.values()))) if squares else 0.0
     out: dict[str, list[Moment]] = {}
     for trial in bench.trials:
-        found = kinks([t for t, r in _tracks(bench.model, fit, trial) if r.of in places])
-        if found:
-            out[trial.recorded] = [*out.get(trial.recorded, []), *found]
+        if squares.get(trial.id, 0.0) > least:
+            found = [*out.get(trial.recorded, []), *kinks(tracks[trial.id])]
+            out[trial.recorded] = _told_apart(found, 2.0 * MARGIN * (trial.end - trial.start))
+    return {name: some for name, some in out.items() if some}
+
+
+def _mean_square(tracks: Sequence[Track]) -> float:
+    return float(np.mean(np.concatenate([t.rest for t in tracks]) ** 2))
+
+
+def _told_apart(moments: Sequence[Moment], least: float) -> list[Moment]:
+    """Moments that are closer than this [s] are one: a touch that lasted a little."""
+    out: list[Moment] = []
+    for one in sorted(moments, key=lambda m: m.time):
+        if out and one.time - out[-1].time < least:
+            last = out.pop()
+            one = Moment(0.5 * (last.time + one.time), last.low, max(last.high, one.high))
+        out.append(one)
     return out
 
 
