@@ -177,6 +177,14 @@ class Machine(ABC):
         """
         return self
 
+    def cut_at(self, moments: Mapping[str, Sequence[float]]) -> Self:
+        """The same with recorded trials cut at moments [s]: each stretch has a start of its own; here none has one."""
+        return self
+
+    def impulse(self, mechanism: Mechanism, trial: TrialData, rates: Mapping[str, float]) -> dict[str, float]:
+        """What changes the coordinates' rates by so much at a trial's end, by place [N s or N m s]."""
+        return {name: mechanism.coordinates[name].mass * rate for name, rate in rates.items()}
+
     def shocks(self) -> Mapping[str, Moment]:
         """By trial, when its balance is first shaken by a touch."""
         return {}

@@ -81,11 +81,23 @@ def decided(growth: Growth, out: Sequence[str]) -> Decided:
         raise SimulationError("nothing is left to fit when a fold is left out")
     bench = Bench(rest.divided(), whole.threads, whole.kept.within(f"without {', '.join(out)}"), most=INNER)
     own, again = among(bench, [sites[one] for one in growth.after.label], _in_play(growth, sites))
-    fits = {"before": own.before.fit, "after": again, "selected": own.after.fit}
+    fits = {"before": own.before.fit, "after": _begun_at(bench, own, growth, again), "selected": own.after.fit}
     if bench.model is not rest:
         fitter = Fitter(rest, reweighted(rest.trials, bench.weights))
         fits = {name: None if fit is None else _undivided(fitter, fit) for name, fit in fits.items()}
     return Decided(own, bench.weights, fits)
+
+
+def _begun_at(bench: Bench, own: Growth, growth: Growth, again: Fit | None) -> Fit | None:
+    """The chosen set fitted to the fold's trials, grown from its own baseline or begun at what all trials led to.
+
+    The better of the two: where a law has several minima, the one at which a fit ends says nothing of the trials.
+    """
+    values = {k: v for k, v in growth.after.fit.values().items() if "@" in k}
+    if again is None or not values:
+        return again
+    other = bench.fitted_as(own.before.fit, again.hypothesis.sites, values)
+    return other if other is not None and other.cost < again.cost else again
 
 
 def _undivided(fitter: Fitter, fit: Fit) -> Fit:
