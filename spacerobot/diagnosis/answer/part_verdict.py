@@ -62,7 +62,7 @@ def verdict_of(study: Study, parts: Sequence[Part], *, seed: int, seconds: float
     verdict = next(v for v in PRECEDENCE if v in told)
     said = (AMBIGUOUS, NAMED) if verdict == AMBIGUOUS else (verdict,)
     speaking = [p for p, v in zip(parts, own, strict=True) if v in said and (not p.model.not_measured or told is own)]
-    effects = [e for p in speaking for e in lacked(p, len(parts))] if verdict == NAMED else []
+    effects = [e for p in speaking for e in sure(p, len(parts))] if verdict in (NAMED, AMBIGUOUS) else []
     further = [next_trial_of(p) for p, v in zip(parts, own, strict=True) if v == AMBIGUOUS]
     seen = touches([p.model for p in parts])
     return Verdict(
@@ -161,6 +161,13 @@ def _struck(knock: Knock) -> Effect:
         },
         trials=[knock.trial],
     )
+
+
+def sure(part: Part, count: int) -> list[Effect]:
+    """Of what a part lacks, what every set that predicts as well as the chosen one has too: all, without rivals."""
+    shared = set.intersection(*({(said_name(n), w) for n, w in c.label} for c in (part.chosen, *part.rivals)))
+    struck = {(said_name(k.effect.name), k.where) for k in part.knocks}
+    return [e for e in lacked(part, count) if (e.effect, e.where) in shared | struck or not part.rivals]
 
 
 def of_turning(name: str) -> str:

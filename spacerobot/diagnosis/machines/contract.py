@@ -153,11 +153,15 @@ class Machine(ABC):
         return hypothesis.edit(self.mechanism(values, trial), hypothesis.values(z), trial.id)
 
     def sites(self, effects: Iterable[Effect] | None = None) -> list[Site]:
-        """Every effect at every place where it could sit, its parameters scaled to what is typical there."""
+        """Every effect at every place where it could sit, its parameters scaled to what is typical there.
+
+        But for what strikes once: nothing that is kept aside foretells it. It is found by the moment itself
+        (`selection/stretches.py`).
+        """
         plain = self.plain()
         found = []
         for effect in all_effects().values() if effects is None else effects:
-            if effect.once and len({t.recorded for t in self.trials}) > 1:  # every trial would have its own
+            if effect.once:
                 continue
             for where in dict.fromkeys(effect.places(plain)):
                 found.append(Site(scaled(effect, self.size_at(where)), where))
