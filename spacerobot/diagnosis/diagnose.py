@@ -21,7 +21,7 @@ from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.mended_scene import scene_of
 from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.workshop import Workshop
-from spacerobot.diagnosis.learning.learn import as_learned, learn
+from spacerobot.diagnosis.learning.learn import Learnt, as_learned, learn
 from spacerobot.diagnosis.locate.located import Located
 from spacerobot.diagnosis.selection.admission import admit, has_wrist
 from spacerobot.diagnosis.selection.check import why_not
@@ -160,16 +160,15 @@ def diagnose(
         checks=checks,
     )
     scene = scene_of(study, workshop.model, judgement.chosen)
-    draft = None if learnt is None else _draft(judgement.chosen)
+    draft = None if learnt is None else _draft(learnt)
     return Diagnosis(verdict, evidence, found, judgement, left, scene=scene, law_file=draft)
 
 
-def _draft(chosen: Fit) -> str | None:
+def _draft(learnt: Learnt) -> str | None:
     """A learned law as a file of its own, where it has a formula."""
-    site = next((s for s in chosen.hypothesis.sites if isinstance(s.effect, FormulaLaw)), None)
-    if site is None or not isinstance(site.effect, FormulaLaw):
+    site, values = learnt.site, learnt.fit.values()
+    if not isinstance(site.effect, FormulaLaw):
         return None
-    values = chosen.values()
     return law_file(site.effect, {p.name: values[site.key(p.name)] for p in site.effect.parameters}, site.where)
 
 

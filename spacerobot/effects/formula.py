@@ -13,10 +13,20 @@ from typing import Any, Final, cast
 
 import numpy as np
 
-from spacerobot.effects.effect import Effect, Parameter
+from spacerobot.effects.effect import Parameter
 from spacerobot.effects.kernel import Kernel
 from spacerobot.effects.laws import spring_energy
-from spacerobot.effects.learned import FORMULAS, OF, PREFIX, Functions, Kind, Variable, forgets, ports_for
+from spacerobot.effects.learned import (
+    PREFIX,
+    Functions,
+    Kind,
+    Law,
+    Nameless,
+    Variable,
+    against,
+    argument,
+    remembered_force,
+)
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.memory import Memory
 from spacerobot.support.errors import InputError
@@ -108,23 +118,12 @@ def said(x: float, p: Any, at: int) -> float:
 
 def formula_curve(first: float, second: float, third: float, p: Any) -> float:
     """As `learned.curve`, of the sum; p = (which, sign, words, ...)."""
-    x = first
-    if p[0] == 1.0:
-        x = second
-    elif p[0] == 2.0:
-        x = third
-    value = said(x, p, 2)
-    if p[1] > 0.0:
-        return max(value, 0.0)
-    return -value
+    return against(said(argument(p[0], first, second, third), p, 2), p[1])
 
 
 def formula_in_contact(d: float, v: float, aux: float, p: Any) -> float:
     """As `learned.in_contact`, of the sum; p = (k, c, which, words, ...)."""
-    x = d
-    if p[2] == 1.0:
-        x = v
-    return -(p[0] * d + p[1] * v + said(x, p, 3))
+    return -(p[0] * d + p[1] * v + said(argument(p[2], d, v, 0.0), p, 3))
 
 
 def formula_rate(z: float, rate: float, d: float, v: float, way: float, normal: float, p: Any) -> float:
@@ -132,38 +131,28 @@ def formula_rate(z: float, rate: float, d: float, v: float, way: float, normal: 
     return said(way * z, p, 1) * v - p[0] * z
 
 
-def formula_force(z: float, rate: float, d: float, v: float, way: float, normal: float, p: Any) -> float:
-    """-z."""
-    return -z
-
-
-CLOSED = Functions(formula_curve, Kernel(formula_in_contact, energy=spring_energy), Memory(formula_rate, formula_force))
+CLOSED = Functions(
+    formula_curve, Kernel(formula_in_contact, energy=spring_energy), Memory(formula_rate, remembered_force)
+)
 
 
 @dataclass(frozen=True)
-class Formula:
-    """Which words stand in a law, and on which range they were found.
+class Formula(Law):
+    """Which words stand in a law.
 
     Attributes:
-        kind, of: what the law is, and of what.
-        low, high: range that recordings visited, SI.
         words: each with a typical size of its coefficient, SI.
     """
 
-    kind: Kind
-    of: Variable
-    low: float
-    high: float
     words: tuple[tuple[str, float], ...]
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         sizes = [size for _, size in self.words]
-        if self.of not in OF.get(self.kind, ()):
-            raise InputError("no such learned law", given=f"{self.kind} of {self.of}", valid=str(OF))
         if not (1 <= len(self.words) <= MOST_WORDS and all(w in WORDS for w, _ in self.words)):
             raise InputError("a learned law has words of no vocabulary", given=self.words, valid=", ".join(WORDS))
-        if not (all(map(math.isfinite, (self.low, self.high, *sizes))) and self.low < self.high and min(sizes) > 0.0):
-            raise InputError("a learned law has an impossible range or size", given=(self.low, self.high, *sizes))
+        if not (all(map(math.isfinite, sizes)) and min(sizes) > 0.0):
+            raise InputError("a learned law has an impossible size", given=sizes)
 
     @property
     def name(self) -> str:
@@ -172,7 +161,7 @@ class Formula:
         return FORM + "|".join([self.kind, self.of, repr(self.low), repr(self.high), *words]) + "]"
 
     def parameters(self) -> tuple[Parameter, ...]:
-        """A coefficient for each word, of a local rise its place and width too; and of memory, how fast it fades."""
+        """A coefficient for each word, of a local rise its place and width too."""
         made: list[Parameter] = []
         signed = self.kind != "friction"
         for k, (word, size) in enumerate(self.words, 1):
@@ -185,7 +174,7 @@ class Formula:
                 made.append(Parameter(f"a_{k}_place", unit, middle, 0.05 * reach, *ends, (middle,), shape=True))
                 width = 0.1 * reach, 0.1, 1e-4 * reach, 10.0 * reach
                 made.append(Parameter(f"a_{k}_width", unit, *width, (0.1 * reach,), log=True, shape=True))
-        return (*made, *forgets(self.kind))
+        return tuple(made)
 
     def numbers(self, values: Mapping[str, float]) -> tuple[float, ...]:
         """As compiled laws read them: the number of words, then of each (code, coefficient, place, width)."""
@@ -221,31 +210,17 @@ def spoken(name: str) -> Formula:
     return Formula(cast(Kind, kind), cast(Variable, of), *numbers, pairs)
 
 
-class FormulaLaw(Effect):
+class FormulaLaw(Nameless[Formula]):
     """A sum of words whose numbers are fitted."""
 
-    title = "learned law"
-    phrase = "a law of no name"
     source = "learned from recordings"
-    learned = True
 
     def __init__(self, formula: Formula) -> None:
-        self.closed = formula
-        given = {
-            "name": formula.name,
-            "formula": FORMULAS[formula.kind].format(formula.of),
-            "parameters": formula.parameters(),
-        }
-        for key, value in given.items():
-            setattr(self, key, value)  # an instance is an effect of its own, as a class of the catalogue is
-
-    def places(self, mechanism: Mechanism) -> tuple[str, ...]:
-        """As `ports_for`."""
-        return ports_for(self.closed.kind, mechanism)
+        super().__init__(formula, formula.parameters())
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
         """The law at the port."""
-        law = self.closed
+        law = self.shape
         size = max(abs(law.low), abs(law.high), 1e-6)
         numbers, fades = law.numbers(values), values.get("rate_1_s", 0.0)
         return CLOSED.acting(mechanism, where, law.kind, law.of, numbers, fades, size)

@@ -78,8 +78,8 @@ def compiled(law: ScalarLaw) -> Any:
 def c_function(law: Callable[..., float], numbers: int) -> Any:
     """`law` as a C function of so many numbers and a pointer to p; cached on disk where its source is a file.
 
-    A law may call plain functions of its own module. Division by zero gives an infinity or NaN there, which integrators
-    refuse; a C function cannot raise.
+    A law may call plain functions of its own package. Division by zero gives an infinity or NaN there, which
+    integrators refuse; a C function cannot raise.
     """
     numba = jit.numba()
     _make_callable(law)
@@ -92,11 +92,15 @@ def c_function(law: Callable[..., float], numbers: int) -> Any:
 
 @functools.cache
 def _make_callable(law: Callable[..., float]) -> None:
-    """Let compiled code call what `law` calls: plain functions of the module that it stands in."""
+    """Let compiled code call what `law` calls: plain functions of the package that it stands in."""
     if not isinstance(law, FunctionType):
         return
     for name in law.__code__.co_names:
         called = law.__globals__.get(name)
-        if isinstance(called, FunctionType) and called.__module__ == law.__module__:
+        if isinstance(called, FunctionType) and _package(called) == _package(law):
             _make_callable(called)
             jit.numba().extending.register_jitable(called)
+
+
+def _package(function: FunctionType) -> str:
+    return function.__module__.partition(".")[0]

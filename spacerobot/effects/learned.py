@@ -11,9 +11,10 @@ again like any other effect's.
 from __future__ import annotations
 
 import math
+from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Final, Literal, TypeAlias, cast
+from typing import Any, Final, Generic, Literal, TypeAlias, TypeVar, cast
 
 import numpy as np
 
@@ -60,31 +61,26 @@ def spline(x: float, low: float, width: float, cells: int, p: Any, at: int) -> f
     ) / 6.0
 
 
-def curve(first: float, second: float, third: float, p: Any) -> float:
-    """The spline at one of three arguments; p = (which, sign, low, width of a cell, cells, c_0 ... c_(cells + 2)).
+def argument(which: float, first: float, second: float, third: float) -> float:
+    """The argument that a law depends on, counted from 0."""
+    if which == 1.0:
+        return second
+    return third if which == 2.0 else first
 
-    With sign > 0 a level that is never negative.
-    """
-    x = first
-    if p[0] == 1.0:
-        x = second
-    elif p[0] == 2.0:
-        x = third
-    value = spline(x, p[2], p[3], int(p[4]), p, 5)
-    if p[1] > 0.0:
-        return max(value, 0.0)
-    return -value
+
+def against(value: float, sign: float) -> float:
+    """A force against what makes it; with sign > 0 a level of friction, which is never negative."""
+    return max(value, 0.0) if sign > 0.0 else -value
+
+
+def curve(first: float, second: float, third: float, p: Any) -> float:
+    """The spline at one of three arguments; p = (which, sign, low, width of a cell, cells, c_0 ... c_(cells + 2))."""
+    return against(spline(argument(p[0], first, second, third), p[2], p[3], int(p[4]), p, 5), p[1])
 
 
 def in_contact(d: float, v: float, aux: float, p: Any) -> float:
     """-(k d + c v + s), s of d or v as in `curve`; p = (k, c, which, low, width of a cell, cells, c_0 ...)."""
-    x = d
-    if p[2] == 1.0:
-        x = v
-    return -(p[0] * d + p[1] * v + spline(x, p[3], p[4], int(p[5]), p, 6))
-
-
-IN_CONTACT = Kernel(in_contact, energy=spring_energy)
+    return -(p[0] * d + p[1] * v + spline(argument(p[2], d, v, 0.0), p[3], p[4], int(p[5]), p, 6))
 
 
 def remembered_rate(z: float, rate: float, d: float, v: float, way: float, normal: float, p: Any) -> float:
@@ -145,7 +141,7 @@ class Functions:
         return mechanism.with_force(Force(line, where, Kernel(self.curve), (which, -1.0, *numbers)))
 
 
-SPLINE = Functions(curve, IN_CONTACT, Memory(remembered_rate, remembered_force))
+SPLINE = Functions(curve, Kernel(in_contact, energy=spring_energy), Memory(remembered_rate, remembered_force))
 
 
 def ports_for(kind: Kind, mechanism: Mechanism) -> tuple[str, ...]:
@@ -156,32 +152,51 @@ def ports_for(kind: Kind, mechanism: Mechanism) -> tuple[str, ...]:
 
 
 @dataclass(frozen=True)
-class Shape:
-    """All of a learned law that is not fitted.
+class Law:
+    """What a learned law is, and where it is known.
 
     Attributes:
         kind: what it is.
         of: what it depends on.
-        low, high: range that the curve covers, SI.
-        cells: of equal width.
-        roughness: standard deviation of a bend, in units of `size`.
-        size: typical force [N]; of what remembers, typical stiffness [N/m].
+        low, high: range of that, which recordings visited, SI.
     """
 
     kind: Kind
     of: Variable
     low: float
     high: float
+
+    def __post_init__(self) -> None:
+        if self.of not in OF.get(self.kind, ()):
+            raise InputError("no such learned law", given=f"{self.kind} of {self.of}", valid=str(OF))
+        if not (math.isfinite(self.low) and math.isfinite(self.high) and self.low < self.high):
+            raise InputError("a learned law has an impossible range", given=(self.low, self.high))
+
+    @property
+    @abstractmethod
+    def name(self) -> str:
+        """The effect's name, which holds all that is not fitted."""
+
+
+@dataclass(frozen=True)
+class Shape(Law):
+    """All of a learned curve that is not fitted.
+
+    Attributes:
+        cells: of equal width.
+        roughness: standard deviation of a bend, in units of `size`.
+        size: typical force [N]; of what remembers, typical stiffness [N/m].
+    """
+
     cells: int
     roughness: float
     size: float
 
     def __post_init__(self) -> None:
-        numbers = (self.low, self.high, self.roughness, self.size)
-        if self.of not in OF.get(self.kind, ()):
-            raise InputError("no such learned law", given=f"{self.kind} of {self.of}", valid=str(OF))
-        if not (all(map(math.isfinite, numbers)) and self.low < self.high and self.roughness > 0.0 < self.size):
-            raise InputError("a learned law has an impossible range, roughness or size", given=numbers)
+        super().__post_init__()
+        numbers = (self.roughness, self.size)
+        if not (all(map(math.isfinite, numbers)) and min(numbers) > 0.0):
+            raise InputError("a learned law has an impossible roughness or size", given=numbers)
         if not 2 <= self.cells <= MOST - 3:
             raise InputError("a learned law has too many cells, or too few", given=self.cells, valid=f"2 to {MOST - 3}")
 
@@ -250,20 +265,22 @@ def parsed(name: str) -> Shape:
     return Shape(cast(Kind, kind), cast(Variable, of), *numbers)
 
 
-class LearnedLaw(Effect):
-    """A curve whose numbers are fitted."""
+L = TypeVar("L", bound=Law)
+
+
+class Nameless(Effect, Generic[L]):
+    """An effect that is a learned law, in whatever form."""
 
     title = "learned law"
     phrase = "a law of no name"
-    source = "P-spline; Eilers and Marx (1996)"
     learned = True
 
-    def __init__(self, shape: Shape) -> None:
+    def __init__(self, shape: L, parameters: tuple[Parameter, ...]) -> None:
         self.shape = shape
         given = {
             "name": shape.name,
             "formula": FORMULAS[shape.kind].format(shape.of),
-            "parameters": (*(_parameter(k, shape) for k in range(shape.cells + 3)), *forgets(shape.kind)),
+            "parameters": (*parameters, *forgets(shape.kind)),
         }
         for key, value in given.items():
             setattr(self, key, value)  # an instance is an effect of its own, as a class of the catalogue is
@@ -271,6 +288,15 @@ class LearnedLaw(Effect):
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:
         """As `ports_for`."""
         return ports_for(self.shape.kind, mechanism)
+
+
+class LearnedLaw(Nameless[Shape]):
+    """A curve whose numbers are fitted."""
+
+    source = "P-spline; Eilers and Marx (1996)"
+
+    def __init__(self, shape: Shape) -> None:
+        super().__init__(shape, tuple(_parameter(k, shape) for k in range(shape.cells + 3)))
 
     @property
     def precision(self) -> np.ndarray:

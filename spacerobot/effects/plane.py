@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from spacerobot.effects.effect import positions
+from spacerobot.effects.kernel import Kernel
 from spacerobot.effects.mechanism import Mechanism
+from spacerobot.effects.primitives import Force
 
 ACROSS = {"target": "target.y", "base": "base.y"}
 """Coordinate of a body -> the other one of its motion in the plane."""
@@ -13,6 +15,14 @@ def across(mechanism: Mechanism, where: str) -> str | None:
     """The other direction of a body in the plane; None where it moves along one, or something pushes along one."""
     other = ACROSS.get(where)
     return other if other in mechanism.ports and mechanism.contact is None else None
+
+
+def along_both(name: str, where: str, other: str, kernel: Kernel, p: tuple[float, ...]) -> tuple[Force, Force]:
+    """One law in the plane, each component at its own coordinate with the other's rate beside it."""
+    return (
+        Force(f"{name} at {where}", where, kernel, p, aux=other),
+        Force(f"{name} at {other}", other, kernel, p, aux=where),
+    )
 
 
 def bodies(mechanism: Mechanism, *names: str) -> tuple[str, ...]:

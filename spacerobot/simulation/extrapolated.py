@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from spacerobot.effects.formula import OF_UNIT, FormulaLaw
-from spacerobot.effects.learned import LearnedLaw
+from spacerobot.effects.learned import Law, Nameless
 from spacerobot.effects.registry import effect
 from spacerobot.simulation.scene import Scene
 from spacerobot.simulation.trajectory import Trajectory
@@ -30,9 +30,9 @@ def extrapolated(scene: Scene, trajectory: Trajectory) -> tuple[str, ...]:
     said = []
     for placed in scene.effects:
         law = effect(placed.effect)
-        if not isinstance(law, FormulaLaw | LearnedLaw):
+        if not isinstance(law, Nameless):
             continue
-        shape = law.closed if isinstance(law, FormulaLaw) else law.shape
+        shape: Law = law.shape
         channel = "contact.force" if shape.of == "N" else _SHOWN.get((placed.where, shape.of), "")
         seen = trajectory.channels.get(channel)
         if seen is None:

@@ -17,7 +17,6 @@ from spacerobot.effects.formula import WORDS, Formula, FormulaLaw, evaluated, sp
 from spacerobot.effects.registry import effect
 from spacerobot.simulation.reduced.run import simulate
 from spacerobot.simulation.rig import rig
-from spacerobot.support.errors import InputError
 
 FORMULAS = st.builds(
     Formula,
@@ -40,23 +39,6 @@ def test_what_is_compiled_is_what_is_written(x: float, word: str) -> None:
     text = WORDS[word].python.format(x=f"({x!r})", place="0.3", width="0.7")
     value = eval(text, {"math": math, "max": max, "min": min, "abs": abs})
     assert evaluated(word, np.array([x]), 0.3, 0.7)[0] == pytest.approx(value, rel=1e-12, abs=1e-15)
-
-
-@pytest.mark.parametrize(
-    "name",
-    [
-        "learned_law[formula|force|v|0.0|1.0]",
-        "learned_law[formula|force|v|0.0|1.0|sinus=1.0]",
-        "learned_law[formula|force|v|1.0|0.0|line=1.0]",
-        "learned_law[formula|force|v|0.0|1.0|line=-1.0]",
-        "learned_law[formula|memory|v|0.0|1.0|line=1.0]",
-        "learned_law[formula|force|v|0.0|1.0|line]",
-    ],
-)
-def test_a_name_that_is_none_is_refused_in_a_line(name: str) -> None:
-    with pytest.raises(InputError) as raised:
-        effect(name)
-    assert "\n" not in str(raised.value)
 
 
 def _track(name: str, values: dict[str, float], where: str = "wrist") -> np.ndarray:

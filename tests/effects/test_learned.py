@@ -63,6 +63,12 @@ def test_a_name_holds_all_of_a_shape(shape: Shape) -> None:
         "learned_law[force|v|0.0|nan|29|0.1|1.0]",
         "learned_law[force|v|0.0|1.0|99|0.1|1.0]",
         "learned_law[__import__('os')|v|0.0|1.0|29|0.1|1.0]",
+        "learned_law[formula|force|v|0.0|1.0]",
+        "learned_law[formula|force|v|0.0|1.0|sinus=1.0]",
+        "learned_law[formula|force|v|1.0|0.0|line=1.0]",
+        "learned_law[formula|force|v|0.0|1.0|line=-1.0]",
+        "learned_law[formula|memory|v|0.0|1.0|line=1.0]",
+        "learned_law[formula|force|v|0.0|1.0|line]",
     ],
 )
 def test_a_name_that_is_none_is_refused_in_a_line(name: str) -> None:

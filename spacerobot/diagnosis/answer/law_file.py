@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 
 from spacerobot.effects.effect import Parameter
-from spacerobot.effects.formula import WORDS, FormulaLaw
+from spacerobot.effects.formula import OF_UNIT, WORDS, FormulaLaw
 
 _FILE = '''"""A draft, written by `spacerobot diagnose` from a law that it learned; `--effects {file}` takes it.
 
@@ -79,7 +79,7 @@ def law_file(law: FormulaLaw, values: Mapping[str, float], where: str, file: str
         where: the port at which it was learned.
         file: what it will be called.
     """
-    form = law.closed
+    form = law.shape
     contact = where == "contact"
     total = _sum(law, first=2 if contact else 0)
     template, kernel, primitives, edit = (
@@ -115,14 +115,14 @@ def law_file(law: FormulaLaw, values: Mapping[str, float], where: str, file: str
         law=template.format(sum=total, fading=len(law.parameters) - 1),
         low=form.low,
         high=form.high,
-        of_unit={"d": "m", "v": "m/s"}.get(form.of, "N"),
+        of_unit=OF_UNIT[form.of],
         formula=law.formula + r", \quad " + form.written(values),
         parameters="\n".join(_parameter(p, values[p.name]) for p in law.parameters),
         places='("contact",) if mechanism.contact is not None and mechanism.contact.p[2:] == (1.0, 0.0) else ()'
         if contact
         else f'("{where}",) if "{where}" in mechanism.ports else ()',
         edit=edit,
-    ).replace("Mapping\n\n\nfrom", "Mapping\n\nfrom")
+    )
 
 
 def _line(what: str, made: str) -> str:
@@ -132,9 +132,9 @@ def _line(what: str, made: str) -> str:
 def _sum(law: FormulaLaw, first: int) -> str:
     """The words of a law with its parameters as p[...], from the index `first` on."""
     names = [p.name for p in law.parameters]
-    variable = {"d": "d", "v": "v", "N": "normal", "z": "(way * z)"}[law.closed.of]
+    variable = {"d": "d", "v": "v", "N": "normal", "z": "(way * z)"}[law.shape.of]
     parts = []
-    for k, (word, _) in enumerate(law.closed.words, 1):
+    for k, (word, _) in enumerate(law.shape.words, 1):
         at = {n: f"p[{first + names.index(f'a_{k}{n}')}]" for n in ("", "_place", "_width") if f"a_{k}{n}" in names}
         text = WORDS[word].python.format(x=variable, place=at.get("_place", ""), width=at.get("_width", ""))
         parts.append(at[""] if text == "1.0" else f"{at['']} * {text}")

@@ -15,7 +15,7 @@ def learned_law(learnt: Learnt, inflation: float) -> Learned:
     """The record of one learned law; intervals with the noise's inflation [1]."""
     curve, told, fit = learnt.curve, learnt.told, learnt.fit
     shape, seen = curve.shape, band(curve)
-    site = next(s for s in fit.hypothesis.sites if s.effect.learned)
+    site = learnt.site
     numbers = {}
     values: dict[str, float] = {}
     for p in site.effect.parameters:

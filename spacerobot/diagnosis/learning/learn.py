@@ -10,18 +10,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from spacerobot.diagnosis.fitting.fitted import Fit, interval
+from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
 from spacerobot.diagnosis.learning.curves import Curve, fit_curve
 from spacerobot.diagnosis.learning.describe import Described, describe
 from spacerobot.diagnosis.selection.held_out import MOST_FOLDS, folds
+from spacerobot.diagnosis.selection.intervals import by_curvature
 from spacerobot.diagnosis.selection.judge import Judgement, moved
 from spacerobot.diagnosis.selection.kept_aside import Unseen
 from spacerobot.diagnosis.selection.nameable import not_shown
 from spacerobot.diagnosis.selection.rig_fold import Predictions, unseen_of
 from spacerobot.diagnosis.selection.search_state import Found, Report
 from spacerobot.diagnosis.selection.unseen import foretell
+from spacerobot.diagnosis.terms.hypothesis import Site
 from spacerobot.diagnosis.terms.kinds import LEARNED, SAME
 from spacerobot.effects.formula import FormulaLaw
 from spacerobot.effects.learned import Kind, Variable, ports_for
@@ -69,6 +71,11 @@ class Learnt:
     def trusted(self) -> bool:
         """Whether it predicts trials that it has not seen better than the baseline does."""
         return self.held is not None and self.held.check().passed
+
+    @property
+    def site(self) -> Site:
+        """The law at its port, as `fit` has it."""
+        return next(s for s in self.fit.hypothesis.sites if s.effect.learned)
 
     @property
     def fit(self) -> Fit:
@@ -143,8 +150,7 @@ def _learn(pool: Pool, beside: Fit, report: Report) -> Learnt | None:
 def _hidden(curve: Curve, inflation: float) -> bool:
     """Whether an effect beside the curve is not shown: the law is meant without it, or something else is."""
     fit = curve.fit
-    keys = [f.key for f in fit.hypothesis.free if f.kind == "effect"]
-    ends = {key: interval(fit, key, inflation)[1] for key in keys}
+    ends = by_curvature(fit, inflation)
     return any(not_shown(s, fit.values(), ends) for s in fit.hypothesis.sites if not s.effect.learned)
 
 

@@ -9,8 +9,8 @@ from typing import Any
 from spacerobot.effects.effect import Effect, Parameter
 from spacerobot.effects.kernel import Kernel
 from spacerobot.effects.mechanism import Mechanism
-from spacerobot.effects.plane import across, bodies
-from spacerobot.effects.primitives import Force, Friction
+from spacerobot.effects.plane import across, along_both, bodies
+from spacerobot.effects.primitives import Friction
 
 
 def level(v: float, normal: float, aux: float, p: Any) -> float:
@@ -52,6 +52,5 @@ class CoulombFriction(Effect):
         """Friction of constant level at the port; of a body in the plane against its velocity."""
         p, other = (values["force_N"],), across(mechanism, where)
         if other is not None:
-            pairs = ((where, other), (other, where))
-            return mechanism.with_force(*(Force(f"{self.name} at {n}", n, IN_PLANE, p, aux=o) for n, o in pairs))
+            return mechanism.with_force(*along_both(self.name, where, other, IN_PLANE, p))
         return mechanism.with_friction(Friction(f"{self.name} at {where}", where, level, p, steady=True))

@@ -10,7 +10,7 @@ from spacerobot.effects.catalogue.quadratic_damping import QUADRATIC
 from spacerobot.effects.effect import Effect, Parameter, base_ports
 from spacerobot.effects.kernel import Kernel
 from spacerobot.effects.mechanism import Mechanism
-from spacerobot.effects.plane import across, bodies
+from spacerobot.effects.plane import across, along_both, bodies
 from spacerobot.effects.primitives import Force
 
 
@@ -40,5 +40,4 @@ class QuadraticDrag(Effect):
         p, other = (values["coefficient_Ns2_m2"],), across(mechanism, where)
         if other is None:
             return mechanism.with_force(Force(f"{self.name} at {where}", where, QUADRATIC, p))
-        pairs = ((where, other), (other, where))
-        return mechanism.with_force(*(Force(f"{self.name} at {n}", n, IN_PLANE, p, aux=o) for n, o in pairs))
+        return mechanism.with_force(*along_both(self.name, where, other, IN_PLANE, p))

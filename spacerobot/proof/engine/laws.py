@@ -49,8 +49,8 @@ def _saturating(v: float, p: Numbers) -> float:
     return p["force_N"] * math.tanh(v / p["velocity_m_s"])
 
 
-def _catch(d: float, p: Numbers) -> float:
-    """A magnet beside the guide that pulls towards its place."""
+def _magnet(d: float, p: Numbers) -> float:
+    """A magnet beside the guide or under the table that pulls towards its place."""
     u = (d - p["place_m"]) / p["width_m"]
     return p["force_N"] * u * math.exp(0.5 - 0.5 * u * u)
 
@@ -73,12 +73,6 @@ def _pressed(n: float, p: Numbers) -> float:
 def _stiffening(d: float, p: Numbers) -> float:
     """A tip that grows stiff beyond a depth."""
     return p["force_N"] * (max(d, 0.0) / p["depth_m"]) ** 3
-
-
-def _field(d: float, p: Numbers) -> float:
-    """A magnet under the table, near where the target meets the arm."""
-    u = (d - p["place_m"]) / p["width_m"]
-    return p["force_N"] * u * math.exp(0.5 - 0.5 * u * u)
 
 
 def _way(rng: np.random.Generator, reach: float) -> Callable[[float], dict[str, float]]:
@@ -117,12 +111,12 @@ def _deep(rng: np.random.Generator, reach: float) -> Callable[[float], dict[str,
 LAWS: dict[str, HiddenLaw] = {
     "valve": HiddenLaw("wrist", "force", "v", _valve, _way),
     "saturating": HiddenLaw("wrist", "force", "v", _saturating, _drag),
-    "catch": HiddenLaw("wrist", "force", "d", _catch, _at),
+    "catch": HiddenLaw("wrist", "force", "d", _magnet, _at),
     "worn": HiddenLaw("wrist", "friction", "d", _worn, _at),
     "rising": HiddenLaw("wrist", "friction", "d", _rising, _further),
     "loaded": HiddenLaw("wrist", "friction", "N", _pressed, _share),
     "stiffening": HiddenLaw("contact", "force", "d", _stiffening, _deep),
-    "field": HiddenLaw("target", "force", "d", _field, _under),
+    "field": HiddenLaw("target", "force", "d", _magnet, _under),
 }
 """Name -> law."""
 
