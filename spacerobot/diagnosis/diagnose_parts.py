@@ -17,7 +17,6 @@ from spacerobot.diagnosis.locate.of_model import locate_model
 from spacerobot.diagnosis.locate.readings import NothingToBalance
 from spacerobot.diagnosis.machines.choose import some_models_for
 from spacerobot.diagnosis.machines.contract import Machine
-from spacerobot.diagnosis.machines.touch import Moment
 from spacerobot.diagnosis.selection.checks import checks_of_part
 from spacerobot.diagnosis.selection.forward_selection import MOST, grow
 from spacerobot.diagnosis.selection.part_fold import keep_aside
@@ -27,9 +26,6 @@ from spacerobot.diagnosis.selection.stretches import bends, momentary, struck
 from spacerobot.effects.effect import Effect
 from spacerobot.effects.registry import all_effects
 from spacerobot.recordings.study import Study
-
-TURNS = 3
-"""Times that knocks are sought: one may hide another, or an effect that acts in all trials."""
 
 
 def diagnose_parts(
@@ -83,18 +79,15 @@ def diagnose_parts(
 def _searched(
     model: Machine, catalogue: Sequence[Effect], threads: int, reached: Callable[[int], None], kept: Kept
 ) -> Part:
-    """One part's search; where single trials show that it was knocked, again with these cut there, while more shows."""
+    """One part's search; where single trials show that it was knocked, once more with these cut there."""
     growth = grow(model, effects=catalogue, threads=threads, reached=reached, kept=kept)
-    places, known = momentary(catalogue, model), dict[str, list[Moment]]()
-    for turn in range(TURNS if places else 0):
-        found = bends(growth, places)
-        if not found:
-            break
-        known = {t: sorted([*known.get(t, []), *found.get(t, [])], key=lambda m: m.time) for t in {**known, **found}}
-        between = model.cut_at({trial: [m.time for m in some] for trial, some in known.items()})
-        own = kept.within(f"between knocks, {turn}")
-        growth = grow(between, effects=catalogue, threads=threads, reached=reached, kept=own)
-    return Part(growth, knocks=tuple(struck(growth, known, places)))
+    places = momentary(catalogue, model)
+    found = bends(growth, places) if places else {}
+    if not found:
+        return Part(growth)
+    between = model.cut_at({trial: [m.time for m in some] for trial, some in found.items()})
+    again = grow(between, effects=catalogue, threads=threads, reached=reached, kept=kept.within("between knocks"))
+    return Part(again, knocks=tuple(struck(again, found, places)))
 
 
 def _tell(report: Report, what: str, size: int) -> None:

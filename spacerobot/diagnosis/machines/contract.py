@@ -185,6 +185,10 @@ class Machine(ABC):
         """The same with recorded trials cut at moments [s]: each stretch has a start of its own; here none has one."""
         return self
 
+    def steady(self, trial: TrialData, start: float, end: float) -> bool:
+        """Whether what drives it did not change between two moments [s]; so where nothing does."""
+        return True
+
     def impulse(self, mechanism: Mechanism, trial: TrialData, rates: Mapping[str, float]) -> dict[str, float]:
         """What changes the coordinates' rates by so much at a trial's end, by place [N s or N m s]."""
         return {name: mechanism.coordinates[name].mass * rate for name, rate in rates.items()}

@@ -33,6 +33,9 @@ TRIFLE = 1e-4
 LOOSEST = 1e-4
 """Relative tolerance of the integrator; drives that are joined by lines make it no better than this."""
 
+CHANGED = 0.05
+"""Share of an input's range by which it changes where it does: less is a sensor's noise, or slow control."""
+
 LONGER = 1.5
 """By how much another trial may be lengthened."""
 
@@ -105,6 +108,14 @@ class Simulated(Machine):
         windows = [w for t in self.recorded.values() for w in cut(t, self._window, moments.get(t.id, ()))]
         other.trials, other._starts = tuple(spread_over(windows, self._budget)), {}
         return other
+
+    def steady(self, trial: TrialData, start: float, end: float) -> bool:
+        """By the recorded inputs, each within a share of all that it does in the trial."""
+        drive = self.drives.get(trial.recorded)
+        if drive is None:
+            return True
+        here = (drive.time >= start) & (drive.time <= end)
+        return all(not here.any() or np.ptp(v[here]) <= CHANGED * np.ptp(v) for v in drive.value.values())
 
     def but_for(self, out: Sequence[str]) -> Self:
         """The same without some of its windows: nothing that it fits knows a reading of theirs."""

@@ -112,7 +112,8 @@ def cut(trial: TrialData, length: float, moments: Sequence[float] = ()) -> list[
     spans: list[tuple[float, float]] = []
     for first, last in itertools.pairwise(edges):
         count = 1 if last - first < 1.5 * length else int((last - first) / length + 0.5)
-        ends = [last + 1e-6 * (last == trial.end)] if count == 1 else [first + (n + 1) * length for n in range(count)]
+        close = last + 1e-6 * (last == trial.end)
+        ends = [close] if count == 1 else [min(first + (n + 1) * length, close) for n in range(count)]
         spans += zip([first, *ends[:-1]], ends, strict=True)
     out = []
     for n, (begin, end) in enumerate(spans):

@@ -96,10 +96,10 @@ def _begun_at(bench: Bench, own: Growth, growth: Growth, again: Fit | None) -> F
     The better of the two: where a law has several minima, the one at which a fit ends says nothing of the trials.
     """
     values = {k: v for k, v in growth.after.fit.values().items() if "@" in k}
-    if again is None or not values:
+    if not values:
         return again
-    other = bench.fitted_as(own.before.fit, again.hypothesis.sites, values)
-    return other if other is not None and other.cost < (1.0 - TIE) * again.cost else again
+    other = bench.fitted_as(own.before.fit, growth.after.fit.hypothesis.sites, values)
+    return other if other is not None and (again is None or other.cost < (1.0 - TIE) * again.cost) else again
 
 
 def _undivided(fitter: Fitter, fit: Fit) -> Fit:

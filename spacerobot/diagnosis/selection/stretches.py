@@ -15,7 +15,7 @@ import numpy as np
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.noise import correlation_time, split
 from spacerobot.diagnosis.fitting.profile import LEVEL_95
-from spacerobot.diagnosis.locate.kinks import MARGIN, Track, kinks
+from spacerobot.diagnosis.locate.kinks import MARGIN, ROUND, Track, kinks
 from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.machines.touch import Moment
 from spacerobot.diagnosis.selection.growth import Growth
@@ -64,7 +64,9 @@ def momentary(catalogue: Iterable[Effect], model: Machine) -> dict[str, Effect]:
 def bends(growth: Growth, places: Mapping[str, Effect]) -> dict[str, list[Moment]]:
     """By recorded trial, the moments at which what the choice leaves over is bent.
 
-    Not where a stretch is predicted far better than all are: nothing that counts is missing there.
+    Not where a stretch is predicted far better than all are: nothing that counts is missing there. Nor right after a
+    recorded drive has changed: what is wrong with a drive bends a track too. That a controller answers a knock is no
+    reason against it.
     """
     bench, fit = growth.bench, growth.after.fit
     tracks = {t.id: [k for k, r in _tracks(bench.model, fit, t) if r.of in places] for t in bench.trials}
@@ -73,8 +75,9 @@ def bends(growth: Growth, places: Mapping[str, Effect]) -> dict[str, list[Moment
     out: dict[str, list[Moment]] = {}
     for trial in bench.trials:
         if squares.get(trial.id, 0.0) > least:
-            found = [*out.get(trial.recorded, []), *kinks(tracks[trial.id])]
-            out[trial.recorded] = _told_apart(found, 2.0 * MARGIN * (trial.end - trial.start))
+            length = trial.end - trial.start
+            found = [m for m in kinks(tracks[trial.id]) if bench.model.steady(trial, m.low - ROUND * length, m.low)]
+            out[trial.recorded] = _told_apart([*out.get(trial.recorded, []), *found], 2.0 * MARGIN * length)
     return {name: some for name, some in out.items() if some}
 
 
