@@ -35,10 +35,9 @@ def parts(verdict: dict[str, Any]) -> dict[str, dict[str, Any]]:
 
 
 def values(verdict: dict[str, Any]) -> dict[str, float]:
-    """effect@where.parameter -> value, of all that is named."""
-    return {
-        f"{e['effect']}@{e['where']}.{n}": p["value"] for e in verdict["effects"] for n, p in e["parameters"].items()
-    }
+    """effect@where.parameter -> value, of all that is named; of an ambiguous answer its favourites."""
+    found = verdict["effects"] or [e for p in verdict["parts"] for e in p["effects"]]
+    return {f"{e['effect']}@{e['where']}.{n}": p["value"] for e in found for n, p in e["parameters"].items()}
 
 
 def channel(verdict: dict[str, Any], name: str) -> tuple[float, float]:

@@ -62,7 +62,7 @@ def verdict_of(study: Study, parts: Sequence[Part], *, seed: int, seconds: float
     verdict = next(v for v in PRECEDENCE if v in told)
     said = (AMBIGUOUS, NAMED) if verdict == AMBIGUOUS else (verdict,)
     speaking = [p for p, v in zip(parts, own, strict=True) if v in said and (not p.model.not_measured or told is own)]
-    effects = [e for p in speaking for e in sure(p, len(parts))] if verdict in (NAMED, AMBIGUOUS) else []
+    effects = [e for p in speaking for e in lacked(p, len(parts))] if verdict == NAMED else []
     further = [next_trial_of(p) for p, v in zip(parts, own, strict=True) if v == AMBIGUOUS]
     seen = touches([p.model for p in parts])
     return Verdict(
@@ -75,7 +75,8 @@ def verdict_of(study: Study, parts: Sequence[Part], *, seed: int, seconds: float
         verdict=verdict,
         confidence=float(np.mean([p.confidence for p in speaking])),
         why=[line for p in parts for line in why_not(p.checks)]
-        + [f"{p.name}: {p.model.not_measured}" for p in parts if p.model.not_measured],
+        + [f"{p.name}: {p.model.not_measured}" for p in parts if p.model.not_measured]
+        + [line for p, v in zip(parts, own, strict=True) if v == AMBIGUOUS for line in _shared(p)],
         effects=effects,
         alternatives=alternatives(speaking, verdict),
         parameters=_all_moved(parts),
@@ -163,11 +164,11 @@ def _struck(knock: Knock) -> Effect:
     )
 
 
-def sure(part: Part, count: int) -> list[Effect]:
-    """Of what a part lacks, what every set that predicts as well as the chosen one has too: all, without rivals."""
+def _shared(part: Part) -> list[str]:
+    """What every set that predicts as well as the chosen one has too, as a line; none where they share nothing."""
     shared = set.intersection(*({(said_name(n), w) for n, w in c.label} for c in (part.chosen, *part.rivals)))
-    struck = {(said_name(k.effect.name), k.where) for k in part.knocks}
-    return [e for e in lacked(part, count) if (e.effect, e.where) in shared | struck or not part.rivals]
+    names = " and ".join(f"{name} at {where}" for name, where in sorted(shared))
+    return [f"{part.name}: every explanation that predicts as well has {names}"] if shared else []
 
 
 def of_turning(name: str) -> str:

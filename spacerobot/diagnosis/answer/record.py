@@ -282,10 +282,7 @@ class Verdict(Record, frozen=True, kw_only=True):
     seconds: Annotated[float, Meta(ge=0.0, description="that it took [s]")]
     verdict: Kind
     confidence: Annotated[Share, Meta(description="a probability [1]")]
-    effects: Annotated[
-        list[Effect],
-        Meta(description="what is sure: empty unless named or learned, or shared by all sets of an ambiguous answer"),
-    ]
+    effects: Annotated[list[Effect], Meta(description="empty unless named or learned")]
     alternatives: Annotated[
         list[Alternative], Meta(description="best first; the first is the favourite when ambiguous")
     ]
