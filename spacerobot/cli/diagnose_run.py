@@ -130,6 +130,7 @@ def _in_a_line(latex: str) -> str:
 
 
 def show(args: argparse.Namespace, verdict: Mapping[str, Any], folder: RunFolder | None) -> int:
+    """Print a verdict, as JSON where that is asked; the exit code."""
     if args.json:
         print(dumps(verdict))
         return 0
