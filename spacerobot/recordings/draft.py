@@ -148,8 +148,9 @@ def draft(folder: Path, robot: str | None = None) -> Draft:
     trials = trials_of(groups)
     kind = "wrist" if is_wrist(seen) else kind_of(seen)
     named = seen
-    if not joints and (kind in ("", "axis") or (kind == "body" and _no_plane(seen))):
-        seen = by_behaviour(seen, trials) or seen
+    if not joints and kind in ("", "axis", "body"):
+        plane = kind == "body" and not _no_plane(seen)
+        seen = by_behaviour(seen, trials, slider=plane) or seen
         kind = "wrist" if is_wrist(seen) else kind
     representative = {g.name: g.leanest for g in groups}
     drafted = draft_wrist(seen, trials) if kind == "wrist" else Drafted(draft_machine(kind, seen, representative))

@@ -115,6 +115,9 @@ def _reading(
         thing = next((t for w in said for t, called in THINGS.items() if w in called), "")
     if not thing:
         thing = next((t for w in file.named.words for t, called in THINGS.items() if w in called), "")
+    if not thing and (own := [w for w in file.named.words if re.fullmatch(r"joint\d+", w)]):
+        place = int(own[0].removeprefix("joint"))
+        thing = f"joint:{joints[place - 1]}" if 0 < place <= len(joints) else f"joint:{own[0]}"
     if thing in THINGS and not quantity and set(words) <= {*THINGS[thing], *_LATERAL}:
         quantity = "position"  # a thing alone is where it is
     if file.format == "motive" and "." in name:

@@ -12,6 +12,7 @@ from spacerobot.recordings.drafting.columns import Reading
 from spacerobot.recordings.drafting.files import Found
 from spacerobot.recordings.drafting.lines import Line
 from spacerobot.recordings.series import estimate_noise
+from spacerobot.recordings.units import UNITS
 
 AXIS = """<?xml version="1.0"?>
 <!-- One driven axis, written by `study new`. Its mass comes from the study. -->
@@ -141,6 +142,8 @@ def _body_line(kind: str, reading: Reading, main: str) -> Line | None:
         if quantity == "force" and axis == "yaw":
             return None
         return Line(reading, f"{body}.{quantity}.{axis}", use="input")  # commanded or felt, it drives the body
+    if kind == "body" and not axis and quantity == "position" and UNITS[reading.unit or "m"].dimension == "angle":
+        axis = "yaw"  # in a plane there is one angle
     if reading.command or not axis:
         return None
     if quantity == "orientation" and axis in "wxyz":

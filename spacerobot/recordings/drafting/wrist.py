@@ -70,8 +70,10 @@ def draft_wrist(readings: Mapping[str, Sequence[Reading]], trials: Sequence[Tria
         if line is None:
             continue
         tracks = [t for trial in some if (t := _combined(trial, stream, line)) is not None]
-        if thing == "wrist" and line.reading.axis not in travel and _pushed(tracks) < 0:
+        if thing == "wrist" and _pushed(tracks) < 0:
             line.scale, tracks = -line.scale, [Track(t.time, -t.value) for t in tracks]
+            if line.reading.axis in travel:
+                line.remark = "turned round against its axis: a target pushes a wrist its own way"
         line.sigma = _median([estimate_noise(t.value) for t in tracks])
         if thing == "target":
             line.question = _too_far_for_metres(line, tracks)
