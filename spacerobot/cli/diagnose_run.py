@@ -7,6 +7,7 @@ import contextlib
 import importlib
 import json
 import os
+import re
 import sys
 from collections.abc import Mapping
 from typing import Any
@@ -61,7 +62,7 @@ def run(args: argparse.Namespace) -> int:
         if args.out is not None:
             folder = stack.enter_context(RunFolder(args.out, "diagnose", key, overwrite=args.overwrite))
             if folder.finished:
-                return _show(args, json.loads((folder.folder / "verdict.json").read_text(encoding="utf-8")), folder)
+                return show(args, json.loads((folder.folder / "verdict.json").read_text(encoding="utf-8")), folder)
         workers = None if args.dask is None else stack.enter_context(executor(dask=args.dask))
         report = stack.enter_context(_Stages(args.verbose))
         result = diagnose(
@@ -82,7 +83,7 @@ def run(args: argparse.Namespace) -> int:
 
             verdict = write_diagnosis(result, folder, args.jobs or os.cpu_count() or 1)
             folder.finish()
-        return _show(args, verdict, folder)
+        return show(args, verdict, folder)
 
 
 _IDLE = "single effects"
@@ -122,7 +123,14 @@ class _Stages:
             self._done = done
 
 
-def _show(args: argparse.Namespace, verdict: Mapping[str, Any], folder: RunFolder | None) -> int:
+def _in_a_line(latex: str) -> str:
+    """A learned law's formula as a terminal can show it."""
+    text = re.sub(r"\\frac\{([^{}]*)\}\{([^{}]*)\}", r"(\1)/\2", latex)
+    return re.sub(r"\\(left|right)|\\(?=[a-z])", "", text.replace(r"\,", " "))
+
+
+def show(args: argparse.Namespace, verdict: Mapping[str, Any], folder: RunFolder | None) -> int:
+    """Print a verdict, as JSON where that is asked; the exit code."""
     if args.json:
         print(dumps(verdict))
         return 0
@@ -141,13 +149,15 @@ def _show(args: argparse.Namespace, verdict: Mapping[str, Any], folder: RunFolde
         part = f" ({entry['part']})" if "part" in entry and not entry["where"].endswith(entry["part"]) else ""
         alone = f", in trial {' and '.join(entry['trials'])} alone" if "trials" in entry else ""
         print(f"  {entry['effect']} at {entry['where']}{part}{alone}")
-        for name, p in entry["parameters"].items():
-            low, high = p["ci95"]
-            print(f"    {name:24} {_number(p['value'])}   95 % {_number(low)} to {_number(high)} {p['unit']}")
+        _show_values(entry["parameters"])
     for law in verdict.get("learned", []):
-        print(f"    {law['kind']} of {' and '.join(law['depends_on'])}: {law['formula'] or 'no short formula'}")
+        formula = _in_a_line(law["formula"]) if law["formula"] else "no short formula"
+        print(f"    {law['kind']} of {' and '.join(law['depends_on'])}: {formula}")
+        _show_values(law["parameters"])
         if law["like"]:
             print(f"    {law['like']['words']}")
+        if law["formula"] and folder is not None:
+            print(f"    a draft of an effect of your own: {folder.folder / 'my_law.py'}")
     if verdict["verdict"] == "ambiguous":
         for other in verdict["alternatives"]:
             names = " + ".join(f"{e['effect']} at {e['where']}" for e in other["effects"])
@@ -175,6 +185,13 @@ def _show(args: argparse.Namespace, verdict: Mapping[str, Any], folder: RunFolde
     if folder is not None:
         print(f"report: {folder.path('report.html')}")
     return 0
+
+
+def _show_values(parameters: Mapping[str, Any]) -> None:
+    """Each with its interval; a whole number, such as a filter's order, has none."""
+    for name, p in parameters.items():
+        ends = "" if p["ci95"] is None else f"   95 % {' to '.join(map(_number, p['ci95']))}"
+        print(f"    {name:24} {_number(p['value'])}{ends} {p['unit']}".rstrip())
 
 
 def _number(value: float | str | None) -> str:

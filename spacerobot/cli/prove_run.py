@@ -239,7 +239,8 @@ def _told(answer: dict[str, Any], folder: Path) -> str:
             low, high = found["clopper_pearson_95"]
             value = f"{found['hits']} of {found['campaigns']}, {100 * low:.0f} to {100 * high:.0f} %"
         else:
-            value = "-" if found["median"] is None else f"{found['median']:.3f}"
+            point = found["median"] if "median" in found else found["error"]
+            value = "-" if point is None else f"{point:.3f}"
         reached = {None: "open", True: "reached", False: "not reached"}[found["met"]]
         reached = reached if found.get("campaigns", 1) else ""
         lines.append(f"  {key:20s} {value:28s} {reached}".rstrip())

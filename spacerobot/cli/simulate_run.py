@@ -17,6 +17,7 @@ from spacerobot.cli.simulate_report import as_text
 from spacerobot.dynamics.joint_kinds import angular
 from spacerobot.dynamics.pose_limits import PoseLimitWarning
 from spacerobot.model.spacecraft import SpacecraftSpec
+from spacerobot.simulation.extrapolated import ExtrapolationWarning
 from spacerobot.simulation.parts import EffectAt, Servo
 from spacerobot.simulation.prediction import predict, predict_exact
 from spacerobot.simulation.room import StartWarning, met_at_start
@@ -184,9 +185,13 @@ def _effect(text: str) -> EffectAt:
 
 def _answer(scene: Scene, settings: dict[str, Any], said: list[str]) -> tuple[dict[str, Any], Trajectory]:
     end = scene.duration if scene.duration is not None else default_duration(scene)
-    with warnings.catch_warnings():
+    with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("ignore", StartWarning)  # said above, in the command's own words
+        warnings.simplefilter("always", ExtrapolationWarning)
         trajectory = simulate(scene, duration=end, tolerance=settings["tolerance"], rate=settings["rate"])
+    for warned in caught:
+        print(f"warning: {warned.message}", file=sys.stderr)
+    said = [*said, *(str(w.message) for w in caught)]
     predicted = predict(scene)
     exact = predict_exact(scene, end)
     ledger = trajectory.ledger

@@ -11,6 +11,7 @@ import numpy as np
 from spacerobot.diagnosis.answer.clock_offsets import clock_offsets
 from spacerobot.diagnosis.answer.evidence import evidence_of_rig
 from spacerobot.diagnosis.answer.held_out import of_rivals
+from spacerobot.diagnosis.answer.law_file import law_file
 from spacerobot.diagnosis.answer.next_trial import WHY_RIG, next_trial
 from spacerobot.diagnosis.answer.record import NextExperiment
 from spacerobot.diagnosis.answer.result import Diagnosis
@@ -20,7 +21,7 @@ from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.mended_scene import scene_of
 from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.workshop import Workshop
-from spacerobot.diagnosis.learning.learn import as_learned, learn
+from spacerobot.diagnosis.learning.learn import Learnt, as_learned, learn
 from spacerobot.diagnosis.locate.located import Located
 from spacerobot.diagnosis.selection.admission import admit, has_wrist
 from spacerobot.diagnosis.selection.check import why_not
@@ -34,6 +35,7 @@ from spacerobot.diagnosis.selection.rig_fold import hold_out
 from spacerobot.diagnosis.selection.search_state import Report
 from spacerobot.diagnosis.terms.hypothesis import Label, Site
 from spacerobot.diagnosis.terms.kinds import AMBIGUOUS, NAMED, UNKNOWN
+from spacerobot.effects.formula import FormulaLaw
 from spacerobot.effects.registry import all_effects
 from spacerobot.recordings.lacking import refuse_draft
 from spacerobot.recordings.study import Study
@@ -92,12 +94,10 @@ def diagnose(
         decided, profiled = with_intervals(pool, decided)
         found, left_of, inflation, first = decided.found, decided.left_of, decided.inflation, decided.judgement
         chosen = first.chosen
-        learnt = learn(pool, found.baseline, report) if first.verdict == UNKNOWN else None
-        if learnt is not None and learnt.trusted:
+        learnt = learn(pool, found, report) if first.verdict == UNKNOWN else None
+        if learnt is not None:
             first = as_learned(first, learnt)
             chosen, profiled = first.chosen, {}
-        else:
-            learnt = None
         checks = [] if learnt else [nested([found.baseline, *found.fits.values()], chosen)]
         # begun together, asked for below
         copied = pool.aside(synthetic, chosen, first.lead) if first.verdict == NAMED else None
@@ -160,7 +160,16 @@ def diagnose(
         checks=checks,
     )
     scene = scene_of(study, workshop.model, judgement.chosen)
-    return Diagnosis(verdict, evidence, found, judgement, left, scene=scene)
+    draft = None if learnt is None else _draft(learnt)
+    return Diagnosis(verdict, evidence, found, judgement, left, scene=scene, law_file=draft)
+
+
+def _draft(learnt: Learnt) -> str | None:
+    """A learned law as a file of its own, where it has a formula."""
+    site, values = learnt.site, learnt.fit.values()
+    if not isinstance(site.effect, FormulaLaw):
+        return None
+    return law_file(site.effect, {p.name: values[site.key(p.name)] for p in site.effect.parameters}, site.where)
 
 
 def _limits(workshop: Workshop, chosen: Fit, sites: Sequence[Site], inflation: float) -> list[Limit]:

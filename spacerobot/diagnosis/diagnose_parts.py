@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -16,11 +16,14 @@ from spacerobot.diagnosis.fitting.fit_store import Kept, Store
 from spacerobot.diagnosis.locate.of_model import locate_model
 from spacerobot.diagnosis.locate.readings import NothingToBalance
 from spacerobot.diagnosis.machines.choose import some_models_for
+from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.selection.checks import checks_of_part
 from spacerobot.diagnosis.selection.forward_selection import MOST, grow
 from spacerobot.diagnosis.selection.part_fold import keep_aside
 from spacerobot.diagnosis.selection.part_result import Part
 from spacerobot.diagnosis.selection.search_state import Report
+from spacerobot.diagnosis.selection.stretches import bends, momentary, struck
+from spacerobot.effects.effect import Effect
 from spacerobot.effects.registry import all_effects
 from spacerobot.recordings.study import Study
 
@@ -55,8 +58,7 @@ def diagnose_parts(
     for place, model in enumerate(models, 1):
         what = f"{model.name} ({place} of {len(models)})"
         kept = Kept(store, f"{place} {model.name}")
-        growth = grow(model, effects=catalogue, threads=threads, reached=partial(_tell, report, what), kept=kept)
-        parts.append(Part(growth))
+        parts.append(_searched(model, catalogue, threads, partial(_tell, report, what), kept))
     done = []
     for place, part in enumerate(parts):
         report("locating and checking", place, len(parts))
@@ -72,6 +74,20 @@ def diagnose_parts(
     verdict = verdict_of(study, done, seed=seed, seconds=time.perf_counter() - began)
     evidence = evidence_of_parts(study, done, verdict)
     return Diagnosis(verdict, evidence, parts=tuple(done), model=model_text(study, done))
+
+
+def _searched(
+    model: Machine, catalogue: Sequence[Effect], threads: int, reached: Callable[[int], None], kept: Kept
+) -> Part:
+    """One part's search; where single trials show that it was knocked, once more with these cut there."""
+    growth = grow(model, effects=catalogue, threads=threads, reached=reached, kept=kept)
+    places = momentary(catalogue, model)
+    found = bends(growth, places) if places else {}
+    if not found:
+        return Part(growth)
+    between = model.cut_at({trial: [m.time for m in some] for trial, some in found.items()})
+    again = grow(between, effects=catalogue, threads=threads, reached=reached, kept=kept.within("between knocks"))
+    return Part(again, knocks=tuple(struck(again, found, places)))
 
 
 def _tell(report: Report, what: str, size: int) -> None:

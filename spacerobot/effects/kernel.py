@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable
 from dataclasses import dataclass
+from types import FunctionType
 from typing import Any
 
 import numpy as np
@@ -77,11 +78,29 @@ def compiled(law: ScalarLaw) -> Any:
 def c_function(law: Callable[..., float], numbers: int) -> Any:
     """`law` as a C function of so many numbers and a pointer to p; cached on disk where its source is a file.
 
-    Division by zero gives an infinity or NaN there, which integrators refuse; a C function cannot raise.
+    A law may call plain functions of its own package. Division by zero gives an infinity or NaN there, which
+    integrators refuse; a C function cannot raise.
     """
     numba = jit.numba()
+    _make_callable(law)
     signature = numba.float64(*[numba.float64] * numbers, numba.types.CPointer(numba.float64))
     try:
         return numba.cfunc(signature, cache=True, error_model="numpy")(law)
     except RuntimeError:  # no file to cache beside: defined in a notebook or by exec
         return numba.cfunc(signature, error_model="numpy")(law)
+
+
+@functools.cache
+def _make_callable(law: Callable[..., float]) -> None:
+    """Let compiled code call what `law` calls: plain functions of the package that it stands in."""
+    if not isinstance(law, FunctionType):
+        return
+    for name in law.__code__.co_names:
+        called = law.__globals__.get(name)
+        if isinstance(called, FunctionType) and _package(called) == _package(law):
+            _make_callable(called)
+            jit.numba().extending.register_jitable(called)
+
+
+def _package(function: FunctionType) -> str:
+    return function.__module__.partition(".")[0]

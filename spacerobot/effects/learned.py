@@ -11,14 +11,16 @@ again like any other effect's.
 from __future__ import annotations
 
 import math
+from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Final, Literal, TypeAlias, cast
+from typing import Any, Final, Generic, Literal, TypeAlias, TypeVar, cast
 
 import numpy as np
 
 from spacerobot.effects.effect import Effect, Parameter
-from spacerobot.effects.kernel import PARAMETERS, Kernel
+from spacerobot.effects.kernel import PARAMETERS, Kernel, ScalarLaw
+from spacerobot.effects.laws import spring_energy
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.memory import Memory
 from spacerobot.effects.primitives import Force, Friction, State
@@ -31,13 +33,13 @@ Kind: TypeAlias = Literal["force", "friction", "memory"]
 z' = s(z sign v) v - b z.
 """
 
-Variable: TypeAlias = Literal["d", "v", "z"]
-"""Displacement or rate of the port, or what is remembered."""
+Variable: TypeAlias = Literal["d", "v", "z", "N"]
+"""Displacement or rate of the port, what is remembered, or the normal force that presses in the contact."""
 
-OF: Final[Mapping[Kind, tuple[Variable, ...]]] = {"force": ("d", "v"), "friction": ("d", "v"), "memory": ("z",)}
+OF: Final[Mapping[Kind, tuple[Variable, ...]]] = {"force": ("d", "v"), "friction": ("d", "v", "N"), "memory": ("z",)}
 """What each kind may depend on."""
 
-HEADER = 5
+HEADER = 6
 MOST = PARAMETERS - HEADER
 """Coefficients of a curve, at most."""
 
@@ -45,47 +47,45 @@ ABSURD = 10.0
 """Typical forces that a coefficient is not beyond, as one standard deviation: what no reading visits stays finite."""
 
 
-def curve(first: float, second: float, third: float, p: Any) -> float:
-    """The spline at one of three arguments; p = (which, sign, low, width of a cell, cells, c_0 ... c_(cells + 2)).
-
-    With sign > 0 a level that is never negative.
-    """
-    x = first
-    if p[0] == 1.0:
-        x = second
-    elif p[0] == 2.0:
-        x = third
-    cells = int(p[4])
-    u = (x - p[2]) / p[3]
-    u = min(max(u, 0.0), float(cells))
+def spline(x: float, low: float, width: float, cells: int, p: Any, at: int) -> float:
+    """The spline at x, held beyond its ends; its coefficients are p[at] ... p[at + cells + 2]."""
+    u = min(max((x - low) / width, 0.0), float(cells))
     k = min(int(u), cells - 1)
     t = u - k
     s = 1.0 - t
-    value = (
-        s * s * s * p[5 + k]
-        + (3.0 * t * t * t - 6.0 * t * t + 4.0) * p[6 + k]
-        + (3.0 * s * s * s - 6.0 * s * s + 4.0) * p[7 + k]
-        + t * t * t * p[8 + k]
+    return (
+        s * s * s * p[at + k]
+        + (3.0 * t * t * t - 6.0 * t * t + 4.0) * p[at + k + 1]
+        + (3.0 * s * s * s - 6.0 * s * s + 4.0) * p[at + k + 2]
+        + t * t * t * p[at + k + 3]
     ) / 6.0
-    if p[1] > 0.0:
-        return max(value, 0.0)
-    return -value
+
+
+def argument(which: float, first: float, second: float, third: float) -> float:
+    """The argument that a law depends on, counted from 0."""
+    if which == 1.0:
+        return second
+    return third if which == 2.0 else first
+
+
+def against(value: float, sign: float) -> float:
+    """A force against what makes it; with sign > 0 a level of friction, which is never negative."""
+    return max(value, 0.0) if sign > 0.0 else -value
+
+
+def curve(first: float, second: float, third: float, p: Any) -> float:
+    """The spline at one of three arguments; p = (which, sign, low, width of a cell, cells, c_0 ... c_(cells + 2))."""
+    return against(spline(argument(p[0], first, second, third), p[2], p[3], int(p[4]), p, 5), p[1])
+
+
+def in_contact(d: float, v: float, aux: float, p: Any) -> float:
+    """-(k d + c v + s), s of d or v as in `curve`; p = (k, c, which, low, width of a cell, cells, c_0 ...)."""
+    return -(p[0] * d + p[1] * v + spline(argument(p[2], d, v, 0.0), p[3], p[4], int(p[5]), p, 6))
 
 
 def remembered_rate(z: float, rate: float, d: float, v: float, way: float, normal: float, p: Any) -> float:
-    """z' = s(z sign v) v - b z; p = (low, width of a cell, cells, b, c_0 ... c_(cells + 2)), s as in `curve`."""
-    cells = int(p[2])
-    u = min(max((way * z - p[0]) / p[1], 0.0), float(cells))
-    k = min(int(u), cells - 1)
-    t = u - k
-    s = 1.0 - t
-    value = (
-        s * s * s * p[4 + k]
-        + (3.0 * t * t * t - 6.0 * t * t + 4.0) * p[5 + k]
-        + (3.0 * s * s * s - 6.0 * s * s + 4.0) * p[6 + k]
-        + t * t * t * p[7 + k]
-    ) / 6.0
-    return value * v - p[3] * z
+    """z' = s(z sign v) v - b z; p = (b, low, width of a cell, cells, c_0 ... c_(cells + 2)), s as in `curve`."""
+    return spline(way * z, p[1], p[2], int(p[3]), p, 4) * v - p[0] * z
 
 
 def remembered_force(z: float, rate: float, d: float, v: float, way: float, normal: float, p: Any) -> float:
@@ -93,36 +93,110 @@ def remembered_force(z: float, rate: float, d: float, v: float, way: float, norm
     return -z
 
 
-MEMORY = Memory(remembered_rate, remembered_force)
+@dataclass(frozen=True)
+class Functions:
+    """A function of one variable as backends need it; `numbers` are those that say which function it is.
+
+    Attributes:
+        curve: of (first, second, third); p = (which of them, sign, *numbers).
+        in_contact: the contact law with it; p = (k, c, which, *numbers).
+        memory: where it is the stiffness of what remembers; p = (b, *numbers).
+    """
+
+    curve: ScalarLaw
+    in_contact: Kernel
+    memory: Memory
+
+    def acting(
+        self,
+        mechanism: Mechanism,
+        where: str,
+        kind: Kind,
+        of: Variable,
+        numbers: tuple[float, ...],
+        forgetting: float = 0.0,
+        size: float = 1.0,
+    ) -> Mechanism:
+        """The mechanism in which the function acts at a port.
+
+        Args:
+            mechanism: to be edited.
+            where: the port.
+            kind, of: what the function is, and of what.
+            numbers: that say which function it is.
+            forgetting: b of what remembers [1/s].
+            size: of what is remembered, typically [N].
+        """
+        line = f"learned law at {where}"
+        if kind == "memory":
+            return mechanism.with_state(State(line, where, self.memory, (forgetting, *numbers), size))
+        if kind == "friction":
+            pressed = "contact" if of == "N" else None
+            p = ({"d": 2.0, "v": 0.0, "N": 1.0}[of], 1.0, *numbers)
+            return mechanism.with_friction(Friction(line, where, self.curve, p, normal=pressed))
+        which = {"d": 0.0, "v": 1.0}[of]
+        if where == "contact":
+            law = self.in_contact
+            return mechanism.with_contact(lambda c: replace(c, kernel=law, p=(*c.p[:2], which, *numbers)))
+        return mechanism.with_force(Force(line, where, Kernel(self.curve), (which, -1.0, *numbers)))
+
+
+SPLINE = Functions(curve, Kernel(in_contact, energy=spring_energy), Memory(remembered_rate, remembered_force))
+
+
+def ports_for(kind: Kind, mechanism: Mechanism) -> tuple[str, ...]:
+    """Wherever something moves along a line; in the contact as a force, where that has the spring-dashpot law."""
+    there = [p for p in mechanism.ports if p != "contact"]
+    linear = mechanism.contact is not None and mechanism.contact.p[2:] == (1.0, 0.0)
+    return (*there, *(["contact"] if linear and kind == "force" else ()))
 
 
 @dataclass(frozen=True)
-class Shape:
-    """All of a learned law that is not fitted.
+class Law:
+    """What a learned law is, and where it is known.
 
     Attributes:
         kind: what it is.
         of: what it depends on.
-        low, high: range that the curve covers, SI.
-        cells: of equal width.
-        roughness: standard deviation of a bend, in units of `size`.
-        size: typical force [N]; of what remembers, typical stiffness [N/m].
+        low, high: range of that, which recordings visited, SI.
     """
 
     kind: Kind
     of: Variable
     low: float
     high: float
+
+    def __post_init__(self) -> None:
+        if self.of not in OF.get(self.kind, ()):
+            raise InputError("no such learned law", given=f"{self.kind} of {self.of}", valid=str(OF))
+        if not (math.isfinite(self.low) and math.isfinite(self.high) and self.low < self.high):
+            raise InputError("a learned law has an impossible range", given=(self.low, self.high))
+
+    @property
+    @abstractmethod
+    def name(self) -> str:
+        """The effect's name, which holds all that is not fitted."""
+
+
+@dataclass(frozen=True)
+class Shape(Law):
+    """All of a learned curve that is not fitted.
+
+    Attributes:
+        cells: of equal width.
+        roughness: standard deviation of a bend, in units of `size`.
+        size: typical force [N]; of what remembers, typical stiffness [N/m].
+    """
+
     cells: int
     roughness: float
     size: float
 
     def __post_init__(self) -> None:
-        numbers = (self.low, self.high, self.roughness, self.size)
-        if self.of not in OF.get(self.kind, ()):
-            raise InputError("no such learned law", given=f"{self.kind} of {self.of}", valid=str(OF))
-        if not (all(map(math.isfinite, numbers)) and self.low < self.high and self.roughness > 0.0 < self.size):
-            raise InputError("a learned law has an impossible range, roughness or size", given=numbers)
+        super().__post_init__()
+        numbers = (self.roughness, self.size)
+        if not (all(map(math.isfinite, numbers)) and min(numbers) > 0.0):
+            raise InputError("a learned law has an impossible roughness or size", given=numbers)
         if not 2 <= self.cells <= MOST - 3:
             raise InputError("a learned law has too many cells, or too few", given=self.cells, valid=f"2 to {MOST - 3}")
 
@@ -191,27 +265,38 @@ def parsed(name: str) -> Shape:
     return Shape(cast(Kind, kind), cast(Variable, of), *numbers)
 
 
-class LearnedLaw(Effect):
-    """A curve whose numbers are fitted."""
+L = TypeVar("L", bound=Law)
+
+
+class Nameless(Effect, Generic[L]):
+    """An effect that is a learned law, in whatever form."""
 
     title = "learned law"
     phrase = "a law of no name"
-    source = "P-spline; Eilers and Marx (1996)"
     learned = True
 
-    def __init__(self, shape: Shape) -> None:
+    def __init__(self, shape: L, parameters: tuple[Parameter, ...]) -> None:
         self.shape = shape
         given = {
             "name": shape.name,
             "formula": FORMULAS[shape.kind].format(shape.of),
-            "parameters": (*(_parameter(k, shape) for k in range(shape.cells + 3)), *_forgetting(shape)),
+            "parameters": (*parameters, *forgets(shape.kind)),
         }
         for key, value in given.items():
             setattr(self, key, value)  # an instance is an effect of its own, as a class of the catalogue is
 
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:
-        """Wherever something moves along a line."""
-        return tuple(p for p in mechanism.ports if p != "contact")
+        """As `ports_for`."""
+        return ports_for(self.shape.kind, mechanism)
+
+
+class LearnedLaw(Nameless[Shape]):
+    """A curve whose numbers are fitted."""
+
+    source = "P-spline; Eilers and Marx (1996)"
+
+    def __init__(self, shape: Shape) -> None:
+        super().__init__(shape, tuple(_parameter(k, shape) for k in range(shape.cells + 3)))
 
     @property
     def precision(self) -> np.ndarray:
@@ -221,28 +306,16 @@ class LearnedLaw(Effect):
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
         """The curve at the port."""
         shape = self.shape
-        if shape.kind == "memory":
-            return self._with_memory(mechanism, where, values)
-        friction = shape.kind == "friction"
-        which = {"d": 2.0, "v": 0.0}[shape.of] if friction else {"d": 0.0, "v": 1.0}[shape.of]
-        width = (shape.high - shape.low) / shape.cells
         inside = [values[p.name] for p in self.parameters]
-        p = (which, 1.0 if friction else -1.0, shape.low, width, float(shape.cells), *inside)
-        line = f"learned law at {where}"
-        if friction:
-            return mechanism.with_friction(Friction(line, where, curve, p))
-        return mechanism.with_force(Force(line, where, Kernel(curve), p))
-
-    def _with_memory(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
-        shape = self.shape
-        *inside, forgetting = (values[p.name] for p in self.parameters)
-        p = (shape.low, (shape.high - shape.low) / shape.cells, float(shape.cells), forgetting, *inside)
+        forgetting = inside.pop() if shape.kind == "memory" else 0.0
+        numbers = (shape.low, (shape.high - shape.low) / shape.cells, float(shape.cells), *inside)
         size = max(shape.high, 1e-6)
-        return mechanism.with_state(State(f"learned law at {where}", where, MEMORY, p, size))
+        return SPLINE.acting(mechanism, where, shape.kind, shape.of, numbers, forgetting, size)
 
 
-def _forgetting(shape: Shape) -> tuple[Parameter, ...]:
-    return (Parameter("rate_1_s", "1/s", 0.0, 5.0, 0.0, 1e4, (0.0,)),) if shape.kind == "memory" else ()
+def forgets(kind: Kind) -> tuple[Parameter, ...]:
+    """The rate at which what is remembered fades; nothing of other kinds."""
+    return (Parameter("rate_1_s", "1/s", 0.0, 5.0, 0.0, 1e4, (0.0,)),) if kind == "memory" else ()
 
 
 def _parameter(number: int, shape: Shape) -> Parameter:

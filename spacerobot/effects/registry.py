@@ -14,6 +14,8 @@ from types import ModuleType
 
 from spacerobot.effects import catalogue
 from spacerobot.effects.effect import FORM, Effect
+from spacerobot.effects.formula import FORM as CLOSED
+from spacerobot.effects.formula import FormulaLaw, spoken
 from spacerobot.effects.learned import PREFIX, LearnedLaw, parsed
 from spacerobot.effects.trend import SUFFIX, Trend
 from spacerobot.support.errors import InputError, NotFoundError
@@ -74,7 +76,7 @@ def _in_form(name: str, form: str) -> Effect:
 
 @functools.cache
 def _learned(name: str) -> Effect:
-    return LearnedLaw(parsed(name))
+    return FormulaLaw(spoken(name)) if name.startswith(CLOSED) else LearnedLaw(parsed(name))
 
 
 def load_file(path: Path) -> list[str]:

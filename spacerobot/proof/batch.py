@@ -33,10 +33,11 @@ RATE = {
     "power": "power",
     "spoiled": "spoiled",
     "relative": "spoiled",
+    "law": "learned",
 }
 """Kind of concealment -> rate that it counts in; all others have an effect to be named."""
 
-FIRST = {"nothing": 205, "value": 205, "outside": 226, "named": 170, "spoiled": 160}
+FIRST = {"nothing": 205, "value": 205, "outside": 226, "named": 170, "spoiled": 160, "learned": 120}
 """Rate -> campaigns with which it has its 200: some outside the catalogue are set apart, an effect that is named has
 more than one parameter, and the power curves name effects too. The power curves come before those beyond.
 """

@@ -13,6 +13,7 @@ from spacerobot.diagnosis.fitting.starts import fit_from
 from spacerobot.diagnosis.machines.wrist_rig import RigModel
 from spacerobot.diagnosis.terms.data import trial_data
 from spacerobot.proof.campaign import Belief, Campaign, Readings, noisy, perform, write_study
+from spacerobot.proof.engine.laws import LARGEST, LAWS
 from spacerobot.proof.orders import COVERED, Order
 from spacerobot.proof.scenes import hideable, scene
 from spacerobot.proof.sizes import Kind, kind, peak_stroke
@@ -30,8 +31,8 @@ class Concealed:
     Attributes:
         campaign: with what is hidden in it, and the belief that the lab will state.
         readings: as recorded.
-        expected: "named", "wrong_parameter", "nothing_missing" or "unknown": what an honest answer says; "spoiled"
-            where it names what is hidden, or says what the recordings suffer from.
+        expected: what an honest answer says: "named", "wrong_parameter", "nothing_missing", "learned" or "unknown";
+            "spoiled" where it names what is hidden, or says what the recordings suffer from.
         parameters: believed values that are wrong, where that is what is hidden.
         withheld: effect that the diagnosis must do without, None if it has them all.
         strength: size in detection limits, None where nothing is hidden.
@@ -232,6 +233,15 @@ def _relative(order: Order, rng: np.random.Generator) -> Concealed:
     return _as_effect(order, hidden, found)
 
 
+def _law(order: Order, rng: np.random.Generator) -> Concealed:
+    """Laws of no catalogue in turn, on the plain rig: what moves besides has no port at which a law is learned."""
+    name = list(LAWS)[order.number % len(LAWS)]
+    law, campaign = LAWS[name], scene("rig", rng)
+    values = law.numbers(rng, max(peak_stroke(t) for t in campaign.trials))
+    hidden, found = reach(campaign, Kind(name, law.where, values, LARGEST), variance_ratio=_plain(rng), near=DRAWN)
+    return replace(_as_effect(order, hidden, found), expected="learned")
+
+
 def _as_effect(order: Order, hidden: Campaign, found: Strength) -> Concealed:
     covered = [m for m in hidden.missing if m.label in COVERED]
     expected = "wrong_parameter" if covered and len(covered) == len(hidden.missing) else "named"
@@ -334,4 +344,5 @@ MAKERS: dict[str, Callable[[Order, np.random.Generator], Concealed]] = {
     "withheld": _withheld,
     "spoiled": _spoiled,
     "relative": _relative,
+    "law": _law,
 }

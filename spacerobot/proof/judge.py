@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from spacerobot.proof.engine.laws import LAWS
 from spacerobot.proof.engine.outsiders import OUTSIDERS
 from spacerobot.proof.spoiled import WAYS
 
@@ -73,7 +74,8 @@ def judge(truth: Mapping[str, Any], verdict: Mapping[str, Any] | None, error: st
     strength = truth.get("strength")
     overlooked = said == "nothing_missing" and expected != "nothing_missing"
     excused = overlooked and strength is not None and strength < NOTICEABLE
-    wrong = said in DEFINITE and not top and not excused
+    elsewhere = expected == "learned" and said == "learned" and not top
+    wrong = elsewhere or (said in DEFINITE and not top and not excused)
     return Judgement(
         top,
         in_set,
@@ -101,6 +103,10 @@ def _right(
         return (_right_of_spoiled(hidden, str(truth["spoiled"]), verdict, given),) * 2
     if expected == "nothing_missing":
         return said == "nothing_missing", said == "nothing_missing"
+    if expected == "learned":
+        (law,) = (LAWS[name] for name, _ in hidden)
+        found = said == "learned" and all(one["where"] == law.where for one in verdict["learned"])
+        return found, found or said in ("unknown", "ambiguous", "not_trusted")
     if expected == "unknown":
         return said in NAMELESS, said in (*NAMELESS, "ambiguous", "not_trusted")
     moved = set(verdict.get("parameters", {}))
@@ -160,6 +166,21 @@ def _stated(key: str, true: float, value: Mapping[str, Any]) -> dict[str, Any]:
     return {"parameter": key, "true": true, "value": number, "low": low, "high": high}
 
 
+def band_share(truth: Mapping[str, Any], verdict: Mapping[str, Any]) -> float | None:
+    """Share of a learned law's table whose band holds the true force, with what it trades with; None of another law."""
+    law = next((LAWS[e["effect"]] for e in truth["effects"] if e["effect"] in LAWS), None)
+    if law is None or verdict["verdict"] != "learned":
+        return None
+    found, numbers = verdict["learned"][0], truth["effects"][0]
+    table = found["table"]
+    if (found["where"], found["kind"], table["variable"]) != (law.where, law.kind, law.of):
+        return None
+    traded = sum(float(truth["rig_as_built"][name]) for name in table["total_with"])
+    rows = zip(table["x"], table["low"], table["high"], strict=True)
+    inside = [low <= law.curve(x, numbers) + traded * x <= high for x, low, high in rows]
+    return sum(inside) / len(inside)
+
+
 def outside(effects: Sequence[Mapping[str, Any]]) -> bool:
     """Whether any of the effects is in no catalogue."""
-    return any(e["effect"] in OUTSIDERS for e in effects)
+    return any(e["effect"] in OUTSIDERS or e["effect"] in LAWS for e in effects)

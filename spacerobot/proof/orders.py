@@ -27,6 +27,7 @@ KINDS = (
     "power",
     "spoiled",
     "relative",
+    "law",
 )
 """Kinds of concealment, a row of the table each; "power" fills the power curves."""
 
@@ -106,6 +107,7 @@ FULL = Size(
         "outsider": 162,
         "spoiled": 120,
         "relative": 40,
+        "law": 120,
     },
     withheld_rounds=2,
     curve_repeats=3,
@@ -113,7 +115,7 @@ FULL = Size(
 )
 
 QUICK = Size(
-    {"nothing_missing": 1, "wrong_value": 1, "unlabelled": 1, "outsider": 1},
+    {"outsider": 1, "unlabelled": 1, "wrong_value": 1, "nothing_missing": 1},  # what takes longest is begun first
     withheld_rounds=0,
     curve_repeats=0,
     short_repeats=0,
@@ -151,6 +153,8 @@ def _orders(size: Size) -> Iterator[Order]:
 
 def family_of(kind: str, wished: str) -> str:
     """The scene in which a kind can be played."""
+    if kind == "law":
+        return "rig"
     if kind == "rare":
         return "spinning" if wished == "spinning" else "rig"
     if wished == "servo arm" and kind.split()[0] not in ("unlabelled", "masked", "weak"):

@@ -108,18 +108,48 @@ def smallest_found(records: Sequence[Record], share: float = 0.5) -> float | Non
 
 def reliability(records: Sequence[Record], bins: int = 5) -> list[tuple[float, Rate]]:
     """Stated confidence against the share that was right: (mean confidence, rate) for each bin."""
-    edges = np.linspace(0.0, 1.0, bins + 1)
+    stated, said, group = _binned(records, bins)
     out = []
     for i in range(bins):
-        inside = [
-            r
-            for r in records
-            if r["confidence"] is not None
-            and edges[i] <= r["confidence"] < edges[i + 1] + (1e-9 if i == bins - 1 else 0.0)
-        ]
+        inside = [r for r, own in zip(stated, group, strict=True) if own == i]
         if inside:
-            out.append((float(np.mean([r["confidence"] for r in inside])), rate(inside, lambda r: bool(r["top"]))))
+            out.append((float(np.mean(said[group == i])), rate(inside, lambda r: bool(r["top"]))))
     return out
+
+
+def _binned(records: Sequence[Record], bins: int) -> tuple[list[Record], np.ndarray, np.ndarray]:
+    """Records that state a confidence, what it is, shape (R,), and in which of so many equal bins, shape (R,)."""
+    stated = [r for r in records if r["confidence"] is not None]
+    said = np.array([float(r["confidence"]) for r in stated])
+    edges = np.linspace(0.0, 1.0, bins + 1)
+    return stated, said, np.clip(np.searchsorted(edges, said, side="right") - 1, 0, bins - 1)
+
+
+REDRAWN = 2000
+"""Bootstrap samples of the records."""
+
+
+def calibration_error(records: Sequence[Record], bins: int = 5) -> tuple[float, float, float]:
+    """Expected calibration error: |stated confidence - share that was right|, averaged over bins by their counts.
+
+    Returns:
+        it, and the bounds that hold it in 95 of 100 redrawn batches (percentiles, always the same draws); NaN of none.
+
+    Naeini, Cooper, Hauskrecht (2015), AAAI, Eq. 3.
+    """
+    stated, said, group = _binned(records, bins)
+    if not stated:
+        return math.nan, math.nan, math.nan
+    right = np.array([bool(r["top"]) for r in stated], dtype=float)
+
+    def error(taken: np.ndarray) -> float:
+        off = np.bincount(group[taken], weights=(said - right)[taken], minlength=bins)
+        return float(np.abs(off).sum() / taken.size)
+
+    random = np.random.default_rng(0)
+    drawn = [error(random.integers(said.size, size=said.size)) for _ in range(REDRAWN)]
+    low, high = np.quantile(drawn, (0.025, 0.975))
+    return error(np.arange(said.size)), float(low), float(high)
 
 
 def place(label: Sequence[str]) -> str:

@@ -15,8 +15,7 @@ from typing import Any
 from spacerobot.proof.blind import COMMAND, diagnose
 from spacerobot.proof.campaign import seal, write_study
 from spacerobot.proof.conceal import conceal
-from spacerobot.proof.engine.outsiders import OUTSIDERS
-from spacerobot.proof.judge import Judgement, judge, labels
+from spacerobot.proof.judge import Judgement, band_share, judge, labels, outside
 from spacerobot.proof.oracle import Bench, Fitted, fitted_labels, only_of, starts_of
 from spacerobot.proof.orders import Order
 from spacerobot.support.errors import InputError, SimulationError
@@ -122,7 +121,12 @@ def blind(order: Order, folder: Path, ready: Ready, began: float, command: Seque
 def _scored(
     study: Path, truth: dict[str, Any], judged: Judgement, verdict: dict[str, Any] | None, *, rivals: bool
 ) -> dict[str, Any]:
-    out = {"claimed_held_out": _claimed(verdict), **_compared(study, truth, judged.favourite, verdict)}
+    band = None if verdict is None else band_share(truth, verdict)
+    out = {
+        "claimed_held_out": _claimed(verdict),
+        "band_share": band,
+        **_compared(study, truth, judged.favourite, verdict),
+    }
     if rivals:
         from spacerobot.proof.rivals.try_rivals import try_rivals
 
@@ -145,7 +149,7 @@ def _compared(
     more parameters, costs no more than it does; whoever sees the readings alone cannot know better.
     """
     hidden = labels(truth["effects"])
-    known = all(name not in OUTSIDERS for name, _ in hidden)
+    known = not outside(truth["effects"])
     out: dict[str, Any] = {"same": False, "equal": False}
     try:
         bench = Bench(study)

@@ -13,6 +13,7 @@ from spacerobot.proof.orders import CURVES, FAMILIES, KINDS, MOVING
 from spacerobot.proof.rates import (
     Rate,
     Record,
+    calibration_error,
     coverage,
     median_interval,
     place,
@@ -44,10 +45,16 @@ TARGETS: dict[str, tuple[str, str, float]] = {
     "wrong_parameter": ("wrong believed value recognised as such", ">=", 0.90),
     "abstained": ("abstention outside the catalogue", ">=", 0.90),
     "spoiled": ("named, or said to be spoiled, where recordings are spoiled", ">=", 0.80),
+    "learned": ("law of no catalogue learned, at its port", ">=", 0.90),
+    "learned_held_out": ("law learned whose held-out error is within 2 % of the noise", ">=", 0.80),
     "coverage": ("truth inside the 95 % interval", "between", 0.90),
+    "calibration": ("expected calibration error of the stated confidence", "<=", 0.05),
     "held_out_ratio": ("median held-out error over the oracle's", "<=", 1.05),
 }
 """Key -> (what it says, sense, bound); coverage is to lie between 0.90 and WIDEST."""
+
+NEARLY = 1.02
+"""Held-out error over the sensors' noise that a learned law is to keep to; the noise is what it was drawn with."""
 
 WIDEST = 0.98
 """Intervals that hold the truth more often are wider than they say."""
@@ -108,6 +115,11 @@ def rates(records: Sequence[Record]) -> dict[str, Rate]:
         "in_set": rate(seen, lambda r: bool(r["in_set"])),
         "wrong_parameter": rate((r for r in counted if r["expected"] == "wrong_parameter"), lambda r: bool(r["top"])),
         "abstained": rate(apart, lambda r: bool(r["abstained"])),
+        "learned": rate((r for r in counted if r["expected"] == "learned"), lambda r: bool(r["top"])),
+        "learned_held_out": rate(
+            (r for r in counted if r["expected"] == "learned"),
+            lambda r: bool(r["top"]) and (r["claimed_held_out"] or math.inf) <= NEARLY,
+        ),
         "coverage": coverage([r for r in played if r["expected"] != "spoiled"]),
         "spoiled": rate((r for r in counted if r["expected"] == "spoiled"), lambda r: bool(r["top"])),
     }
@@ -180,6 +192,7 @@ def as_json(records: Sequence[Record], about: dict[str, Any]) -> dict[str, Any]:
     """The batch as one object: what it was, its rates against the targets, its rows."""
     found = rates(records)
     ratio, least, most = held_out_ratio(records)
+    error, lower, upper = calibration_error(sealed(records))
     targets = {
         key: {
             "rate": r.value,
@@ -200,13 +213,21 @@ def as_json(records: Sequence[Record], about: dict[str, Any]) -> dict[str, Any]:
         "diagnosis_failed": [r["name"] for r in usable(records) if r["said"] == "failed"],
         "targets": {
             **targets,
+            "calibration": {"error": error, "interval_95": [lower, upper], "met": met("calibration", lower, upper)},
             "held_out_ratio": {
                 "median": ratio,
                 "interval_95": [least, most],
                 "met": met("held_out_ratio", least, most),
             },
         },
+        "learned_bands": _band(records),
         "median_parameter_error": float(np.median(errors)) if errors else math.nan,
         "median_seconds": float(np.median([r["seconds"] for r in usable(records)])) if usable(records) else math.nan,
         "smallest_found": smallest(records),
     }
+
+
+def _band(records: Sequence[Record]) -> dict[str, Any]:
+    """How much of the range that was visited the bands of learned laws hold the truth on."""
+    shares = [r["band_share"] for r in usable(records) if r.get("band_share") is not None]
+    return {"laws": len(shares), "mean_share": float(np.mean(shares)) if shares else math.nan}

@@ -7,6 +7,7 @@ import warnings
 
 import numpy as np
 
+from spacerobot.simulation.extrapolated import ExtrapolationWarning, extrapolated
 from spacerobot.simulation.multibody.run import integrate_scene
 from spacerobot.simulation.prediction import expected_contact_time
 from spacerobot.simulation.reduced.run import simulate as simulate_reduced
@@ -105,6 +106,8 @@ def simulate(
             + (f", pulled with {scene.pull:g} m/s^2" if scene.pull else ""),
             valid="a longer duration, or a target that is not slowed, turned or driven away before",
         )
+    for text in extrapolated(scene, trajectory):
+        warnings.warn(text, ExtrapolationWarning, stacklevel=2)
     return trajectory
 
 

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
 from spacerobot.diagnosis.learning.bands import band
 from spacerobot.diagnosis.learning.curves import fit_curve
-from spacerobot.diagnosis.learning.describe import describe
+from spacerobot.diagnosis.learning.learn import _closed, _learn
 from spacerobot.effects import registry
 from spacerobot.effects.effect import Effect, Parameter
 from spacerobot.effects.kernel import Kernel
@@ -35,6 +37,16 @@ def back_only(d: float, v: float, aux: float, p: Any) -> float:
     return -p[0] * min(v, 0.0)
 
 
+def pressed(v: float, normal: float, d: float, p: Any) -> float:
+    """A guide under load: dry friction in proportion to what presses in the contact."""
+    return p[0] * normal
+
+
+def stiffening(d: float, v: float, aux: float, p: Any) -> float:
+    """A tip that grows stiff with the third power of how far it is pressed in."""
+    return -(p[0] * d + p[1] * v + p[4] * d * d * d)
+
+
 class Hidden(Effect):
     """Physics of no catalogue, from code of its own."""
 
@@ -46,21 +58,31 @@ class Hidden(Effect):
             setattr(self, key, value)
 
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:
-        """The guide."""
-        return ("wrist",)
+        """The guide, or the tip."""
+        return ("contact",) if self.law is stiffening else ("wrist",)
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
         """The law at the port."""
         p = (self.numbers[0] * values["share"], *self.numbers[1:])
         if self.law is worn:
             return mechanism.with_friction(Friction("hidden", where, worn, p))
+        if self.law is pressed:
+            return mechanism.with_friction(Friction("hidden", where, pressed, p, normal="contact"))
+        if self.law is stiffening:
+            return mechanism.with_contact(lambda c: replace(c, kernel=Kernel(stiffening), p=(*c.p[:4], *p)))
         return mechanism.with_force(Force("hidden", where, Kernel(back_only), p))
 
 
-def _workshop(monkeypatch: pytest.MonkeyPatch, folder: Path, law: Any, numbers: tuple[float, ...]) -> Workshop:
+Planted = tuple[str, str, dict[str, float]]
+
+
+def _workshop(
+    monkeypatch: pytest.MonkeyPatch, folder: Path, law: Any, numbers: tuple[float, ...], *more: Planted
+) -> Workshop:
     registry.all_effects()
     monkeypatch.setitem(registry._effects, "hidden", Hidden("hidden", law, numbers))
-    study = write_study(folder, planted=[("hidden", "wrist", {"share": 1.0})], speeds=SPEEDS)
+    where = "contact" if law is stiffening else "wrist"
+    study = write_study(folder, planted=[("hidden", where, {"share": 1.0}), *more], speeds=SPEEDS)
     monkeypatch.undo()
     return Workshop(study)
 
@@ -80,12 +102,15 @@ def test_a_worn_guide_is_learned_with_its_band_and_its_formula(monkeypatch: pyte
     seen = band(right)
     truth = np.array([worn(1.0, 0.0, x, (1.6, 0.008, 0.003)) for x in seen.x])
     assert np.mean((seen.low <= truth) & (truth <= seen.high)) >= 0.85
-    told = describe(right)
-    assert told is not None
+    closed = _closed(workshop, right)
+    assert closed is not None
+    told, form = closed
+    assert workshop.left_by(form).adequate
     assert told.like == "coulomb_friction"
-    assert told.parameters["a_1"][0] == pytest.approx(1.6, rel=0.05)
-    assert told.parameters["a_1_place"][0] == pytest.approx(0.008, rel=0.05)
-    assert told.parameters["a_1_width"][0] == pytest.approx(0.003, rel=0.1)
+    found = {key.rpartition(".")[2]: value for key, value in form.values().items() if "@" in key}
+    assert found["a_1"] == pytest.approx(1.6, rel=0.05)
+    assert found["a_1_place"] == pytest.approx(0.008, rel=0.05)
+    assert found["a_1_width"] == pytest.approx(0.003, rel=0.1)
 
 
 def test_a_damper_of_one_stroke_is_learned_and_only_its_sum_with_the_damping_is_claimed(
@@ -102,6 +127,51 @@ def test_a_damper_of_one_stroke_is_learned_and_only_its_sum_with_the_damping_is_
     damping = sum(workshop.model.base[n] for n in ("wrist.damping", "wrist.equivalent_damping") if n in seen.with_)
     truth = damping * seen.x + 11.0 * np.minimum(seen.x, 0.0)
     assert np.mean((seen.low <= truth) & (truth <= seen.high)) >= 0.85
-    told = describe(right)
-    assert told is not None
+    closed = _closed(workshop, right)
+    assert closed is not None
+    told, form = closed
+    assert workshop.left_by(form).adequate
     assert "one stroke" in told.words
+
+
+@pytest.mark.parametrize(
+    ("law", "numbers", "where", "kind", "of"),
+    [(pressed, (0.06,), "wrist", "friction", "N"), (stiffening, (1e11,), "contact", "force", "d")],
+)
+def test_a_law_of_the_press_and_one_of_the_tip_are_learned_with_their_formulas(
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    law: Any,
+    numbers: tuple[float, ...],
+    where: str,
+    kind: Any,
+    of: Any,
+) -> None:
+    workshop = _workshop(monkeypatch, tmp_path, law, numbers)
+    baseline = workshop.run(Task((), {}))
+    assert baseline is not None
+    right = fit_curve(workshop, baseline, where, kind, of)
+    other = fit_curve(workshop, baseline, "wrist", "force", "v")
+    assert right is not None
+    assert other is not None
+    assert right.evidence > other.evidence + 20.0
+    closed = _closed(workshop, right)
+    assert closed is not None
+    told, form = closed
+    assert workshop.left_by(form).adequate
+    assert told.formula.words[0][0] == ("line" if law is pressed else "cube")
+    (found,) = [value for key, value in form.values().items() if key.endswith(".a_1")]
+    assert found == pytest.approx(numbers[0], rel=0.05 if law is pressed else 0.2)
+
+
+def test_a_law_is_learned_beside_an_effect_of_the_catalogue(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    drag = ("viscous_drag", "target", {"coefficient_Ns_m": 1.0})
+    workshop = _workshop(monkeypatch, tmp_path, worn, (1.6, 0.008, 0.003), drag)
+    beside = workshop.run(Task((("viscous_drag", "target"),), {}))
+    assert beside is not None
+    with Pool(workshop, 1) as pool:
+        learnt = _learn(pool, beside, lambda *_: None)
+    assert learnt is not None
+    assert learnt.trusted
+    assert (learnt.curve.shape.kind, learnt.curve.shape.of, learnt.curve.site.where) == ("friction", "d", "wrist")
+    assert learnt.fit.values()["viscous_drag@target.coefficient_Ns_m"] == pytest.approx(1.0, rel=0.1)

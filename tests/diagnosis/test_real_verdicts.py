@@ -35,10 +35,9 @@ def parts(verdict: dict[str, Any]) -> dict[str, dict[str, Any]]:
 
 
 def values(verdict: dict[str, Any]) -> dict[str, float]:
-    """effect@where.parameter -> value, of all that is named."""
-    return {
-        f"{e['effect']}@{e['where']}.{n}": p["value"] for e in verdict["effects"] for n, p in e["parameters"].items()
-    }
+    """effect@where.parameter -> value, of all that is named; of an ambiguous answer its favourites."""
+    found = verdict["effects"] or [e for p in verdict["parts"] for e in p["effects"]]
+    return {f"{e['effect']}@{e['where']}.{n}": p["value"] for e in found for n, p in e["parameters"].items()}
 
 
 def channel(verdict: dict[str, Any], name: str) -> tuple[float, float]:
@@ -69,9 +68,12 @@ def test_every_joint_of_the_panda_has_friction() -> None:
 
 def test_the_granite_table_tilts_and_the_arm_is_late() -> None:
     verdict = verdict_of("spot_free_floating_arm")
-    found = values(verdict)
-    assert found["table_tilt@base.y.angle_rad"] * 9.80665 == pytest.approx(0.57e-3, rel=0.1)
-    assert 0.2 < found["time_offset@arm_motion.delay_s"] < 0.35
+    assert values(verdict)["table_tilt@base.y.angle_rad"] * 9.80665 == pytest.approx(0.57e-3, rel=0.1)
+    # whether the base is late behind its arm by a delay or by a filter these runs do not say
+    sets = [{(e["effect"], e["where"]) for e in a["effects"]} for a in verdict["alternatives"]]
+    assert all(("table_tilt", "base.y") in one for one in sets)
+    assert all({e for e, _ in one} & {"time_offset", "low_pass"} for one in sets)
+    assert any(("time_offset", "arm_motion") in one for one in sets)
     assert channel(verdict, "base.position.y")[1] < 0.007
     assert channel(verdict, "base.yaw")[1] < 0.030  # of runs that had no say in what predicts them; 0.024 when they had
 
@@ -168,7 +170,11 @@ def test_the_industrial_arm_rubs_at_every_joint_and_at_the_drive_of_two() -> Non
         assert own["coulomb_friction"]["force_Nm"]["value"] == pytest.approx(dry, rel=0.25)
         assert own["viscous_friction"]["coefficient_Nms_rad"]["value"] == pytest.approx(viscous, rel=0.25)
     for n in (5, 6):
-        assert any(e["effect"] == "transmission_coupling" for e in parts(verdict)[f"joint_{n}"]["effects"])
+        own = {e["effect"]: e["parameters"] for e in parts(verdict)[f"joint_{n}"]["effects"]}["transmission_coupling"]
+        assert own["ratio"]["value"] == pytest.approx(1.0, abs=0.15)
+        assert own["coulomb_force_Nm"]["value"] == pytest.approx(1.95, rel=0.25)
+        assert own["coefficient_Nms_rad"]["value"] == pytest.approx(0.616, rel=0.25)
+    assert channel(verdict, "joint.joint_5.torque")[1] < 1.3
     every = [channel(verdict, f"joint.joint_{n}.torque")[1] for n in range(1, 7)]
     assert (sum(x**2 for x in every) / 6.0) ** 0.5 < 2.3
 

@@ -81,11 +81,12 @@ def motion(machine: Mechanism) -> np.ndarray:
 @pytest.mark.parametrize(("general", "special"), [(n, s) for n, one in all_effects().items() for s in one.refines])
 def test_a_refined_law_is_the_plain_one_where_its_levels_agree(general: str, special: str) -> None:
     rich, plain = all_effects()[general], all_effects()[special]
-    (level,) = plain.parameters
-    value = 2.0 * level.starts[0]
-    alike = {p.name: value if p.unit == level.unit else p.starts[0] for p in rich.parameters} | rich.limits
+    own = {p.name: 2.0 * p.starts[0] for p in plain.parameters}
+    level = plain.strength
+    levels = {p.name: own[level.name] if p.unit == level.unit else p.starts[0] for p in rich.parameters}
+    alike = levels | {name: x for name, x in own.items() if name in levels} | rich.limits
     for where in set(rich.places(rig(VALUES))) & set(plain.places(rig(VALUES))):
-        machines = (plain.apply(rig(VALUES), where, {level.name: value}), rich.apply(rig(VALUES), where, alike))
+        machines = (plain.apply(rig(VALUES), where, own), rich.apply(rig(VALUES), where, alike))
         np.testing.assert_allclose(*map(motion, machines), atol=1e-6 if rich.limits else 1e-9)
 
 

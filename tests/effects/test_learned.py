@@ -44,7 +44,7 @@ def test_a_curve_is_the_cubic_spline_of_its_coefficients_held_beyond_its_ends(sh
     expected = _by_scipy(shape, inside, x)
     np.testing.assert_allclose([curve(v, 0.0, 0.0, p) for v in x], expected, rtol=1e-9, atol=1e-9)
     np.testing.assert_allclose(shape.rows(x) @ inside, expected, rtol=1e-9, atol=1e-9)
-    q = (shape.low, width, float(shape.cells), 0.0, *inside)
+    q = (0.0, shape.low, width, float(shape.cells), *inside)
     np.testing.assert_allclose([remembered_rate(v, 0.0, 0.0, 1.0, 1.0, 1.0, q) for v in x], expected, rtol=1e-9)
 
 
@@ -63,6 +63,12 @@ def test_a_name_holds_all_of_a_shape(shape: Shape) -> None:
         "learned_law[force|v|0.0|nan|29|0.1|1.0]",
         "learned_law[force|v|0.0|1.0|99|0.1|1.0]",
         "learned_law[__import__('os')|v|0.0|1.0|29|0.1|1.0]",
+        "learned_law[formula|force|v|0.0|1.0]",
+        "learned_law[formula|force|v|0.0|1.0|sinus=1.0]",
+        "learned_law[formula|force|v|1.0|0.0|line=1.0]",
+        "learned_law[formula|force|v|0.0|1.0|line=-1.0]",
+        "learned_law[formula|memory|v|0.0|1.0|line=1.0]",
+        "learned_law[formula|force|v|0.0|1.0|line]",
     ],
 )
 def test_a_name_that_is_none_is_refused_in_a_line(name: str) -> None:
@@ -125,6 +131,36 @@ def test_a_plain_curve_is_a_law_of_the_catalogue(
     np.testing.assert_allclose(one, other, atol=2e-8)
     without = _run("coulomb_friction", {"force_N": 0.0}).states(times)[0]
     assert np.abs(one - without).max() > 1e-4  # it is seen at all
+
+
+def test_in_the_contact_a_line_is_a_stiffer_spring_and_a_bend_is_hertz() -> None:
+    def contact(name: str, values: dict[str, float], stiffness: float) -> np.ndarray:
+        made = rig({"target.mass": 9.0, "contact.stiffness": stiffness, "contact.damping": 20.0})
+        mechanism = Placed(effect(name), "contact", values).apply(made)
+        run = simulate(mechanism, position={"target": -0.01}, velocity={"target": 0.08}, end=1.2, tolerance=1e-10)
+        return run.states(np.linspace(0.0, 1.2, 200))[0]
+
+    line = _law("force", "d", _straight(4000.0, 0.0, 3e-3), 0.0, 3e-3)
+    stiff = contact("hertz_contact", {"exponent": 1.0}, 20_000.0)
+    np.testing.assert_allclose(contact(*line, 16_000.0), stiff, atol=2e-8)
+    assert np.abs(contact("hertz_contact", {"exponent": 1.0}, 16_000.0) - stiff).max() > 1e-6  # it is seen at all
+    shape = parsed("learned_law[force|d|0.0|0.003|29|0.1|1.0]")
+    x = np.linspace(0.0, 3e-3, 200)
+    wanted = 20.0 * (x / 1e-3) ** 2 - 16_000.0 * x  # which a cubic spline can be
+    power = np.linalg.lstsq(shape.rows(x), wanted, rcond=None)[0]
+    bent = _law("force", "d", power, 0.0, 3e-3)
+    hertz = contact("hertz_contact", {"exponent": 2.0}, 20_000.0)
+    np.testing.assert_allclose(contact(*bent, 16_000.0), hertz, atol=2e-8)
+
+
+def test_friction_that_the_press_makes_holds_only_while_it_is_pressed() -> None:
+    """mu N in the guide: where mu is above one, a push along it cannot move the wrist; without a press it is free."""
+    name, values = _law("friction", "N", 2.0 * np.linspace(0.0, 50.0, 32), 0.0, 50.0)
+    pressed = _run(name, values)
+    times = np.linspace(0.0, 1.2, 400)
+    assert np.abs(pressed.port("wrist", pressed.states(times)[0])).max() < 1e-4
+    weak = {k: 0.05 * v for k, v in values.items()}
+    assert np.abs(_run(name, weak).port("wrist", _run(name, weak).states(times)[0])).max() > 1e-3
 
 
 def test_friction_whose_level_grows_with_displacement_holds_still_where_it_is_strong_enough() -> None:

@@ -81,7 +81,8 @@ def test_the_full_batch_is_what_was_asked_for() -> None:
     assert len(sealed) >= 300
     assert sum(o.family in MOVING for o in sealed) >= len(sealed) / 3
     filled = Counter(batch.rate_of(o) for o in sealed)
-    assert set(filled) == {"nothing", "value", "outside", "named", "spoiled"}
+    assert set(filled) == {"nothing", "value", "outside", "named", "spoiled", "learned"}
+    assert filled.pop("learned") == 120
     assert filled.pop("spoiled") == 160  # 15 ways on four rigs, with and without friction, and 40 relatives
     assert min(filled.values()) >= 200
     assert len(OUTSIDERS) >= 4

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import pytest
 
-from spacerobot.proof.judge import judge
+from spacerobot.proof.judge import band_share, judge
 
 FRICTION = {"effect": "coulomb_friction", "where": "wrist", "force_N": 0.3}
 DRAG = {"effect": "quadratic_drag", "where": "target", "coefficient_Ns2_m2": 4.0}
@@ -130,3 +131,37 @@ def test_no_answer_is_an_abstention_that_is_not_right() -> None:
     assert found.abstained
     assert not found.top
     assert found.said == "failed"
+
+
+def test_a_band_is_judged_by_the_true_force_with_what_it_trades_with() -> None:
+    numbers = {"coefficient_Ns_m": 10.0, "way": 1.0, "soft_m_s": 1e-6}
+    truth = {
+        "effects": [{"effect": "valve", "where": "wrist", **numbers}],
+        "rig_as_built": {"wrist.damping": 3.0},
+    }
+    x = np.linspace(-0.1, 0.1, 11)
+    total = 3.0 * x + 10.0 * np.maximum(x, 0.0)
+    table = {"variable": "v", "x": list(x), "total_with": ["wrist.damping"]}
+
+    def said(off: float, kind: str = "force") -> dict[str, Any]:
+        band = {"low": list(total + off - 0.01), "high": list(total + off + 0.01)}
+        return {"verdict": "learned", "learned": [{"where": "wrist", "kind": kind, "table": {**table, **band}}]}
+
+    assert band_share(truth, said(0.0)) == 1.0
+    assert band_share(truth, said(0.1)) == 0.0
+    assert band_share(truth, said(0.0, "friction")) is None
+    assert band_share(truth, {"verdict": "unknown"}) is None
+
+
+def test_a_law_learned_elsewhere_is_wrong_and_one_at_its_port_right() -> None:
+    truth = {"effects": [{"effect": "worn", "where": "wrist"}], "expected": "learned", "strength": 9.0}
+
+    def at(where: str) -> Any:
+        effects = [{"effect": "learned_law", "where": where, "parameters": {}}]
+        verdict = {"verdict": "learned", "confidence": 0.9, "effects": effects, "learned": [{"where": where}]}
+        return judge({**truth, "parameters": [], "withheld": None}, verdict)
+
+    assert at("wrist").top
+    assert not at("wrist").confidently_wrong
+    assert not at("target").top
+    assert at("target").confidently_wrong

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from scipy.stats import chi2, ncx2
 from spacerobot.proof.orders import KINDS
 from spacerobot.proof.rates import (
     Rate,
+    calibration_error,
     confusion,
     coverage,
     median_interval,
@@ -180,3 +182,20 @@ def test_what_a_stand_in_predicts_is_scored_apart() -> None:
     assert same == [hidden]
     assert rates([hidden, honest])["abstained"].value == 1.0
     assert rates([hidden, honest])["confidently_wrong"].total == 1
+
+
+@given(st.lists(st.tuples(st.floats(0.0, 1.0), st.booleans()), min_size=1, max_size=60))
+def test_calibration_is_no_further_off_than_the_furthest_answer(said: list[tuple[float, bool]]) -> None:
+    records = [{"confidence": c, "top": t} for c, t in said]
+    error, low, high = calibration_error(records)
+    assert 0.0 <= low <= high <= 1.0
+    assert error <= max(abs(c - t) for c, t in said) + 1e-12
+
+
+def test_calibration_knows_the_sure_and_wrong_from_the_doubtful() -> None:
+    sure = [{"confidence": 0.99, "top": False}] * 20
+    honest = [{"confidence": 0.5, "top": k % 2 == 0} for k in range(200)]
+    assert calibration_error(sure)[0] == pytest.approx(0.99)
+    assert calibration_error(honest)[0] == pytest.approx(0.0, abs=1e-12)
+    assert calibration_error(honest)[2] < 0.15
+    assert math.isnan(calibration_error([{"confidence": None, "top": True}])[0])

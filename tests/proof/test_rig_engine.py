@@ -8,7 +8,9 @@ from collections.abc import Mapping
 import numpy as np
 import pytest
 
+from spacerobot.effects.learned import Shape
 from spacerobot.effects.registry import all_effects, effect
+from spacerobot.proof.engine.laws import LAWS
 from spacerobot.proof.engine.missing import Missing
 from spacerobot.proof.engine.outsiders import OUTSIDERS
 from spacerobot.proof.engine.physics import EDITS, apply
@@ -142,9 +144,35 @@ def test_the_comparison_notices_a_left_out_effect(item: Missing) -> None:
 
 
 def test_every_edit_of_the_engine_is_of_an_effect_and_is_compared() -> None:
-    inside = set(EDITS) - set(OUTSIDERS)
+    inside = set(EDITS) - set(OUTSIDERS) - set(LAWS)
     assert inside <= set(all_effects())
     assert {c.effect for c in CASES} == inside
+
+
+@pytest.mark.parametrize("name", sorted(LAWS))
+def test_every_law_of_no_catalogue_is_where_and_of_what_it_says(name: str) -> None:
+    """A spline through its curve, at its port in the reduced model, moves as the engine does."""
+    law = LAWS[name]
+    values = law.numbers(np.random.default_rng(3), 0.01)(
+        {"valve": 5.0, "loaded": 5.0, "stiffening": 20.0}.get(name, 2.0)
+    )
+    low, high = {"d": (-0.012, 0.012), "v": (-0.15, 0.15), "N": (0.0, 30.0)}[law.of]
+    low, high = (0.0, 5e-4) if law.where == "contact" else (low, high)
+    low, high = (-0.09, 0.02) if law.where == "target" else (low, high)
+    shape = Shape(law.kind, law.of, low, high, 29, 1.0, 1.0)  # type: ignore[arg-type]
+    x = np.linspace(low, high, 400)
+    inside = np.linalg.lstsq(shape.rows(x), np.array([law.curve(u, values) for u in x]), rcond=None)[0]
+    floor = 0.0 if law.kind == "friction" else -np.inf
+    spline = {f"c_{k:02d}": float(max(c, floor)) for k, c in enumerate(inside)}
+    log = run(apply(Rig(Values()), (Missing(name, law.where, values),)), {"target": START}, {"target": SPEED}, DURATION)
+    ours = reduced(Values(), (Missing(shape.name, law.where, spline),))
+    plain = reduced(Values(), ())
+    grid = np.linspace(0.0, DURATION, 300)
+    index = list(ours.layout.coordinates).index("wrist")
+    theirs = np.interp(grid, log.time, log.slider[0])
+    off = np.abs(theirs - ours.sample(grid).position[:, index]).max()
+    assert off < 4e-5
+    assert np.abs(plain.sample(grid).position[:, index] - ours.sample(grid).position[:, index]).max() > 3.0 * off
 
 
 OUTSIDE: dict[str, tuple[str, Mapping[str, float]]] = {

@@ -3,38 +3,36 @@
 from __future__ import annotations
 
 from spacerobot.diagnosis.answer.record import Learned, Like, Table, Value
-from spacerobot.diagnosis.fitting.fitted import NORMAL_95
+from spacerobot.diagnosis.fitting.fitted import interval
 from spacerobot.diagnosis.learning.bands import band
-from spacerobot.diagnosis.learning.describe import describe
 from spacerobot.diagnosis.learning.learn import Learnt
+from spacerobot.effects.formula import OF_UNIT
 
-VARIABLES = {"d": ("displacement", "m"), "v": ("rate", "m/s"), "z": ("force remembered", "N")}
+VARIABLES = {"d": "displacement", "v": "rate", "z": "force remembered", "N": "normal force"}
 
 
-def learned_law(learnt: Learnt) -> Learned:
-    """The record of one learned law."""
-    curve, told = learnt.curve, describe(learnt.curve)
+def learned_law(learnt: Learnt, inflation: float) -> Learned:
+    """The record of one learned law; intervals with the noise's inflation [1]."""
+    curve, told, fit = learnt.curve, learnt.told, learnt.fit
     shape, seen = curve.shape, band(curve)
-    said, unit = VARIABLES[shape.of]
-    values = curve.fit.values()
-    numbers = {
-        p.name: Value(value=values[curve.site.key(p.name)], ci95=None, unit="1/s")
-        for p in curve.site.effect.parameters[shape.cells + 3 :]
-    }
-    for name, (value, error, of) in (told.parameters if told else {}).items():
-        known = error == error  # a place or a width has no error of its own
-        ends = (value - NORMAL_95 * error, value + NORMAL_95 * error) if known else None
-        numbers[name] = Value(value=value, ci95=ends, unit=of)
+    site = learnt.site
+    numbers = {}
+    values: dict[str, float] = {}
+    for p in site.effect.parameters:
+        if told is not None or p.name == "rate_1_s":  # a curve's coefficients stand in the table
+            value, ends = interval(fit, site.key(p.name), inflation)
+            values[p.name] = value
+            numbers[p.name] = Value(value=value, ci95=ends, unit=p.unit)
     return Learned(
         where=curve.site.where,
         kind=shape.kind,
-        depends_on=[said],
-        formula=f"s({shape.of}) = {told.formula}" if told else None,
-        law=curve.site.effect.formula,
+        depends_on=[VARIABLES[shape.of]],
+        formula=told.formula.written(values) if told else None,
+        law=site.effect.formula,
         parameters=numbers,
         table=Table(
             variable=shape.of,
-            unit=unit,
+            unit=OF_UNIT[shape.of],
             value_unit="N/m" if shape.kind == "memory" else "N",
             x=seen.x.tolist(),
             law=seen.law.tolist(),

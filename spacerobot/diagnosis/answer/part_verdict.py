@@ -26,6 +26,7 @@ from spacerobot.diagnosis.answer.record import (
     Moved,
     NextExperiment,
     Number,
+    Value,
     Verdict,
 )
 from spacerobot.diagnosis.answer.verdict import all_moved, detectable, fitted_effects, moved_values, pattern
@@ -34,6 +35,7 @@ from spacerobot.diagnosis.selection.check import why_not
 from spacerobot.diagnosis.selection.nested_laws import least_alike
 from spacerobot.diagnosis.selection.part_limits import PartLimits
 from spacerobot.diagnosis.selection.part_result import Part, balance
+from spacerobot.diagnosis.selection.stretches import Knock
 from spacerobot.diagnosis.terms.candidates import contains
 from spacerobot.diagnosis.terms.kinds import (
     AMBIGUOUS,
@@ -45,6 +47,7 @@ from spacerobot.diagnosis.terms.kinds import (
     WRONG_PARAMETER,
     Kind,
 )
+from spacerobot.effects.effect import said_name
 from spacerobot.recordings.study import Study
 
 PRECEDENCE = (NOT_TRUSTED, UNKNOWN, AMBIGUOUS, NAMED, WRONG_PARAMETER, NOTHING_MISSING)
@@ -72,7 +75,8 @@ def verdict_of(study: Study, parts: Sequence[Part], *, seed: int, seconds: float
         verdict=verdict,
         confidence=float(np.mean([p.confidence for p in speaking])),
         why=[line for p in parts for line in why_not(p.checks)]
-        + [f"{p.name}: {p.model.not_measured}" for p in parts if p.model.not_measured],
+        + [f"{p.name}: {p.model.not_measured}" for p in parts if p.model.not_measured]
+        + [line for p, v in zip(parts, own, strict=True) if v == AMBIGUOUS for line in _shared(p)],
         effects=effects,
         alternatives=alternatives(speaking, verdict),
         parameters=_all_moved(parts),
@@ -136,12 +140,35 @@ def lacked(part: Part, count: int) -> list[Effect]:
     """
     turning = part.turning
     out = []
-    for found in fitted_effects(part.fit, 1.0):
+    for found in [*fitted_effects(part.fit, 1.0), *map(_struck, part.knocks)]:
         if found.where in turning:
             angles = {of_turning(n): replace(v, unit=turning_unit(v.unit)) for n, v in found.parameters.items()}
             found = replace(found, parameters=angles)
         out.append(replace(found, part=part.name) if count > 1 else found)
     return out
+
+
+def _struck(knock: Knock) -> Effect:
+    """A knock in one trial, as the effect that it is."""
+    strength, when = knock.effect.parameters
+    value, low, high = knock.impulse
+    at = knock.moment
+    return Effect(
+        effect=said_name(knock.effect.name),
+        where=knock.where,
+        parameters={
+            strength.name: Value(value=value, ci95=(low, high), unit=strength.unit),
+            when.name: Value(value=at.time, ci95=(at.low, at.high), unit=when.unit),
+        },
+        trials=[knock.trial],
+    )
+
+
+def _shared(part: Part) -> list[str]:
+    """What every set that predicts as well as the chosen one has too, as a line; none where they share nothing."""
+    shared = set.intersection(*({(said_name(n), w) for n, w in c.label} for c in (part.chosen, *part.rivals)))
+    names = " and ".join(f"{name} at {where}" for name, where in sorted(shared))
+    return [f"{part.name}: every explanation that predicts as well has {names}"] if shared else []
 
 
 def of_turning(name: str) -> str:

@@ -239,7 +239,7 @@ class Part(Record, frozen=True, kw_only=True):
 class Table(Record, frozen=True, kw_only=True):
     """A learned curve over the range that the recordings visited; beyond it nothing is known."""
 
-    variable: Literal["d", "v", "z"]
+    variable: Literal["d", "v", "z", "N"]
     unit: str
     value_unit: str
     x: list[float]

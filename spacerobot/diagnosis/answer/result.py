@@ -34,6 +34,7 @@ class Diagnosis(Brief):
         left: of a wrist rig, what the finalists leave over, by set of effects.
         model: of other machines, what was found as TOML, for `spacerobot overlay --model`.
         scene: of a wrist rig, its first trial as the chosen model has it.
+        law_file: of a law that was learned and has a formula, a Python file that defines it as an effect.
         parts: of other machines, what was found at each joint, body or sensor.
     """
 
@@ -45,6 +46,7 @@ class Diagnosis(Brief):
     parts: tuple[Part, ...] = ()
     scene: Scene | None = None
     model: str | None = None
+    law_file: str | None = None
 
     @cached_property
     def verdict(self) -> dict[str, Any]:
@@ -70,12 +72,12 @@ class Diagnosis(Brief):
 
     def _rows(self) -> list[tuple[Any, ...]]:
         found = [
-            (e["effect"], e["where"], name, p["value"], *p["ci95"], p["unit"])
+            (e["effect"], e["where"], name, p["value"], *_ends(p), p["unit"])
             for e in self.verdict["effects"]
             for name, p in e["parameters"].items()
         ]
         moved = self.verdict["parameters"].items()
-        return found + [("", *name.rpartition(".")[::2], p["value"], *p["ci95"], p["unit"]) for name, p in moved]
+        return found + [("", *name.rpartition(".")[::2], p["value"], *_ends(p), p["unit"]) for name, p in moved]
 
     def _repr_html_(self) -> str:
         v = self.verdict
@@ -90,3 +92,9 @@ class Diagnosis(Brief):
         if v["next_experiment"]:
             notes.append(f"Next: {v['next_experiment']['change']}. {v['next_experiment']['why']}")
         return html_table(title, self._rows(), ("effect", "where", "parameter", "value", "95 %", "", "unit"), notes)
+
+
+def _ends(value: Mapping[str, Any]) -> tuple[Any, Any]:
+    """Of an interval; a whole number, such as a filter's order, has none."""
+    low, high = value["ci95"] or (None, None)
+    return low, high

@@ -229,7 +229,7 @@ def verdict_of_rig(
         moved=all_moved(chosen, tuple(ABSORBING)),
         not_predicted=not_predicted(study, {c for t in trials for c in t.channels}),
         why=list(why),
-        learned=UNSET if learnt is None else [learned_law(learnt)],
+        learned=UNSET if learnt is None else [learned_law(learnt, inflation)],
         clocks=list(clocks) if clocks else UNSET,
         spoiled=left_out(study, trials) or UNSET,
         noise=noise_told(study, trials) or UNSET,

@@ -15,10 +15,12 @@ DRAWS = 4000
 LEVEL = 0.95
 
 TRADES = {
-    ("force", "v"): ("wrist.damping", "wrist.equivalent_damping"),
-    ("force", "d"): ("wrist.stiffness",),
+    ("wrist", "force", "v"): ("wrist.damping", "wrist.equivalent_damping"),
+    ("wrist", "force", "d"): ("wrist.stiffness",),
+    ("contact", "force", "v"): ("contact.damping",),
+    ("contact", "force", "d"): ("contact.stiffness",),
 }
-"""Values of the wrist that a law of its rate or displacement can be traded for: only the sum is known."""
+"""Believed values that a law of a port's rate or displacement can be traded for: only the sum is known."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +50,7 @@ def band(curve: Curve) -> Band:
     x = np.linspace(shape.low + width, shape.high - width, POINTS)
     rows = shape.rows(x)
     law = rows @ curve.coefficients()
-    names = TRADES.get((shape.kind, shape.of), ()) if curve.site.where == "wrist" else ()
+    names = TRADES.get((curve.site.where, shape.kind, shape.of), ())
     keys, values = fit.hypothesis.keys, fit.values()
     design = np.zeros((POINTS, len(keys)))
     own = [keys.index(curve.site.key(p.name)) for p in curve.site.effect.parameters][: shape.cells + 3]

@@ -74,17 +74,30 @@ class Curve:
         own = [keys.index(self.site.key(p.name)) for p in self.site.effect.parameters][: self.shape.cells + 3]
         return np.asarray(self.shape.size**2 * self.fit.covariance[np.ix_(own, own)])
 
+    def determined(self) -> float:
+        """How many of the coefficients the readings determine, beside what is believed of how smooth the curve is."""
+        own = self.shape.cells + 3
+        prior = np.asarray(self.site.effect.precision)[:own, :own] / self.shape.size**2
+        return float(own - np.trace(self.covariance() @ prior))
+
 
 def visited(workshop: Workshop, fit: Fit, port: str) -> dict[Variable, tuple[float, float]]:
-    """Ranges of a port's displacement and rate in the simulated trials, and of what it remembers."""
-    seen: dict[Variable, list[np.ndarray]] = {"d": [], "v": [], "z": []}
+    """Ranges of a port's displacement and rate in the simulated trials, of what it remembers and of what presses.
+
+    Of the contact while the surfaces touch.
+    """
+    seen: dict[Variable, list[np.ndarray]] = {"d": [], "v": [], "z": [], "N": []}
     for trial in workshop.trials:
         mechanism = workshop.model.trial_mechanism(fit.hypothesis, fit.z, trial)
         run = workshop.model.predict(mechanism, trial, fit.trials[trial.id].initial).run
         times = np.unique(np.concatenate([b.time for b in trial.blocks]))
         taken = run.sample(times)
-        seen["d"].append(run.port(port, taken.position))
-        seen["v"].append(run.port(port, taken.velocity))
+        place, rate = run.port(port, taken.position), run.port(port, taken.velocity)
+        if port == "contact":
+            place, rate = np.append(0.0, place[place > 0.0]), np.append(0.0, rate[place > 0.0])
+        seen["d"].append(place)
+        seen["v"].append(rate)
+        seen["N"].append(np.append(0.0, run.contact_force(taken)))
         seen["z"].append(taken.memory[:, -1:].ravel() if taken.memory.size else np.zeros(1))
     return {of: (float(min(x.min() for x in all_)), float(max(x.max() for x in all_))) for of, all_ in seen.items()}
 
@@ -102,7 +115,7 @@ def fit_curve(
         bar: cost above which it is given up once the noise is what it is.
     """
     seen = visited(workshop, beside, port)
-    spring = workshop.model.base.get("wrist.stiffness", 1.0)
+    spring = workshop.model.base["contact.stiffness" if port == "contact" else "wrist.stiffness"]
     reach = max(abs(x) for x in seen["d"])
     size = STIFF * spring if kind == "memory" else SHARE * spring * reach
     low, high = (-STIFF * spring * reach, STIFF * spring * reach) if of == "z" else seen[of]

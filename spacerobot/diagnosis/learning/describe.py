@@ -10,32 +10,34 @@ import numpy as np
 
 from spacerobot.diagnosis.learning.curves import Curve
 from spacerobot.diagnosis.selection.penalty import SMALL
+from spacerobot.effects.formula import Formula, evaluated
+from spacerobot.effects.learned import Kind, Shape, Variable
 from spacerobot.effects.registry import all_effects
 
 MOST_TERMS = 3
 BUMPS = 24
 """Places, and half as many widths, at which a local rise is tried before it is moved to its best."""
+KNOWN = 1e-9
+"""Share of the best known combination's information, below which readings say nothing of one."""
+
+TRIFLE = 1e-6
+"""Of a typical force."""
+
+VOCABULARY: dict[Kind, tuple[str, ...]] = {
+    "force": ("one", "line", "up", "down", "odd", "cube", "square"),
+    "friction": ("one", "line", "abs", "square"),
+    "memory": ("one", "up", "down", "square", "cube"),
+}
+"""Words of which a law of each kind is made, the plainer first; of forces and frictions a local rise besides."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Term:
-    """One word of the vocabulary.
+    """A word, of a local rise with its place and width."""
 
-    Attributes:
-        formula: with {} for its coefficient.
-        words: what it is like.
-        curve: in the word of effects that it is a relative of, or "".
-        shape: value at x, shape (T,) each.
-        unit: of the coefficient.
-        numbers: its own further numbers by name, SI.
-    """
-
-    formula: str
-    words: str
-    curve: str
-    shape: Callable[[np.ndarray], np.ndarray]
-    unit: str
-    numbers: tuple[tuple[str, float], ...] = ()
+    word: str
+    place: float = 0.0
+    width: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -43,75 +45,72 @@ class Described:
     """A formula for a curve.
 
     Attributes:
-        formula: LaTeX.
+        formula: its words.
+        values: of its parameters, SI.
         words: what it is like, in a sentence.
         like: effect of the catalogue, or "".
-        parameters: name -> (value, one standard error, unit).
-        misfit: chi-squared over the spline's [1]; what is left of the curve is noise where it is no larger than `room`.
-        room: number of the spline's coefficients that the data determine.
+        price: what a further fitted number must earn in chi-squared [1].
     """
 
-    formula: str
+    formula: Formula
+    values: dict[str, float]
     words: str
     like: str
-    parameters: dict[str, tuple[float, float, str]]
-    misfit: float
-    room: float
+    price: float
+
+    @property
+    def numbers(self) -> int:
+        """How many are fitted."""
+        return len(self.values)
 
 
-def describe(curve: Curve) -> Described | None:
-    """The plainest formula that says as much as the spline; None where none of the vocabulary does.
+def describe(curve: Curve) -> list[Described]:
+    """The best formula of one word, of two and of three, and the best local rise, each as near to the spline as it can.
 
-    Terms are chosen by BIC, from the likelihood of the spline's coefficients with everything else (and what is believed
-    of it) marginalised; no trial is simulated. A further term must also be more than a small defect of the others.
+    Near by the likelihood of the spline's coefficients with everything else (and what is believed of it) marginalised;
+    no trial is simulated. A further number must earn its BIC, and be more than a small defect of the others.
     """
     shape = curve.shape
     own = shape.cells + 3
     precision = np.linalg.inv(curve.covariance())
     prior = np.asarray(curve.site.effect.precision)[:own, :own] / shape.size**2
-    data = precision - prior
-    data = 0.5 * (data + data.T)
-    pull = precision @ curve.coefficients()
+    told, ways = np.linalg.eigh(0.5 * (precision - prior + (precision - prior).T))
+    seen = told > KNOWN * told.max()  # elsewhere the prior alone speaks
+    root = np.sqrt(told[seen])[:, None] * ways[:, seen].T
+    sought = (ways[:, seen].T @ (precision @ curve.coefficients())) / np.sqrt(told[seen])
     x = np.linspace(shape.low, shape.high, 8 * own)
-    basis = np.linalg.pinv(shape.rows(x))
-    least = float(pull @ np.linalg.pinv(data, rcond=1e-9, hermitian=True) @ pull)
-    room = float(np.trace(np.linalg.solve(precision, data)))
-    samples = float(curve.fit.samples)
+    basis = root @ np.linalg.pinv(shape.rows(x))
 
-    def fitted(terms: tuple[Term, ...]) -> tuple[float, np.ndarray, np.ndarray]:
-        design = np.column_stack([basis @ t.shape(x) for t in terms])
-        inside = design.T @ data @ design
-        covariance = np.linalg.pinv(inside, rcond=1e-12, hermitian=True)
-        found = covariance @ (design.T @ pull)
-        return least - float(found @ design.T @ pull), found, covariance
+    def column(term: Term) -> np.ndarray:
+        return np.asarray(basis @ evaluated(term.word, x, term.place, term.width))
 
-    earn = np.log(samples) + SMALL * max(least, 0.0)
-    words = _words(shape.kind, shape.of)
-    best: tuple[float, tuple[Term, ...]] | None = None
-    for size in range(1, MOST_TERMS + 1):
-        for terms in itertools.combinations(words, size):
-            misfit = fitted(terms)[0]
-            price = misfit + size * earn
-            if best is None or price < best[0]:
-                best = price, terms
-    for bump in _bumps(shape.kind, shape.of, shape.low, shape.high, lambda t: fitted((t,))[0]):
-        price = fitted((bump,))[0] + 3 * earn
-        if best is None or price < best[0]:
-            best = price, (bump,)
-    assert best is not None  # the vocabulary has words for every kind
-    misfit, found, covariance = fitted(best[1])
-    if misfit > room + 4.0 * np.sqrt(2.0 * room) + 2.0 * earn:
-        return None
-    parameters: dict[str, tuple[float, float, str]] = {}
-    parts = []
-    for k, term in enumerate(best[1]):
-        name = f"a_{k + 1}"
-        parameters[name] = (float(found[k]), float(np.sqrt(covariance[k, k])), term.unit)
-        parameters |= {f"{name}_{n}": (v, float("nan"), "m") for n, v in term.numbers}
-        parts.append(term.formula.format(f"{found[k]:.4g}"))
-    law = " + ".join(parts).replace("+ -", "- ")
-    first = best[1][int(np.argmax([abs(x) for x in found]))]
-    return Described(law, "; ".join(t.words for t in best[1]), _like(first.curve), parameters, misfit, room)
+    def fitted(columns: list[np.ndarray]) -> tuple[float, np.ndarray]:
+        design = np.column_stack(columns)
+        found = np.linalg.lstsq(design, sought, rcond=1e-9)[0]
+        return float(np.sum((sought - design @ found) ** 2)), found
+
+    plain = {Term(w): column(Term(w)) for w in VOCABULARY[shape.kind]}
+    best = [
+        min(itertools.combinations(plain, size), key=lambda terms: fitted([plain[t] for t in terms])[0])
+        for size in range(1, MOST_TERMS + 1)
+    ]
+    best += [(bump,) for bump in _bumps(shape, lambda t: fitted([column(t)])[0])]
+    price = float(np.log(float(curve.fit.samples)) + SMALL * float(sought @ sought))
+    return [_described(shape, terms, fitted([column(t) for t in terms])[1], price) for terms in best]
+
+
+def _described(shape: Shape, terms: tuple[Term, ...], found: np.ndarray, price: float) -> Described:
+    """Its coefficients as they were found; what they are fitted on, no smaller than a trifle of the curve's size."""
+    least = TRIFLE * shape.size / max(abs(shape.low), abs(shape.high)) ** 3
+    sizes = tuple((t.word, max(abs(float(c)), least)) for t, c in zip(terms, found, strict=True))
+    formula = Formula(shape.kind, shape.of, shape.low, shape.high, sizes)
+    values = {f"a_{k}": float(c) for k, c in enumerate(found, 1)}
+    for k, t in enumerate(terms, 1):
+        if t.word == "rise":
+            values |= {f"a_{k}_place": t.place, f"a_{k}_width": t.width}
+    first = terms[int(np.argmax(np.abs(found)))]
+    said = "; ".join(likeness(shape.kind, shape.of, t.word) for t in terms)
+    return Described(formula, values, said, _like(_curve_of(shape.kind, shape.of, first.word)), price)
 
 
 def _like(curve: str) -> str:
@@ -119,60 +118,52 @@ def _like(curve: str) -> str:
     return next((e.name for e in all_effects().values() if curve and e.curve == curve), "")
 
 
-def _words(kind: str, of: str) -> tuple[Term, ...]:
-    per = {"v": "s/m", "d": "/m", "z": "/N"}[of]
-    unit = "N/m" if kind == "memory" else "N"
-    first = "N s/m" if of == "v" else unit + per
-    one = Term("{}", "a constant", "a level of friction" if kind == "friction" else "a constant", np.ones_like, unit)
-    rise = Term(rf"{{}}\,\max({of}, 0)", _way(kind, of, 1), f"a line in {of}", lambda x: np.maximum(x, 0.0), first)
-    fall = Term(rf"{{}}\,\min({of}, 0)", _way(kind, of, -1), f"a line in {of}", lambda x: np.minimum(x, 0.0), first)
-    odd = Term(rf"{{}}\,{of}|{of}|", "growing with the square", f"a square in {of}", lambda x: x * np.abs(x), unit)
-    cube = Term(rf"{{}}\,{of}^3", "growing with the cube", f"a cube in {of}", lambda x: x**3, unit)
-    even = Term(rf"{{}}\,|{of}|", "growing either way", "", np.abs, first)
-    square = Term(rf"{{}}\,{of}^2", "growing with the square, either way", "", np.square, unit)
-    straight = Term(f"{{}} {of}", "rising in a straight line", "", lambda x: x, first)
-    if kind == "force":
-        return (one, straight, rise, fall, odd, cube, square)
-    if kind == "friction":
-        return (one, straight, even, square)
-    return (one, rise, fall, square, cube)
+def _curve_of(kind: Kind, of: Variable, word: str) -> str:
+    """In the word of effects, the curve that a term is a relative of, or ""."""
+    if word in ("one", "rise"):
+        return "a level of friction" if kind == "friction" and of != "N" else "a constant" if word == "one" else ""
+    shapes = {"up": "a line", "down": "a line", "odd": "a square", "cube": "a cube"}
+    return f"{shapes[word]} in {of}" if word in shapes and kind == "force" else ""
 
 
-def _way(kind: str, of: str, sign: int) -> str:
-    side = "positive" if sign > 0 else "negative"
-    if kind == "force" and of == "v":
-        return "like viscous damping, on one stroke only"
-    return f"growing where {of} is {side}"
+def likeness(kind: Kind, of: Variable, word: str) -> str:
+    """What a term is like, in words that go on from "it is" or "its curve"."""
+    if word in ("up", "down"):
+        if kind == "force" and of == "v":
+            return "like viscous damping, on one stroke only"
+        return f"growing where {of} is {'positive' if word == 'up' else 'negative'}"
+    if word == "line" and (kind, of) == ("friction", "N"):
+        return "like dry friction in proportion to what presses in the contact"
+    return {
+        "one": "a constant",
+        "line": "rising in a straight line",
+        "abs": "growing either way",
+        "square": "growing with the square, either way",
+        "odd": "growing with the square",
+        "cube": "growing with the cube",
+        "rise": "a local rise, which fades away from its place",
+    }[word]
 
 
-def _bumps(kind: str, of: str, low: float, high: float, cost: Callable[[Term], float]) -> Iterator[Term]:
+def _bumps(shape: Shape, cost: Callable[[Term], float]) -> Iterator[Term]:
     """The best local rise there is."""
-    if kind == "memory":
+    if shape.kind == "memory":
         return
     from scipy.optimize import minimize
 
+    low, high = shape.low, shape.high
     places = np.linspace(low, high, BUMPS)
     widths = np.geomspace(0.03, 0.5, BUMPS // 2) * (high - low)
-    start = min(((p, w) for p in places for w in widths), key=lambda at: cost(_bump(kind, of, *at)))
+    start = min((Term("rise", p, w) for p in places.tolist() for w in widths.tolist()), key=cost)
     scale = 0.05 * (high - low)
 
+    narrow = (high - low) / shape.cells
+
     def moved(step: np.ndarray) -> Term:
-        return _bump(kind, of, float(start[0] + scale * step[0]), float(start[1] * np.exp(step[1])))
+        place = float(np.clip(start.place + scale * step[0], low, high))
+        return Term("rise", place, float(max(start.width * np.exp(step[1]), narrow)))
 
     def price(step: np.ndarray) -> float:
         return cost(moved(step))
 
     yield moved(minimize(price, np.zeros(2), method="Nelder-Mead").x)
-
-
-def _bump(kind: str, of: str, place: float, width: float) -> Term:
-    unit = {"d": "m", "v": "m/s"}[of]
-    formula = rf"{{}}\,\exp\left(-\left(\frac{{{{{of} - {place:.4g}}}}}{{{{{width:.3g}}}}}\right)^2\right)"
-    return Term(
-        formula,
-        f"rises and falls: most at {place:.4g} {unit}",
-        "a level of friction" if kind == "friction" else "",
-        lambda x: np.exp(-(((x - place) / width) ** 2)),
-        "N",
-        (("place", place), ("width", width)),
-    )

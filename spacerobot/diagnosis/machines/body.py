@@ -154,7 +154,7 @@ def _model(study: Study, trials: Sequence[Trial], group: str, name: str) -> Simu
     known = study.recording(trials[0])
     doubted = {f"body.{n.split('.', 1)[1]}": v for n, v in study.sigma.items() if n.startswith(f"{group}.")}
     sigma = {n: v for n, v in doubted.items() if n in ("body.mass", "body.yaw_inertia") and n not in unknown}
-    fitted = {*sigma, *unknown}
+    fitted = {*sigma, *unknown, *relative}
     covers = {"target": "body.mass", "target.yaw": "body.yaw_inertia"}
     stand = {f"{place}.mass" for place, value in covers.items() if value in fitted}
     catalogue = all_effects().values()

@@ -104,6 +104,12 @@ def _felt(name: str, joint: str) -> bool:
     return name.startswith((f"joint.{joint}.", "link.")) or name.endswith(".zero")
 
 
+def _mass(name: str) -> str:
+    """What a balance calls a value: "joint.NAME.inertia" is what the joint moves, its coordinate's mass."""
+    joint = name.startswith("joint.") and name.endswith(".inertia")
+    return name.removesuffix("inertia") + "mass" if joint else name
+
+
 def balances(study: Study, trials: list[Trial], joints: tuple[str, ...]) -> list[Machine]:
     """A torque balance for each joint."""
     robot = robot_of(study)
@@ -118,12 +124,12 @@ def balances(study: Study, trials: list[Trial], joints: tuple[str, ...]) -> list
     }
     first = next((j for j in joints if j not in idle), None)
     stream = "" if first is None else study.recording(trials[0])[f"joint.{first}.torque"].stream
-    values = {n: v for n, v in study.values().items() if n.startswith("joint.")}
+    values = {_mass(n): v for n, v in study.values().items() if n.startswith("joint.")}
     logs = [study.recording(t)[c] for t in trials for c in channels]
     noise = {s.name: s.sigma for s in logs if s.sigma_stated}
     found: list[Machine] = []
     for joint in joints:
-        unknown = [n for n in sorted(study.baseline.unknown) if n.startswith(f"joint.{joint}.")]
+        unknown = [_mass(n) for n in sorted(study.baseline.unknown) if n.startswith(f"joint.{joint}.")]
         found.append(
             InverseDynamics(
                 robot,
@@ -133,7 +139,7 @@ def balances(study: Study, trials: list[Trial], joints: tuple[str, ...]) -> list
                 compared=[joint],
                 values=values,
                 unknown=unknown,
-                sigma={n: v for n, v in study.sigma.items() if _felt(n, joint)},
+                sigma={_mass(n): v for n, v in study.sigma.items() if _felt(n, joint)},
                 absolute={n: v for n, v in study.absolute.items() if _felt(n, joint)},
                 sensor=stream,
                 noise=noise,

@@ -153,11 +153,15 @@ class Machine(ABC):
         return hypothesis.edit(self.mechanism(values, trial), hypothesis.values(z), trial.id)
 
     def sites(self, effects: Iterable[Effect] | None = None) -> list[Site]:
-        """Every effect at every place where it could sit, its parameters scaled to what is typical there."""
+        """Every effect at every place where it could sit, its parameters scaled to what is typical there.
+
+        But for what strikes once: nothing that is kept aside foretells it. It is found by the moment itself
+        (`selection/stretches.py`).
+        """
         plain = self.plain()
         found = []
         for effect in all_effects().values() if effects is None else effects:
-            if effect.once and len({t.recorded for t in self.trials}) > 1:  # every trial would have its own
+            if effect.once:
                 continue
             for where in dict.fromkeys(effect.places(plain)):
                 found.append(Site(scaled(effect, self.size_at(where)), where))
@@ -176,6 +180,18 @@ class Machine(ABC):
             SimulationError: it is too short to be cut.
         """
         return self
+
+    def cut_at(self, moments: Mapping[str, Sequence[float]]) -> Self:
+        """The same with recorded trials cut at moments [s]: each stretch has a start of its own; here none has one."""
+        return self
+
+    def steady(self, trial: TrialData, start: float, end: float) -> bool:
+        """Whether what drives it did not change between two moments [s]; so where nothing does."""
+        return True
+
+    def impulse(self, mechanism: Mechanism, trial: TrialData, rates: Mapping[str, float]) -> dict[str, float]:
+        """What changes the coordinates' rates by so much at a trial's end, by place [N s or N m s]."""
+        return {name: mechanism.coordinates[name].mass * rate for name, rate in rates.items()}
 
     def shocks(self) -> Mapping[str, Moment]:
         """By trial, when its balance is first shaken by a touch."""

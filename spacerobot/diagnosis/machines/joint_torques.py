@@ -286,8 +286,10 @@ class InverseDynamics(Machine):
         )
 
     def shocks(self) -> dict[str, Moment]:
-        """Of all joints together, at the logs' full rate."""
-        found = {}
+        """Of all joints together, at the logs' full rate; none where nothing drives: a free swing is let go of."""
+        found: dict[str, Moment] = {}
+        if not self.driven:
+            return found
         for trial, log in self._raw.items():
             rest = log.torque - self._arm.torque(log.position, log.velocity, log.acceleration)
             moment = first_shock(log.time, rest, SHARP * log.step)

@@ -12,6 +12,7 @@ Nothing is integrated but the base's own turn and the outer forces, which are ev
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,7 +22,7 @@ from spacerobot.diagnosis.machines.contract import FIRST_NOISE, Machine, Nuisanc
 from spacerobot.diagnosis.machines.links import robot_of
 from spacerobot.diagnosis.machines.measured import port_forces, through_sensor
 from spacerobot.diagnosis.machines.sizes import sizes_of
-from spacerobot.diagnosis.machines.windows import local
+from spacerobot.diagnosis.machines.windows import cut, local
 from spacerobot.diagnosis.terms.data import Block, TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed, Site
 from spacerobot.dynamics.floating_base import floating_configuration
@@ -81,10 +82,12 @@ class Platform(Machine):
         self._grid: dict[str, np.ndarray] = {}
         self._joints: dict[str, np.ndarray] = {}
         self._shape: dict[tuple[object, ...], Shape] = {}
+        self._arms: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {}
         self._seen: dict[str, tuple[dict[str, np.ndarray], dict[str, np.ndarray]]] = {}
         self._raw = {t.id: {c: study.recording(t)[c].good() for c in TRACK.values()} for t in trials}
         self.sizes = self._sizes()
-        self.trials = tuple(self._trial(t) for t in trials)
+        self._whole = tuple(self._trial(t) for t in trials)
+        self.trials = self._whole
         sigma = {n: s for n, s in study.sigma.items() if n in VALUES}
         unknown = {n: self.base[n] for n in VALUES if n in study.baseline.unknown}
         self.believed = Believed(self.base, sigma, {}, conditions_of(self.trials), unknown)
@@ -109,14 +112,38 @@ class Platform(Machine):
             noise = series.sigma if series.sigma_stated else FIRST_NOISE * self.sizes[coordinate].length
             blocks.append(Block(series.stream, (channel,), time, value[None], np.full((1, time.size), 1.0 / noise)))
         start, end = float(min(b.time[0] for b in blocks)), float(max(b.time[-1] for b in blocks))
-        grid = np.arange(start, end + STEP, STEP)
-        self._grid[trial.id] = grid
-        known = [recording[c].good() for c in self.drives.values()]
-        self._joints[trial.id] = np.array([_follow(grid, t, v) for t, v in known])
+        self._arms[trial.id] = [recording[c].good() for c in self.drives.values()]
+        return self._gridded(TrialData(trial.id, self.study.condition(trial), {}, tuple(blocks), start, end))
+
+    def _gridded(self, trial: TrialData) -> TrialData:
+        """A trial, or a stretch of one, with its grid, its arm's motion and its base's track on that."""
+        self._grid[trial.id] = grid = np.arange(trial.start, trial.end + STEP, STEP)
+        self._joints[trial.id] = np.array([_follow(grid, t, v) for t, v in self._arms[trial.recorded]])
+        self._raw[trial.id] = {c: trial.channel(c)[:2] for c in TRACK.values()}
         places = {n: np.interp(grid, *self._raw[trial.id][c]) for n, c in TRACK.items()}
-        rates = {n: _smoothed(np.gradient(p, grid), SMOOTH) for n, p in places.items()}
-        self._seen[trial.id] = places, rates
-        return TrialData(trial.id, self.study.condition(trial), {}, tuple(blocks), start, end)
+        self._seen[trial.id] = places, {n: _smoothed(np.gradient(p, grid), SMOOTH) for n, p in places.items()}
+        return trial
+
+    def cut_at(self, moments: Mapping[str, Sequence[float]]) -> Platform:
+        """Each stretch between these moments is a trial of its own."""
+        other = copy(self)
+        pieces = [w for t in self._whole for w in cut(t, np.inf, moments.get(t.id, ()))]
+        other.trials = tuple(w if w.id == w.recorded else self._gridded(w) for w in pieces)
+        return other
+
+    def impulse(self, mechanism: Mechanism, trial: TrialData, rates: Mapping[str, float]) -> dict[str, float]:
+        """On the whole, which moves with its base: at the base's origin, and about the common centre of mass."""
+        shape, yaw = self._shaped(trial, mechanism), self._seen[trial.id][0]["base.yaw"][-1]
+        ahead, left = shape.moment[:, -1] / shape.mass
+        offset = np.array([np.cos(yaw) * ahead - np.sin(yaw) * left, np.sin(yaw) * ahead + np.cos(yaw) * left])
+        spin = rates.get("base.yaw", 0.0)
+        pushed = shape.mass * np.array(
+            [rates.get("base", 0.0) - spin * offset[1], rates.get("base.y", 0.0) + spin * offset[0]]
+        )
+        about_centre = (shape.inertia[-1] - shape.mass * float(offset @ offset)) * spin
+        # the push acts at the base, and its moment about the common centre is part of what turns the whole
+        turned = about_centre + float(offset[0] * pushed[1] - offset[1] * pushed[0])
+        return {n: v for n, v in zip(TRACK, (*pushed.tolist(), turned), strict=True) if n in rates}
 
     def sites(self, effects: Iterable[Effect] | None = None) -> list[Site]:
         """As everywhere, less what nothing tells apart: a payload is the platform's mass, and of two clocks only

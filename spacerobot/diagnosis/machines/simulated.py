@@ -33,6 +33,9 @@ TRIFLE = 1e-4
 LOOSEST = 1e-4
 """Relative tolerance of the integrator; drives that are joined by lines make it no better than this."""
 
+CHANGED = 0.05
+"""Share of an input's range by which it changes where it does: less is a sensor's noise, or slow control."""
+
 LONGER = 1.5
 """By how much another trial may be lengthened."""
 
@@ -81,6 +84,8 @@ class Simulated(Machine):
         self.given = frozenset(c for d in self.drives.values() for c in d.value)
         self.recorded = {t.id: t for t in recorded}
         self.at_rest, self.covered = at_rest, covered
+        self._window, self._budget = window, budget
+        self._cuts: Mapping[str, Sequence[float]] = {}
         windows = [w for t in recorded for w in cut(t, window)]
         if not windows:
             raise InputError(f"{name} has too few readings in every trial", valid="five or more of a channel in one")
@@ -91,10 +96,26 @@ class Simulated(Machine):
     def in_windows(self, length: float) -> Self:
         """The same recordings in windows of another length [s], all of them."""
         other = copy(self)
-        windows = (w for t in self.recorded.values() for w in cut(t, length))
+        windows = (w for t in self.recorded.values() for w in cut(t, length, self._cuts.get(t.id, ())))
         other.trials = tuple(w for w in windows if not any(_overlap(w, h) for h in self._hidden))
         other._starts = {}
         return other
+
+    def cut_at(self, moments: Mapping[str, Sequence[float]]) -> Self:
+        """No window goes over one of these moments."""
+        other = copy(self)
+        other._cuts = moments
+        windows = [w for t in self.recorded.values() for w in cut(t, self._window, moments.get(t.id, ()))]
+        other.trials, other._starts = tuple(spread_over(windows, self._budget)), {}
+        return other
+
+    def steady(self, trial: TrialData, start: float, end: float) -> bool:
+        """By the recorded inputs, each within a share of all that it does in the trial."""
+        drive = self.drives.get(trial.recorded)
+        if drive is None:
+            return True
+        here = (drive.time >= start) & (drive.time <= end)
+        return all(not here.any() or np.ptp(v[here]) <= CHANGED * np.ptp(v) for v in drive.value.values())
 
     def but_for(self, out: Sequence[str]) -> Self:
         """The same without some of its windows: nothing that it fits knows a reading of theirs."""
@@ -156,24 +177,27 @@ class Simulated(Machine):
             size = self.sizes.get(coordinate, self.sizes[""])
             least = TRIFLE * size.length  # a counter at rest has no scatter at all
             if "position" in shown:
-                time, value = self._seen(whole, shown["position"], trial.end)
+                time, value = self._seen(whole, shown["position"], trial)
                 near = local(time, value, trial.start, reach)
                 found.append(Nuisance(coordinate, False, near.value, max(near.value_sigma, least)))
                 if not (self.at_rest and trial.start <= whole.start) and "velocity" not in shown:
                     found.append(Nuisance(coordinate, True, near.slope, max(near.slope_sigma, least / size.time)))
             if "velocity" in shown:
-                time, value = self._seen(whole, shown["velocity"], trial.end)
+                time, value = self._seen(whole, shown["velocity"], trial)
                 near = local(time, value, trial.start, reach)
                 found.append(Nuisance(coordinate, True, near.value, max(near.value_sigma, least / size.time)))
         return found
 
-    def _seen(self, whole: TrialData, readout: Readout, end: float) -> tuple[np.ndarray, np.ndarray]:
+    def _seen(self, whole: TrialData, readout: Readout, trial: TrialData) -> tuple[np.ndarray, np.ndarray]:
         """Times and values of a channel up to the end of a window, counted as its coordinate is.
 
-        What came before a window tells how it begins, unless that is kept aside.
+        What came before a window tells how it begins, unless that is kept aside, or it began anew there.
         """
         time, value, _ = whole.channel(readout.channel)
-        known = time <= end + 1e-9
+        known = time <= trial.end + 1e-9
+        for moment in self._cuts.get(whole.id, ()):
+            if moment <= trial.start + 1e-9:
+                known &= time >= moment - 1e-9
         for window in self._hidden:
             if window.recorded == whole.id:
                 known &= (time < window.start - 1e-9) | (time > window.end - 1e-9)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -102,17 +103,23 @@ def refinement(value: np.ndarray) -> int:
     return int(np.clip(np.ceil(np.sqrt(bend / BEND)), 1, 8))
 
 
-def cut(trial: TrialData, length: float) -> list[TrialData]:
-    """The trial in windows of `length` seconds (an infinite one: whole), a rest of less than half of one left out."""
-    span = trial.end - trial.start
-    count = 1 if span < 1.5 * length else int(span / length + 0.5)
+def cut(trial: TrialData, length: float, moments: Sequence[float] = ()) -> list[TrialData]:
+    """The trial in windows of `length` seconds (an infinite one: whole), a rest of less than half of one left out.
+
+    Each stretch between `moments` [s] is cut by itself.
+    """
+    edges = [trial.start, *sorted(m for m in moments if trial.start < m < trial.end), trial.end]
+    spans: list[tuple[float, float]] = []
+    for first, last in itertools.pairwise(edges):
+        count = 1 if last - first < 1.5 * length else int((last - first) / length + 0.5)
+        close = last + 1e-6 * (last == trial.end)
+        ends = [close] if count == 1 else [min(first + (n + 1) * length, close) for n in range(count)]
+        spans += zip([first, *ends[:-1]], ends, strict=True)
     out = []
-    for n in range(count):
-        begin = trial.start if n == 0 else trial.start + n * length
-        end = trial.end + 1e-6 if count == 1 else begin + length
+    for n, (begin, end) in enumerate(spans):
         blocks = tuple(b for b in (_within(b, begin, end) for b in trial.blocks) if b.time.size)
         if blocks and any((b.weight > 0.0).sum() > 4 for b in blocks):
-            name = piece_id(trial.id, n) if count > 1 else trial.id
+            name = piece_id(trial.id, n) if len(spans) > 1 else trial.id
             out.append(replace(trial, id=name, blocks=blocks, start=float(begin), end=float(min(end, trial.end))))
     return out
 

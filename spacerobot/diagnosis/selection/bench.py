@@ -35,6 +35,9 @@ Row = tuple[tuple[str, str], dict[str, float], float]
 FEW_STEPS = 6
 """Of a fit that only shows what an effect may come to."""
 
+BEGUN = 2
+"""Starts of such an effect from which these steps are taken, those that are best after the first."""
+
 PROMISING = 40
 """Pairs of effects that are kept for the search to choose among, those that promise most."""
 
@@ -177,11 +180,12 @@ class Bench:
         return list(best.values())
 
     def _tried_whole(self, fit: Fit, sites: Sequence[Site]) -> list[Promise]:
-        """Of effects that let something move by itself, what a few steps of a fit from each of some starts come to.
+        """Of effects that let something move by itself, what a few steps of a fit from the best of some starts come to.
 
-        A resonance is nothing like a faint one, nor is the rest of a fit that had to do without it.
+        A resonance is nothing like a faint one, nor is the rest of a fit that had to do without it. Which starts are
+        best a first step tells, on the derivatives of the fit that it begins at.
         """
-        plain, out = self.model.plain(), []
+        plain, fitter, out = self.model.plain(), self.fitter(), []
         for site in sites:
             full = {p.name: p.starts[0] for p in site.effect.parameters}
             try:
@@ -189,11 +193,17 @@ class Bench:
                     continue
             except InputError:
                 continue
+            begun: list[tuple[Fit, dict[str, float]]] = []
             for start in _whole_starts(site):
                 with contextlib.suppress(SimulationError):
                     made = (*fit.hypothesis.sites, site)
-                    near = fit_near(self.fitter(), self.model.believed, made, fit, start, max_iterations=FEW_STEPS)
-                    out.append(Promise(site, start, near.cost))
+                    begun.append((fit_near(fitter, self.model.believed, made, fit, start, max_iterations=1), start))
+            for first, start in sorted(begun, key=lambda one: one[0].cost)[:BEGUN]:
+                with contextlib.suppress(SimulationError):
+                    on = fit_near(
+                        fitter, self.model.believed, first.hypothesis.sites, first, {}, FEW_STEPS, hopeless=fit.cost
+                    )
+                    out.append(Promise(site, start, on.cost))
         return out
 
     def fitted(self, near: Fit, promise: Promise) -> Fit | None:

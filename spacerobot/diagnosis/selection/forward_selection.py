@@ -159,6 +159,9 @@ class _Search:
             if tired and not self.waiting(size, ahead):
                 break
             layer = [baseline] if size == 0 else self.layer(list(ahead.pop(size, {}).values()))
+            if size and layer:
+                first = min(range(len(layer)), key=lambda k: layer[k].cost)
+                layer[first] = self.restarted(layer[first], baseline)
             tested += layer if size else []
             layer.sort(key=lambda c: c.error)
             better = 1.0 - (TIE if size < 2 else WORTH_OF_REST)  # a pair may need two weak singles, no more
@@ -263,6 +266,22 @@ class _Search:
                 self.reached = min(self.reached, one.cost)
                 out.append(one)
         return out
+
+    def restarted(self, one: Candidate, baseline: Candidate) -> Candidate:
+        """A candidate fitted again with the shapes of its effects at their own starts, if that is better.
+
+        Each effect was found beside fewer: how it acts may have settled to make up for one that came later.
+        """
+        values, best = one.fit.values(), one.fit
+        if len(one.sites) > 1:
+            for site in one.sites:
+                for p in (p for p in site.effect.parameters if p.shape and not p.moment and len(p.starts) > 1):
+                    for value in p.starts:
+                        start = {**{k: v for k, v in values.items() if "@" in k}, site.key(p.name): value}
+                        fit = self.bench.fitted_as(baseline.fit, one.sites, start)
+                        if fit is not None and fit.cost < (1.0 - TIE) * best.cost:
+                            best = fit
+        return one if best is one.fit else self.tested(Candidate(best))
 
     def reworded(self, chosen: Candidate, tested: Sequence[Candidate]) -> list[Candidate]:
         """The chosen model said with a general effect in the place of its special case and of one effect more.

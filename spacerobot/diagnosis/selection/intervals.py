@@ -58,11 +58,16 @@ def curved(workshop: Workshop, decided: Decided) -> Decided:
         chosen, inflation = decided.judgement.chosen, decided.inflation
         if chosen.covariance is None:
             return decided
-        keys = [f.key for f in chosen.hypothesis.free if f.kind == "effect"]
-        why = _not_shown(decided.judgement, {key: interval(chosen, key, inflation)[1] for key in keys})
+        why = _not_shown(decided.judgement, by_curvature(chosen, inflation))
         if not why:
             return decided
         decided = decided.withdrawing(workshop, why)
+
+
+def by_curvature(fit: Fit, inflation: float) -> dict[str, tuple[float, float]]:
+    """95 % intervals of the effects' parameters by the curvature of their fit, by key."""
+    keys = [f.key for f in fit.hypothesis.free if f.kind == "effect"]
+    return {key: interval(fit, key, inflation)[1] for key in keys}
 
 
 def stated(judgement: Judgement) -> list[str]:

@@ -48,10 +48,13 @@ def general_sites(special: Site, known: Known) -> Iterator[Site]:
 
 
 def inherited(new: Site, special: Site, fit: Fit) -> dict[str, float]:
-    """Start values of a general effect: its special case's own where the units agree."""
+    """Start values of a general effect: its special case's own of the same name, or its first where the units agree."""
+    own = {p.name: fit.values()[special.key(p.name)] for p in special.effect.parameters}
     first = special.effect.parameters[0]
-    value = fit.values()[special.key(first.name)]
-    return {new.key(p.name): value if p.unit == first.unit else p.starts[0] for p in new.effect.parameters}
+    return {
+        new.key(p.name): own.get(p.name, own[first.name] if p.unit == first.unit else p.starts[0])
+        for p in new.effect.parameters
+    }
 
 
 def not_excluded(bench: Bench, fit: Fit, known: Known) -> list[Fit]:

@@ -81,11 +81,25 @@ def decided(growth: Growth, out: Sequence[str]) -> Decided:
         raise SimulationError("nothing is left to fit when a fold is left out")
     bench = Bench(rest.divided(), whole.threads, whole.kept.within(f"without {', '.join(out)}"), most=INNER)
     own, again = among(bench, [sites[one] for one in growth.after.label], _in_play(growth, sites))
-    fits = {"before": own.before.fit, "after": again, "selected": own.after.fit}
+    after = _begun_at(bench, own, growth, again)
+    same = own.after.label == growth.after.label
+    fits = {"before": own.before.fit, "after": after, "selected": after if same else own.after.fit}
     if bench.model is not rest:
         fitter = Fitter(rest, reweighted(rest.trials, bench.weights))
         fits = {name: None if fit is None else _undivided(fitter, fit) for name, fit in fits.items()}
     return Decided(own, bench.weights, fits)
+
+
+def _begun_at(bench: Bench, own: Growth, growth: Growth, again: Fit | None) -> Fit | None:
+    """The chosen set fitted to the fold's trials, grown from its own baseline or begun at what all trials led to.
+
+    The better of the two: where a law has several minima, the one at which a fit ends says nothing of the trials.
+    """
+    values = {k: v for k, v in growth.after.fit.values().items() if "@" in k}
+    if not values:
+        return again
+    other = bench.fitted_as(own.before.fit, growth.after.fit.hypothesis.sites, values)
+    return other if other is not None and (again is None or other.cost < (1.0 - TIE) * again.cost) else again
 
 
 def _undivided(fitter: Fitter, fit: Fit) -> Fit:

@@ -17,7 +17,8 @@ from spacerobot.diagnosis.selection.growth import Growth
 from spacerobot.diagnosis.selection.held_out import HeldOut
 from spacerobot.diagnosis.selection.judge import moved
 from spacerobot.diagnosis.selection.kept_aside import Unseen
-from spacerobot.diagnosis.selection.model_choice import TIE, agreeing, ratio
+from spacerobot.diagnosis.selection.model_choice import SAME, TIE, agreeing, ratio
+from spacerobot.diagnosis.selection.stretches import Knock
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.kinds import (
     AMBIGUOUS,
@@ -50,12 +51,14 @@ class Part:
         located: its balances; None where it has none of its own.
         checks: of the fit itself.
         unseen: what was decided and predicted without each trial; None before that was asked.
+        knocks: that struck it in single trials.
     """
 
     growth: Growth
     located: Located | None = None
     checks: tuple[Check, ...] = field(default=())
     unseen: Unseen | None = None
+    knocks: tuple[Knock, ...] = ()
 
     @property
     def model(self) -> Machine:
@@ -131,6 +134,8 @@ class Part:
             return UNKNOWN
         if self.fit.hypothesis.sites:
             return AMBIGUOUS if self.rivals else NAMED
+        if self.knocks:
+            return NAMED
         if self.striking:
             return UNKNOWN
         return WRONG_PARAMETER if self.moved else NOTHING_MISSING
@@ -143,13 +148,19 @@ class Part:
             base = self.growth.considered_baseline
             lead = min((ratio(c, base) for c in self.growth.considered if c.sites), default=np.inf) - 1.0 + TIE
             return float(np.clip(1.0 - DOUBT * np.exp(-max(lead, 0.0) / TIE), DOUBT, 0.99))
-        chosen = set(self.growth.after.label)
         own = next(c for c in self.growth.considered if c.label == self.growth.after.label)
-        others = [(c, ratio(c, own)) for c in self.growth.considered if not chosen <= set(c.label)]
+        every = [(c, ratio(c, own)) for c in self.growth.considered]
+        others = [(c, x) for c, x in every if not any(set(w.label) <= set(c.label) for w in self._wordings(own, every))]
         leads = [x - 1.0 for c, x in others if not (c.simplicity > own.simplicity and abs(x - 1.0) < TIE)]
         clear = 1.0 - DOUBT * np.exp(-max(min(leads, default=np.inf), 0.0) / TIE)
         share = agreeing(self.chosen, self.growth.before)
         return float(np.clip(clear * share, 0.05, 0.99))
+
+    @staticmethod
+    def _wordings(own: Candidate, every: Sequence[tuple[Candidate, float]]) -> list[Candidate]:
+        """The choice, and it said with more effects: friction of two levels is friction of one and a constant push."""
+        longer = [c for c, x in every if c.size == own.size and len(c.sites) > len(own.sites) and abs(x - 1.0) <= SAME]
+        return [own, *longer]
 
     @property
     def selected(self) -> HeldOut:

@@ -2,17 +2,33 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
-from spacerobot.effects.effect import Effect, Parameter, positions
+from spacerobot.effects.effect import Effect, Parameter
+from spacerobot.effects.kernel import Kernel
 from spacerobot.effects.mechanism import Mechanism
+from spacerobot.effects.plane import across, along_both, bodies
 from spacerobot.effects.primitives import Friction
 
 
 def level(v: float, normal: float, aux: float, p: Any) -> float:
     """p = (force,)."""
     return p[0]
+
+
+CREEP = 1e-4
+"""Speed [m/s] below which a body that slides in the plane may as well rest: there its friction is smoothed, since
+only friction along one direction can be set-valued."""
+
+
+def in_plane(d: float, v: float, aux: float, p: Any) -> float:
+    """One component of -F v/|v|; aux is the rate across, p = (force,)."""
+    return -p[0] * v / math.sqrt(v * v + aux * aux + CREEP * CREEP)
+
+
+IN_PLANE = Kernel(in_plane)
 
 
 class CoulombFriction(Effect):
@@ -30,9 +46,11 @@ class CoulombFriction(Effect):
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:
         """Guides, joints, and a body that slides on a table."""
         bearing = ("target.yaw",) if mechanism.contact is None else ()
-        return positions(mechanism, "wrist", "target", "target.y", *bearing, "base", "joint")
+        return bodies(mechanism, "wrist", "target", "target.y", *bearing, "base", "joint")
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
-        """Friction of constant level at the port."""
-        p = (values["force_N"],)
+        """Friction of constant level at the port; of a body in the plane against its velocity."""
+        p, other = (values["force_N"],), across(mechanism, where)
+        if other is not None:
+            return mechanism.with_force(*along_both(self.name, where, other, IN_PLANE, p))
         return mechanism.with_friction(Friction(f"{self.name} at {where}", where, level, p, steady=True))

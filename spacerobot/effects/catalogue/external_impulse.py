@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from spacerobot.effects.effect import Effect, Parameter, base_ports, positions
+from spacerobot.effects.effect import BASE_PORTS, Effect, Parameter, positions
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Impulse
 
@@ -23,8 +23,9 @@ class ExternalImpulse(Effect):
     )
 
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:
-        """Bodies that float."""
-        return positions(mechanism, "target", "target.y", *base_ports(mechanism))
+        """Bodies that float; one that nothing touches may be struck off its centre too."""
+        turning = ("target.yaw",) if mechanism.contact is None else ()
+        return positions(mechanism, "target", "target.y", *turning, *BASE_PORTS)
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
         """A kick at the port."""

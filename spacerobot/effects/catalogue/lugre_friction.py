@@ -54,7 +54,7 @@ class LugreFriction(Effect):
         Parameter("bristle_stiffness_N_m", "N/m", 1e4, 1e3, 1.0, 1e9, (3e4, 1e3), log=True, shape=True),
         Parameter("bristle_damping_Ns_m", "N s/m", 1.0, 1.0, 1e-6, 1e6, (3.0,), log=True, shape=True),
     )
-    refines = ("coulomb_friction",)
+    refines = ("stribeck_friction",)
     limits: ClassVar[Mapping[str, float]] = {"bristle_stiffness_N_m": 1e8, "bristle_damping_Ns_m": 1e3}
     replaces = ("{where}.equivalent_damping",)
 

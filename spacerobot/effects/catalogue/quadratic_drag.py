@@ -2,12 +2,24 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
+from typing import Any
 
 from spacerobot.effects.catalogue.quadratic_damping import QUADRATIC
-from spacerobot.effects.effect import Effect, Parameter, base_ports, positions
+from spacerobot.effects.effect import Effect, Parameter, base_ports
+from spacerobot.effects.kernel import Kernel
 from spacerobot.effects.mechanism import Mechanism
+from spacerobot.effects.plane import across, along_both, bodies
 from spacerobot.effects.primitives import Force
+
+
+def in_plane(d: float, v: float, aux: float, p: Any) -> float:
+    """One component of -c |v| v; aux is the rate across, p = (coefficient,)."""
+    return -p[0] * math.hypot(v, aux) * v
+
+
+IN_PLANE = Kernel(in_plane)
 
 
 class QuadraticDrag(Effect):
@@ -15,15 +27,17 @@ class QuadraticDrag(Effect):
 
     name = "quadratic_drag"
     title = "quadratic drag"
-    formula = r"f = -c\, |\dot{x}|\, \dot{x}, \quad c = \tfrac12 \rho C_d A"
+    formula = r"\mathbf f = -c\, |\mathbf v|\, \mathbf v, \quad c = \tfrac12 \rho C_d A"
     source = "Rayleigh (1876)"
     parameters = (Parameter("coefficient_Ns2_m2", "N s^2/m^2", 0.0, 0.5, 0.0, 1e5, (0.01, 0.5, 5.0)),)
 
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:
         """Bodies that float or fall."""
-        return positions(mechanism, "target", "target.y", "target.yaw", *base_ports(mechanism))
+        return bodies(mechanism, "target", "target.y", "target.yaw", *base_ports(mechanism))
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
-        """A quadratic damper between the body and the world."""
-        p = (values["coefficient_Ns2_m2"],)
-        return mechanism.with_force(Force(f"{self.name} at {where}", where, QUADRATIC, p))
+        """A quadratic damper between the body and the world, against the velocity in the plane."""
+        p, other = (values["coefficient_Ns2_m2"],), across(mechanism, where)
+        if other is None:
+            return mechanism.with_force(Force(f"{self.name} at {where}", where, QUADRATIC, p))
+        return mechanism.with_force(*along_both(self.name, where, other, IN_PLANE, p))

@@ -43,7 +43,7 @@ class TransmissionCoupling(Effect):
     parameters = (
         Parameter("coulomb_force_N", "N", 0.0, 0.1, 0.0, 1e4, (0.2, 1.0)),
         Parameter("coefficient_Ns_m", "N s/m", 0.0, 0.1, 0.0, 1e5, (0.2, 1.0)),
-        Parameter("ratio", "1", 0.0, 0.02, -10.0, 10.0, (1.0, -1.0, 0.3), shape=True),
+        Parameter("ratio", "1", 0.0, 0.5, -10.0, 10.0, (1.0, -1.0, 0.3), shape=True),
     )
 
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:

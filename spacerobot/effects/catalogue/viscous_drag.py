@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from spacerobot.effects.effect import Effect, Parameter, base_ports, positions
+from spacerobot.effects.effect import Effect, Parameter, base_ports
 from spacerobot.effects.laws import DAMPER
 from spacerobot.effects.mechanism import Mechanism
+from spacerobot.effects.plane import across, bodies
 from spacerobot.effects.primitives import Force
 
 
@@ -15,14 +16,16 @@ class ViscousDrag(Effect):
 
     name = "viscous_drag"
     title = "viscous drag"
-    formula = r"f = -c\, \dot{x}"
+    formula = r"\mathbf f = -c\, \mathbf v"
     source = "Stokes (1851)"
     parameters = (Parameter("coefficient_Ns_m", "N s/m", 0.0, 0.1, 0.0, 1e4, (0.03, 0.3, 3.0)),)
 
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:
         """Bodies that float."""
-        return positions(mechanism, "target", "target.y", "target.yaw", *base_ports(mechanism))
+        return bodies(mechanism, "target", "target.y", "target.yaw", *base_ports(mechanism))
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
-        """A damper between the body and the world."""
-        return mechanism.with_force(Force(f"{self.name} at {where}", where, DAMPER, (values["coefficient_Ns_m"],)))
+        """A damper between the body and the world, in every direction of the plane."""
+        p = (values["coefficient_Ns_m"],)
+        along = [n for n in (where, across(mechanism, where)) if n is not None]
+        return mechanism.with_force(*(Force(f"{self.name} at {n}", n, DAMPER, p) for n in along))

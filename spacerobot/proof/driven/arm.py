@@ -171,7 +171,7 @@ def run(built: Built, path: Path, duration: float, rate: float) -> Log:
         for name, level in built.levels.items():
             k = index[name]
             push = float(data.qfrc_smooth[k])
-            model.dof_frictionloss[k] = level(float(data.qvel[k]), push)
+            model.dof_frictionloss[k] = level(float(data.qvel[k]), push, float(data.qpos[k]), 0.0)
         mujoco.mj_step(model, data)
     table = np.array(rows)
     if not np.isfinite(table).all() or data.warning[mujoco.mjtWarning.mjWARN_BADQACC].number:

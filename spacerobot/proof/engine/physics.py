@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 
+from spacerobot.proof.engine import laws
 from spacerobot.proof.engine.missing import Missing
 from spacerobot.proof.engine.outsiders import OUTSIDERS
 from spacerobot.proof.engine.rig import STANDARD_GRAVITY, Joint, Level, Rig, Tendon
@@ -22,7 +23,7 @@ def stribeck_friction(rig: Rig, where: str, p: Mapping[str, float]) -> None:
     """MuJoCo's friction loss, its level set at every step."""
     static, coulomb, speed = p["static_force_N"], p["coulomb_force_N"], p["velocity_m_s"]
 
-    def level(v: float, net: float) -> float:
+    def level(v: float, net: float, q: float, f: float) -> float:
         return coulomb + (static - coulomb) * math.exp(-((v / speed) ** 2))
 
     rig.levels[where] = level
@@ -36,7 +37,7 @@ def asymmetric_friction(rig: Rig, where: str, p: Mapping[str, float]) -> None:
 def two_levels(forwards: float, backwards: float) -> Level:
     """A level for each direction of motion, or of the push at rest."""
 
-    def level(v: float, net: float) -> float:
+    def level(v: float, net: float, q: float, f: float) -> float:
         way = v if abs(v) > 1e-5 else net
         return forwards if way > 0.0 else backwards
 
@@ -177,6 +178,7 @@ EDITS: dict[str, Edit] = {
     "payload": payload,
     "magnus": magnus,
     **OUTSIDERS,
+    **laws.EDITS,
 }
 """Name -> what it does to the rig; sensors' effects are in `sensors`."""
 

@@ -16,8 +16,8 @@ from spacerobot.support.errors import InputError
 Law = Callable[[list[float], list[float], float, float, list[float]], None]
 """(positions, velocities, time, normal contact force, generalised forces to add to): one explicit force."""
 
-Level = Callable[[float, float], float]
-"""(velocity, net force) -> dry friction level of a joint [N]."""
+Level = Callable[[float, float, float, float], float]
+"""(velocity, net force, position, normal contact force) -> dry friction level of a joint [N]."""
 
 STANDARD_GRAVITY = 9.80665
 
@@ -79,7 +79,10 @@ class Tendon:
 
 @dataclass
 class ContactLaw:
-    """The explicit force of the tip: k d_ref (d/d_ref)^n (1 + chi d') + c d', d_ref = 1 mm, and its holding force."""
+    """The explicit force of the tip: k d_ref (d/d_ref)^n (1 + chi d') + c d', d_ref = 1 mm, and its holding force.
+
+    A further force of the penetration may be added to it.
+    """
 
     stiffness: float
     damping: float
@@ -89,6 +92,7 @@ class ContactLaw:
     ahead: float = 0.0
     lateral: float = 0.0
     mu: float = 0.0
+    further: Callable[[float], float] | None = None
 
     def force(self, d: float, rate: float) -> float:
         """Force, positive in compression, before it is cut off [N]."""
@@ -96,7 +100,8 @@ class ContactLaw:
             elastic = self.stiffness * d
         else:
             elastic = math.copysign(self.stiffness * 1e-3 * (abs(d) / 1e-3) ** self.exponent, d)
-        return elastic * (1.0 + self.chi * rate) + self.damping * rate
+        own = elastic * (1.0 + self.chi * rate) + self.damping * rate
+        return own if self.further is None else own + self.further(d)
 
 
 @dataclass

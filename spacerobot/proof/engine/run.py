@@ -119,9 +119,11 @@ class _Running:
 
     def levels(self) -> None:
         """Set the dry friction that changes with the motion."""
+        f = self.contact.force(self.data.qpos.tolist(), self.data.qvel.tolist()) if self.rig.levels else 0.0
         for name, level in self.rig.levels.items():
             i = self.index[name]
-            self.model.dof_frictionloss[i] = level(float(self.data.qvel[i]), float(self.data.qfrc_passive[i]))
+            at, v, net = (float(x[i]) for x in (self.data.qpos, self.data.qvel, self.data.qfrc_passive))
+            self.model.dof_frictionloss[i] = level(v, net, at, f)
 
     def tension(self) -> float:
         """Pull of the surfaces beyond what holds them [N]: positive once they part."""

@@ -50,7 +50,8 @@ def trials_in(file: Found) -> list[Found]:
 def _rate(file: Found, rows: int, place: int) -> float | None:
     """Readings a second [Hz] by a clock of this length in a cell of the same place."""
     for column in file.table.columns:
-        beside = column.names and column.names[0].endswith(f"[{place}]") and len(column.values) == rows
-        if beside and runs_forward(column.values) and (step := float(np.median(np.diff(column.values)))) < 1.0:
+        named = bool(column.names) and column.names[0].endswith(f"[{place}]") and len(column.values) == rows
+        clock = named and runs_forward(column.values)
+        if clock and 0.0 < (step := float(np.median(np.diff(column.values)))) < 1.0:
             return float(f"{1.0 / step:.6g}")
     return None

@@ -43,8 +43,8 @@ def inline(figure: Figure, says: str, hints: Mapping[str, Sequence[str]] | None 
         element.tag = element.tag.rpartition("}")[2]
     for gid, names in (hints or {}).items():
         points = next(e for e in root.iter("g") if e.get("id") == gid)
-        for point, name in zip(points.iter("use"), names, strict=True):
-            ElementTree.SubElement(point, "title").text = name
+        for point, hint in zip(points.iter("use"), names, strict=True):
+            ElementTree.SubElement(point, "title").text = hint
     _drop(root, ("metadata", "style"))
     _own_names(root, f"c{hashlib.sha256((name + says).encode()).hexdigest()[:6]}")
     for element in root.iter():

@@ -15,7 +15,9 @@ from spacerobot.view.report.write import write_plots, write_report
 
 
 def save_diagnosis(diagnosis: Diagnosis, out: str | Path, *, overwrite: bool = False) -> Path:
-    """Write verdict.json, report.html, plots and scene.toml or model.toml, as `spacerobot diagnose --out` does.
+    """Write verdict.json, report.html, plots and what can be run again, as `spacerobot diagnose --out` does.
+
+    That is scene.toml or model.toml, and of a learned law with a formula my_law.py.
 
     Args:
         diagnosis: what was found.
@@ -47,6 +49,8 @@ def write_diagnosis(diagnosis: Diagnosis, folder: RunFolder, jobs: int = 1) -> d
         folder.write("scene.toml", diagnosis.scene.to_toml())
     if diagnosis.model is not None:
         folder.write("model.toml", diagnosis.model)
+    if diagnosis.law_file is not None:
+        folder.write("my_law.py", diagnosis.law_file)
     write_report(verdict, evidence, folder.path("report.html"))
     write_plots(verdict, evidence, folder.folder / "plots", jobs, noted=partial(_noted, folder))
     return verdict

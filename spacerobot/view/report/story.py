@@ -209,7 +209,10 @@ def _learned(verdict: Mapping[str, Any], evidence: Evidence) -> Story:
         if like
         else ("No short formula says as much as the curve below.",)
     )
-    return Story("Learned", "found", "A law that the catalogue does not hold", sentence, (*more, *_moved(verdict)))
+    draft = ("my_law.py, beside this page, is a draft of it as an effect of your own.",) if law["formula"] else ()
+    return Story(
+        "Learned", "found", "A law that the catalogue does not hold", sentence, (*more, *draft, *_moved(verdict))
+    )
 
 
 def _nothing_missing(verdict: Mapping[str, Any], evidence: Evidence) -> Story:

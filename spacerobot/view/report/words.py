@@ -311,7 +311,8 @@ def per_unit(verdict: Mapping[str, Any]) -> dict[str, Any]:
         return out
 
     def owner(item: Mapping[str, Any]) -> str:
-        return str(item.get("part") or str(item["where"]).partition(".")[0])
+        alone = next(iter(relative)) if len(relative) == 1 else str(item["where"]).partition(".")[0]
+        return str(item.get("part") or alone)
 
     out = {k: [of(e, owner(e)) for e in verdict[k]] for k in ("effects", "detectable")}
     sets = [_set_per_unit(a, of, owner) for a in verdict.get("alternatives") or ()]

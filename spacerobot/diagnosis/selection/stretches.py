@@ -1,0 +1,164 @@
+"""Knocks that struck bodies in single trials: found in what a choice leaves over, and cut out of it.
+
+No other trial foretells a knock, so no held-out error can speak for it. It is found by what it does: momentum changes
+at once (`locate/kinks.py`). The trial is cut there, each stretch with a start of its own, and the part's effects are
+sought again; what lies between the end of one stretch and the start of the next is the knock.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from spacerobot.diagnosis.fitting.fitted import Fit
+from spacerobot.diagnosis.fitting.noise import correlation_time, split
+from spacerobot.diagnosis.fitting.profile import LEVEL_95
+from spacerobot.diagnosis.locate.kinks import MARGIN, ROUND, Track, kinks
+from spacerobot.diagnosis.machines.contract import Machine
+from spacerobot.diagnosis.machines.touch import Moment
+from spacerobot.diagnosis.selection.growth import Growth
+from spacerobot.diagnosis.terms.data import TrialData
+from spacerobot.effects.effect import Effect
+from spacerobot.effects.primitives import Readout
+
+FEW = 8
+"""Predictions next to the end of a stretch by whose parabola its rate there is told: they are smooth."""
+
+TRIFLE = 0.1
+"""A stretch with less than this share of the rms that all stretches leave over has nothing missing that counts."""
+
+CLEAR = 3.0
+"""Standard errors from nothing at which a coordinate was struck: of several a few lie beyond two of them by chance."""
+
+NEAR = 1e-3
+"""Share of a stretch that may lie between it and the next."""
+
+
+@dataclass(frozen=True)
+class Knock:
+    """What struck a body in one trial.
+
+    Attributes:
+        effect: of the catalogue that it is.
+        where: the coordinate that it changed.
+        trial: the only one in which it acts.
+        moment: when.
+        impulse: what it brought [N s or N m s], with its 95 % interval.
+    """
+
+    effect: Effect
+    where: str
+    trial: str
+    moment: Moment
+    impulse: tuple[float, float, float]
+
+
+def momentary(catalogue: Iterable[Effect], model: Machine) -> dict[str, Effect]:
+    """The effects that strike once, by the places at which they may."""
+    plain = model.plain()
+    return {where: e for e in catalogue if e.once for where in e.places(plain)}
+
+
+def bends(growth: Growth, places: Mapping[str, Effect]) -> dict[str, list[Moment]]:
+    """By recorded trial, the moments at which what the choice leaves over is bent.
+
+    Not where a stretch is predicted far better than all are: nothing that counts is missing there. Nor right after a
+    recorded drive has changed: what is wrong with a drive bends a track too. That a controller answers a knock is no
+    reason against it.
+    """
+    bench, fit = growth.bench, growth.after.fit
+    tracks = {t.id: [k for k, r in _tracks(bench.model, fit, t) if r.of in places] for t in bench.trials}
+    squares = {name: _mean_square(some) for name, some in tracks.items() if some}
+    least = TRIFLE**2 * float(np.mean(list(squares.values()))) if squares else 0.0
+    out: dict[str, list[Moment]] = {}
+    for trial in bench.trials:
+        if squares.get(trial.id, 0.0) > least:
+            length = trial.end - trial.start
+            found = [m for m in kinks(tracks[trial.id]) if bench.model.steady(trial, m.low - ROUND * length, m.low)]
+            out[trial.recorded] = _told_apart([*out.get(trial.recorded, []), *found], 2.0 * MARGIN * length)
+    return {name: some for name, some in out.items() if some}
+
+
+def _mean_square(tracks: Sequence[Track]) -> float:
+    return float(np.mean(np.concatenate([t.rest for t in tracks]) ** 2))
+
+
+def _told_apart(moments: Sequence[Moment], least: float) -> list[Moment]:
+    """Moments that are closer than this [s] are one: a touch that lasted a little."""
+    out: list[Moment] = []
+    for one in sorted(moments, key=lambda m: m.time):
+        if out and one.time - out[-1].time < least:
+            last = out.pop()
+            one = Moment(0.5 * (last.time + one.time), last.low, max(last.high, one.high))
+        out.append(one)
+    return out
+
+
+def _tracks(model: Machine, fit: Fit, trial: TrialData) -> list[tuple[Track, Readout]]:
+    """What a fit leaves over of each channel that shows a coordinate itself."""
+    mechanism = model.trial_mechanism(fit.hypothesis, fit.z, trial)
+    rest, out = split(fit.trials[trial.id].residual, trial), []
+    for channel, residual in rest.items():
+        readout = mechanism.readouts.get(channel)
+        if readout is None or readout.kind not in ("position", "velocity"):
+            continue
+        good = next(b.weight[b.channels.index(channel)] > 0.0 for b in trial.blocks if channel in b.channels)
+        if good.sum() > 4:
+            out.append((Track(trial.channel(channel)[0], residual[good], readout.kind == "velocity"), readout))
+    return out
+
+
+def struck(growth: Growth, moments: Mapping[str, Sequence[Moment]], places: Mapping[str, Effect]) -> list[Knock]:
+    """How large each knock was, by what lies between the stretches before and after it.
+
+    A coordinate whose jump is not clear was not struck.
+    """
+    model, fit, out = growth.bench.model, growth.after.fit, []
+    pieces = sorted(growth.bench.trials, key=lambda t: t.start)
+    for trial, some in moments.items():
+        own = [p for p in pieces if p.recorded == trial]
+        for moment in some:
+            before = next((p for p in reversed(own) if p.end <= moment.time + NEAR * (p.end - p.start)), None)
+            after = next((p for p in own if p.start >= moment.time - NEAR * (p.end - p.start)), None)
+            if before is None or after is None or not _meet(before, after, moment):
+                continue
+            one, other = (_rates(model, fit, piece, moment.time) for piece in (before, after))
+            jump = {w: other[w][0] - one[w][0] for w in places if w in one and w in other}
+            error = {w: float(np.hypot(one[w][1], other[w][1])) for w in jump}
+            mechanism = model.trial_mechanism(fit.hypothesis, fit.z, before)
+            brought = model.impulse(mechanism, before, jump)
+            for where, value in brought.items():
+                alone = abs(model.impulse(mechanism, before, {w: error[w] * (w == where) for w in jump})[where])
+                wide = float(np.sqrt(LEVEL_95)) * alone
+                if abs(value) > CLEAR * alone:
+                    out.append(Knock(places[where], where, trial, moment, (value, value - wide, value + wide)))
+    return out
+
+
+def _meet(before: TrialData, after: TrialData, moment: Moment) -> bool:
+    reach = 0.5 * min(before.end - before.start, after.end - after.start)
+    return moment.time - before.end < reach and after.start - moment.time < reach
+
+
+def _rates(model: Machine, fit: Fit, trial: TrialData, at: float) -> dict[str, tuple[float, float]]:
+    """By coordinate, its rate at one end of a stretch as predicted, and that number's standard deviation.
+
+    That is how well a line through the stretch's readings is known, where neighbours err alike.
+    """
+    out: dict[str, tuple[float, float]] = {}
+    for track, readout in _tracks(model, fit, trial):
+        time, value, weight = trial.channel(readout.channel)
+        rest = track.rest / weight
+        shown = readout.sign * (value + rest)
+        scatter = float(np.sqrt(np.mean(rest**2) * correlation_time(rest)))
+        some = np.argsort(np.abs(time - at))[:FEW]
+        *_, slope, value_there = np.polyfit(time[some] - at, shown[some], 2)
+        if track.rate:
+            found = float(value_there), scatter / float(np.sqrt(time.size))
+        else:
+            found = float(slope), scatter / float(np.sqrt(np.square(time - time.mean()).sum()))
+        if readout.of not in out or found[1] < out[readout.of][1]:
+            out[readout.of] = found
+    return out

@@ -1,0 +1,44 @@
+"""Corners in what a model leaves over: found where they are, not found where something smooth is missing."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from spacerobot.diagnosis.locate.kinks import Track, kinks
+
+TIME = np.linspace(0.0, 30.0, 300)
+
+
+def tracks(*bends: np.ndarray, noise: float = 1e-3, seed: int = 3) -> list[Track]:
+    """Tracks with these residuals and noise."""
+    random = np.random.default_rng(seed)
+    return [Track(TIME, (bend + noise * random.standard_normal(TIME.size)) / noise) for bend in bends]
+
+
+@pytest.mark.parametrize("moments", [(11.3,), (6.0, 21.7)])
+def test_corners_are_found_where_they_are(moments: tuple[float, ...]) -> None:
+    """Each interval holds its moment, or nearly; two tracks that are bent at the same time are one knock."""
+    steps = [(-1) ** k * 3e-3 for k in range(len(moments))]
+    bend = sum(s * np.maximum(TIME - m, 0.0) for s, m in zip(steps, moments, strict=True))
+    found = kinks(tracks(np.asarray(bend), -0.5 * np.asarray(bend)))
+    assert [m.time for m in found] == pytest.approx(moments, abs=0.3)
+    assert all(m.low < m.time < m.high for m in found)
+
+
+@pytest.mark.parametrize(
+    "bend",
+    [1e-5 * TIME**2, 4e-3 * np.sin(0.3 * TIME), 1e-6 * (TIME - 12.0) ** 3, np.zeros_like(TIME)],
+    ids=["tilt", "wave", "cubic", "noise"],
+)
+def test_what_is_smooth_has_no_corner(bend: np.ndarray) -> None:
+    """A force that lasts is no knock, however much of it is left over."""
+    assert kinks(tracks(bend, 0.3 * bend)) == ()
+
+
+def test_a_step_of_a_rate_is_a_corner() -> None:
+    """Where velocities were recorded."""
+    random = np.random.default_rng(5)
+    rest = 5.0 * (TIME > 17.2) + random.standard_normal(TIME.size)
+    (found,) = kinks([Track(TIME, rest, rate=True)])
+    assert found.time == pytest.approx(17.2, abs=0.3)

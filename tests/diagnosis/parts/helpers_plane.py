@@ -1,0 +1,65 @@
+"""A body in the plane past a camera, sliding obliquely or knocked in single trials, as a study."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from spacerobot.recordings.study import Study, load_study
+
+MASS, INERTIA, NOISE, SECONDS, READINGS = 4.0, 0.05, 0.001, 6.0, 120
+
+HEAD = f"""format = 1
+title = "In the plane"
+[baseline]
+base = "free"
+approach = [1, 0, 0]
+gravity = [0, 0, -9.80665]
+[baseline.body]
+mass = {MASS}
+yaw_inertia = {INERTIA}
+[streams.camera]
+time = "t"
+[streams.camera.channels]
+x = {{ is = "body.position.x" }}
+y = {{ is = "body.position.y" }}
+yaw = {{ is = "body.yaw" }}
+"""
+
+STARTS = ((0.30, 0.22, 0.1), (0.42, -0.18, -0.2), (0.25, 0.40, 0.15), (0.50, 0.10, 0.05))
+"""Velocities along, across [m/s] and about [rad/s] of the trials' starts."""
+
+Knock = tuple[float, tuple[float, float, float]]
+"""(when [s], (along, across [N s], about [N m s]))."""
+
+
+def in_plane(
+    folder: Path,
+    force: Callable[[np.ndarray], np.ndarray] = lambda v: 0.0 * v,
+    knocks: Mapping[int, Knock] | None = None,
+    seed: int = 0,
+) -> Study:
+    """One slide from each start under a force of the velocity [N], with knocks in some of them."""
+    folder.mkdir(exist_ok=True, parents=True)
+    random, text = np.random.default_rng(seed), [HEAD]
+    time = np.linspace(0.0, SECONDS, READINGS)
+    inertia = np.array([MASS, MASS, INERTIA])
+
+    def rate(t: float, y: np.ndarray) -> np.ndarray:
+        return np.concatenate([y[3:], [*(force(y[3:5]) / MASS), 0.0]])
+
+    for number, start in enumerate(STARTS):
+        when, impulse = (knocks or {}).get(number, (SECONDS, (0.0, 0.0, 0.0)))
+        first = solve_ivp(rate, (0.0, when), [0.0, 0.0, 0.0, *start], rtol=1e-8, atol=1e-9, dense_output=True)
+        state = first.y[:, -1] + np.concatenate([np.zeros(3), np.array(impulse) / inertia])
+        then = solve_ivp(rate, (when, SECONDS + 1e-9), state, rtol=1e-8, atol=1e-9, dense_output=True)
+        shown = np.where(time < when, first.sol(np.minimum(time, when))[:3], then.sol(np.maximum(time, when))[:3])
+        shown = shown + NOISE * random.standard_normal(shown.shape)
+        rows = "".join(f"{t:.6f},{x:.7f},{y:.7f},{a:.7f}\n" for t, (x, y, a) in zip(time, shown.T, strict=True))
+        (folder / f"{number}.csv").write_text("t,x,y,yaw\n" + rows)
+        text.append(f'[[trials]]\nid = "s{number}"\ncamera = "{number}.csv"\n')
+    (folder / "study.toml").write_text("".join(text))
+    return load_study(folder)
