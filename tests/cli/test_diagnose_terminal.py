@@ -29,3 +29,10 @@ def test_a_whole_number_has_no_interval(capsys: pytest.CaptureFixture[str]) -> N
     (line,) = [x for x in capsys.readouterr().out.splitlines() if "order" in x]
     assert line.split() == ["order", "2"]
     assert "order" in Diagnosis(msgspec.convert(found, Verdict), {})._repr_html_()
+
+
+def test_a_learned_law_shows_its_values_in_a_notebook() -> None:
+    found = verdict("learned")
+    (law,) = found["learned"]
+    shown = Diagnosis(msgspec.convert(found, Verdict), {})._repr_html_()
+    assert all(name in shown for name in law["parameters"])

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from spacerobot.diagnosis.fitting.adequacy import COLOUR_LIMIT, GROUP_LIMIT, ChannelLeft
-from spacerobot.diagnosis.fitting.approach import LEVEL_LIMIT
+from spacerobot.diagnosis.fitting.adequacy import ChannelLeft
 from spacerobot.diagnosis.selection.candidate import Candidate
 from spacerobot.diagnosis.selection.held_out import HeldOut
-from spacerobot.diagnosis.selection.model_choice import WORTH_OF_REST, pays, ratio
+from spacerobot.diagnosis.selection.model_choice import pays, ratio
+from spacerobot.diagnosis.terms.decision import GROUP_LIMIT, LEVEL_LIMIT, SIGNIFICANT, WORTH_OF_REST
 from spacerobot.support.runs import combined_hash
 
 EPS = 1e-6
@@ -22,7 +22,7 @@ PLAIN = ChannelLeft("target.x", 1.0, 1.0, 10_000_000, 0.0, 0.0, 0.0, 0.0, "01")
 
 
 @pytest.mark.parametrize(
-    ("field", "limit"), [("colour", COLOUR_LIMIT), ("worst", GROUP_LIMIT), ("level", 1.0 + LEVEL_LIMIT)]
+    ("field", "limit"), [("colour", SIGNIFICANT), ("worst", GROUP_LIMIT), ("level", 1.0 + LEVEL_LIMIT)]
 )
 def test_what_is_left_is_noise_up_to_its_limit_and_not_beyond(field: str, limit: float) -> None:
     assert replace(PLAIN, **{field: limit - EPS}).white
@@ -38,7 +38,7 @@ def test_the_level_is_held_against_the_noise_seen_before_contact(noise: float) -
 
 def test_of_few_samples_an_excess_has_to_be_five_of_its_own_errors() -> None:
     few = replace(PLAIN, samples=200, early=400)
-    edge = 5.0 * math.sqrt(2.0 / 200 + 2.0 / 400)
+    edge = SIGNIFICANT * math.sqrt(2.0 / 200 + 2.0 / 400)
     assert edge > LEVEL_LIMIT
     assert replace(few, level=1.0 + edge - EPS).white
     assert not replace(few, level=1.0 + edge + EPS).white

@@ -22,9 +22,9 @@ from spacerobot.diagnosis.fitting.profile import LEVEL_95, _Profiler
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
 from spacerobot.diagnosis.machines.contract import Nuisance, Predicted
 from spacerobot.diagnosis.selection import intervals
-from spacerobot.diagnosis.selection.penalty import STAND_IN
 from spacerobot.diagnosis.selection.search_state import Found
 from spacerobot.diagnosis.terms.data import Block, TrialData
+from spacerobot.diagnosis.terms.decision import STAND_IN
 from spacerobot.diagnosis.terms.hypothesis import Site, hypothesis
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.registry import all_effects

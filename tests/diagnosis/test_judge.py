@@ -14,8 +14,8 @@ from spacerobot.diagnosis.fitting.adequacy import Left
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
 from spacerobot.diagnosis.selection.judge import Judgement, judge
-from spacerobot.diagnosis.selection.penalty import MARGIN, PENALTY, SLIGHT
 from spacerobot.diagnosis.selection.search_state import Found
+from spacerobot.diagnosis.terms.decision import MARGIN, PENALTY, SLIGHT
 from spacerobot.diagnosis.terms.kinds import AMBIGUOUS, NAMED, UNKNOWN
 from tests.diagnosis.rigs import write_study
 

@@ -16,10 +16,10 @@ from scipy.stats import ncx2, norm
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.starts import effect_starts
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
-from spacerobot.diagnosis.selection.judge import EARN
 from spacerobot.diagnosis.selection.limits import BESIDE, Column, Limit, Limits, _away, must_earn, must_lead
-from spacerobot.diagnosis.selection.penalty import MARGIN, PENALTY, score
+from spacerobot.diagnosis.selection.penalty import score
 from spacerobot.diagnosis.terms.candidates import candidate_sites
+from spacerobot.diagnosis.terms.decision import EARN, MARGIN, PENALTY
 from spacerobot.diagnosis.terms.hypothesis import Believed, Hypothesis, Site, hypothesis
 from spacerobot.effects.registry import effect
 from tests.diagnosis.rigs import write_study

@@ -11,7 +11,8 @@ import pytest
 from spacerobot.diagnosis.answer.next_trial import apart, furthest
 from spacerobot.diagnosis.answer.verdict import alternative
 from spacerobot.diagnosis.machines.contract import Variant
-from spacerobot.diagnosis.selection.penalty import PENALTY, score
+from spacerobot.diagnosis.selection.penalty import score
+from spacerobot.diagnosis.terms.decision import PENALTY
 
 
 def explanation(slope: float) -> Any:

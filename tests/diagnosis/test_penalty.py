@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from spacerobot.diagnosis.selection.penalty import MARGIN, SLIGHT, SMALL, defect, simplest
+from spacerobot.diagnosis.selection.penalty import defect, simplest
+from spacerobot.diagnosis.terms.decision import MARGIN, SLIGHT, SMALL
 
 FRICTION, DRAG = ("coulomb_friction", "wrist"), ("viscous_drag", "target")
 STRIBECK, ARM = ("stribeck_friction", "wrist"), ("arm_compliance", "arm")

@@ -12,8 +12,8 @@ import pytest
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.starts import effect_starts, informed_starts
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
-from spacerobot.diagnosis.selection.checks import APART, SLACK
 from spacerobot.diagnosis.terms.candidates import candidate_sites
+from spacerobot.diagnosis.terms.decision import MISSED, SLACK
 from spacerobot.diagnosis.terms.hypothesis import Believed, Site
 from spacerobot.effects.effect import Parameter
 from spacerobot.simulation.rig import rig
@@ -106,7 +106,7 @@ def _misses(fit: Fit, truth: Mapping[str, float]) -> list[str]:
     return [
         free.key
         for free, z, error in zip(fit.hypothesis.free, fit.z, errors, strict=True)
-        if free.kind == "effect" and abs(z - free.z(truth[free.key])) >= APART * max(error, LEAST)
+        if free.kind == "effect" and abs(z - free.z(truth[free.key])) >= MISSED * max(error, LEAST)
     ]
 
 

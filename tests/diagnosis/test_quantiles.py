@@ -11,7 +11,8 @@ from scipy.special import gammaln
 
 from spacerobot.diagnosis.fitting.profile import LEVEL_95
 from spacerobot.diagnosis.locate.significance import log_p_chi2, log_p_normal, log_p_student
-from spacerobot.diagnosis.selection.nested_laws import CHANCE, by_chance
+from spacerobot.diagnosis.selection.nested_laws import by_chance
+from spacerobot.diagnosis.terms.decision import CHANCE
 
 
 @pytest.mark.parametrize(("parameters", "edge"), [(1, 3.841), (2, 5.991), (3, 7.815), (4, 9.488)])

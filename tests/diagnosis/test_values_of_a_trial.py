@@ -15,8 +15,9 @@ from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.fitting.noise import rms_of, squares_of
 from spacerobot.diagnosis.fitting.profile import LEVEL_95, profile_interval
-from spacerobot.diagnosis.selection.penalty import PENALTY, score
+from spacerobot.diagnosis.selection.penalty import score
 from spacerobot.diagnosis.terms.data import Block, TrialData, piece_id, recorded_id, trial_data
+from spacerobot.diagnosis.terms.decision import PENALTY
 from spacerobot.diagnosis.terms.hypothesis import LOOSE, Believed, Site, hypothesis
 from spacerobot.effects.registry import effect
 from tests.diagnosis.rigs import write_study

@@ -17,9 +17,10 @@ from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.starts import known_rows
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
 from spacerobot.diagnosis.selection import without_prior as freed
-from spacerobot.diagnosis.selection.judge import EARN, MARGIN, Judgement, judge, moved
-from spacerobot.diagnosis.selection.penalty import PENALTY, score
+from spacerobot.diagnosis.selection.judge import MARGIN, Judgement, judge, moved
+from spacerobot.diagnosis.selection.penalty import score
 from spacerobot.diagnosis.selection.search_state import Found
+from spacerobot.diagnosis.terms.decision import EARN, PENALTY
 from spacerobot.diagnosis.terms.hypothesis import LOOSE
 from spacerobot.diagnosis.terms.kinds import AMBIGUOUS, WRONG_PARAMETER
 from spacerobot.recordings.study import load_study

@@ -20,6 +20,7 @@ SAYS = {
     "06_two_experiments": ("ambiguous", "named", "quadratic_drag"),
     "07_your_robot_your_recording": ("format = 1",),
     "08_a_real_one": ("free-floating",),
+    "09_a_law_without_a_name": ("on one stroke only", "is known from"),
 }
 """What a reader must find in the outputs."""
 
@@ -32,7 +33,7 @@ def outputs(notebook: Any) -> list[Any]:
     return [out for cell in notebook.cells if cell.cell_type == "code" for out in cell.outputs]
 
 
-def test_there_are_eight_of_them() -> None:
+def test_there_are_nine_of_them() -> None:
     assert [p.stem for p in NOTEBOOKS] == sorted(SAYS)
 
 

@@ -30,13 +30,13 @@ from spacerobot.diagnosis.answer.record import (
     Verdict,
 )
 from spacerobot.diagnosis.answer.verdict import all_moved, detectable, fitted_effects, moved_values, pattern
-from spacerobot.diagnosis.locate.located import LEVEL
 from spacerobot.diagnosis.selection.check import why_not
 from spacerobot.diagnosis.selection.nested_laws import least_alike
 from spacerobot.diagnosis.selection.part_limits import PartLimits
 from spacerobot.diagnosis.selection.part_result import Part, balance
 from spacerobot.diagnosis.selection.stretches import Knock
 from spacerobot.diagnosis.terms.candidates import contains
+from spacerobot.diagnosis.terms.decision import LOCATED
 from spacerobot.diagnosis.terms.kinds import (
     AMBIGUOUS,
     NAMED,
@@ -87,7 +87,7 @@ def verdict_of(study: Study, parts: Sequence[Part], *, seed: int, seconds: float
             for p in parts
             if p.located is not None
             for r in p.located.rows
-            if r.p < LEVEL
+            if r.p < LOCATED
         ],
         not_located={p.name: why for p in parts if (why := _not_located(p))},
         held_out=of_parts(parts),
@@ -124,12 +124,12 @@ def _not_located(part: Part) -> str:
     """Why nothing is located in a part; nothing to say where something is."""
     if part.located is None:
         return part.model.no_balance
-    if any(r.p < LEVEL for r in part.located.rows):
+    if any(r.p < LOCATED for r in part.located.rows):
         return ""
     pieces = len({t.recorded for t in part.trials})
     return (
         f"no pattern of its balance agrees over {pieces} recorded {'trial' if pieces == 1 else 'trials'} to a level of "
-        f"{LEVEL:g}, or it closes"
+        f"{LOCATED:g}, or it closes"
     )
 
 

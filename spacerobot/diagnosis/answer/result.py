@@ -71,9 +71,10 @@ class Diagnosis(Brief):
         return data_frame(dict(zip(names, map(list, zip(*self._rows(), strict=True)), strict=False)))
 
     def _rows(self) -> list[tuple[Any, ...]]:
+        laws = [{**law, "effect": "learned_law"} for law in self.verdict.get("learned", ())]
         found = [
             (e["effect"], e["where"], name, p["value"], *_ends(p), p["unit"])
-            for e in self.verdict["effects"]
+            for e in [*self.verdict["effects"], *laws]
             for name, p in e["parameters"].items()
         ]
         moved = self.verdict["parameters"].items()

@@ -28,12 +28,13 @@ from spacerobot.diagnosis.answer.record import (
 from spacerobot.diagnosis.answer.spoiled import left_out, noise_told
 from spacerobot.diagnosis.fitting.fitted import Fit, Intervals, interval
 from spacerobot.diagnosis.learning.learn import Learnt
-from spacerobot.diagnosis.locate.located import LEVEL, Located, Row
+from spacerobot.diagnosis.locate.located import Located, Row
 from spacerobot.diagnosis.machines.wrist_rig import RigModel
-from spacerobot.diagnosis.selection.judge import MOVED, Judgement
+from spacerobot.diagnosis.selection.judge import Judgement
 from spacerobot.diagnosis.selection.kept_aside import Unseen
 from spacerobot.diagnosis.selection.limits import Limit
 from spacerobot.diagnosis.terms.data import TrialData
+from spacerobot.diagnosis.terms.decision import LOCATED, MOVED
 from spacerobot.diagnosis.terms.hypothesis import LOOSE, Label
 from spacerobot.diagnosis.terms.kinds import AMBIGUOUS, LEARNED, NAMED, SETTLED
 from spacerobot.diagnosis.terms.parameters import TIMES_STATED, Free
@@ -220,7 +221,7 @@ def verdict_of_rig(
             profiled,
             settled=judgement.verdict in SETTLED,
         ),
-        located=[pattern(r) for r in located.rows if r.p < LEVEL],
+        located=[pattern(r) for r in located.rows if r.p < LOCATED],
         held_out=of_rig(trials, held),
         detectable=[detectable(limit) for limit in limits],
         next_experiment=next_experiment,

@@ -12,16 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from spacerobot.diagnosis.fitting.approach import LEVEL_LIMIT, approach, lag1
+from spacerobot.diagnosis.fitting.approach import approach, lag1
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.terms.data import TrialData
-
-COLOUR_LIMIT = 5.0
-"""Excess of the lag-1 autocorrelation over that before contact, in its standard errors, that is too much."""
-
-GROUP_LIMIT = 6.0
-"""Excess of one channel of one trial, in standard errors of its chi-squared, that is too much."""
-
+from spacerobot.diagnosis.terms.decision import GROUP_LIMIT, LEVEL_LIMIT, SIGNIFICANT
 
 MOST_COLOUR = 0.95
 """Autocorrelation from sample to sample that is believed at most: beyond, hardly a sample says anything new."""
@@ -60,8 +54,8 @@ class ChannelLeft:
         """Whether its approach is free and it passes all three tests."""
         excess = self.level / self.noise - 1.0
         error = _coloured(self.lag1_before) * np.sqrt(2.0 / max(self.samples, 1) + 2.0 / self.early)
-        significant = excess > max(LEVEL_LIMIT, 5.0 * error)
-        return not (self.bent or significant or self.colour > COLOUR_LIMIT or self.worst > GROUP_LIMIT)
+        significant = excess > max(LEVEL_LIMIT, SIGNIFICANT * error)
+        return not (self.bent or significant or self.colour > SIGNIFICANT or self.worst > GROUP_LIMIT)
 
 
 @dataclass(frozen=True)

@@ -13,17 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import t as student
 
+from spacerobot.diagnosis.terms.decision import LEVEL_LIMIT, SIGNIFICANT
+
 ORDERS = 3
 """Offset, slope and curvature of what is left of an approach."""
 
-LEVEL_LIMIT = 0.03
-"""Excess of chi-squared per sample over the noise that is too much to be ignored."""
-
 CHANCE = 1e-4
 """Probability below which a bend that is alike in all trials is none of chance's."""
-
-SIGNIFICANT = 5.0
-"""The bend's share of chi-squared, in its standard errors, that is too much."""
 
 SHORTEST = 4 * ORDERS
 """Samples of an approach below which a bend cannot be told from noise."""

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from spacerobot.diagnosis.learning.curves import Curve
-from spacerobot.diagnosis.selection.penalty import SMALL
+from spacerobot.diagnosis.terms.decision import SMALL
 from spacerobot.effects.formula import Formula, evaluated
 from spacerobot.effects.learned import Kind, Shape, Variable
 from spacerobot.effects.registry import all_effects

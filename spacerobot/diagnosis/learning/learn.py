@@ -23,6 +23,7 @@ from spacerobot.diagnosis.selection.nameable import not_shown
 from spacerobot.diagnosis.selection.rig_fold import Predictions, unseen_of
 from spacerobot.diagnosis.selection.search_state import Found, Report
 from spacerobot.diagnosis.selection.unseen import foretell
+from spacerobot.diagnosis.terms.decision import AS_GOOD
 from spacerobot.diagnosis.terms.hypothesis import Site
 from spacerobot.diagnosis.terms.kinds import LEARNED, SAME
 from spacerobot.effects.formula import FormulaLaw
@@ -42,11 +43,6 @@ TRIED: tuple[tuple[str, Kind, Variable], ...] = (
     ("target", "friction", "d"),
 )
 """Ports and kinds of law, the plainer first. Friction of a level g(v) is left out: a force f(v) shows the same."""
-
-AS_GOOD = 1.005
-"""Error on unseen trials over the curve's, up to which a formula says as much: half a per cent is a tenth of what 200
-independent readings a trial leave uncertain.
-"""
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,14 +7,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from spacerobot.diagnosis.terms.decision import LOCATED
+
 ALL = "all"
 """The phase of a row that takes the whole trial together."""
 
 BINS = 15
 """Of a surface."""
-
-LEVEL = 0.01
-"""p below which a row counts as found."""
 
 
 @dataclass(frozen=True)
@@ -119,11 +118,11 @@ class Located:
     clocks: tuple[Clock, ...] = ()
     phases: Mapping[str, Mapping[str, tuple[float, float]]] = field(default_factory=dict)
 
-    def found(self, level: float = LEVEL) -> tuple[Row, ...]:
+    def found(self, level: float = LOCATED) -> tuple[Row, ...]:
         """The rows with p below `level`, most significant first."""
         return tuple(r for r in self.rows if r.p < level)
 
-    def best(self, level: float = LEVEL) -> dict[str, Row]:
+    def best(self, level: float = LOCATED) -> dict[str, Row]:
         """Balance -> its most significant row, of those found."""
         out: dict[str, Row] = {}
         for row in self.found(level):

@@ -20,23 +20,8 @@ from spacerobot.diagnosis.selection.candidate import words
 from spacerobot.diagnosis.selection.check import Check, agreed
 from spacerobot.diagnosis.selection.search_state import effect_values
 from spacerobot.diagnosis.terms.data import TrialData
+from spacerobot.diagnosis.terms.decision import FRACTION, MISSED, ROUGH, SLACK
 from spacerobot.support.errors import SimulationError
-
-SLACK = 3.0
-"""Cost by which a larger model may exceed a smaller one before the optimiser is blamed."""
-
-FRACTION = 0.25
-"""Share of the lead over the nearest rival by which a fit may stop short of the truth: the answer would turn only if
-the chosen set's fit stopped short by all of it.
-"""
-
-APART = 6.0
-"""Standard errors by which a size may come back wrong from a synthetic copy before its interval is blamed."""
-
-ROUGH = 60.0
-"""And by which it may before the fit is: a cost that contacts make jagged has minima beside the one whose curvature and
-profile are known. What a copy missed its size by is then the standard error that is stated, and a second copy tries it.
-"""
 
 SECOND = 2
 """Seeds from one copy's to the next: each may need a second copy of its own."""
@@ -274,10 +259,10 @@ def calibration(
         if free.kind == "effect" and free.key in sizes and error > 0.0:
             wanted = free.z(sizes[free.key])
             off = abs(z - wanted) / error
-            if off > APART and interval is not None:
+            if off > MISSED and interval is not None:
                 end = max((free.z(v) for v in interval(free.key)), key=lambda e: (e - z) * (wanted - z))
                 off = abs(z - wanted) / max(error, abs(end - z) / math.sqrt(LEVEL_95))
             if off > worst:
                 worst, key = float(off), free.key
     said = f"{key} {worst:.1f} standard errors" if key else "nothing"
-    return Check("calibration", bool(worst <= APART), f"on a synthetic copy {said} off what it was made with", worst)
+    return Check("calibration", bool(worst <= MISSED), f"on a synthetic copy {said} off what it was made with", worst)

@@ -13,11 +13,11 @@ from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.workshop import Workshop
 from spacerobot.diagnosis.selection.judge import Judgement, judge
-from spacerobot.diagnosis.selection.penalty import SLIGHT, SMALL
 from spacerobot.diagnosis.selection.search import search
 from spacerobot.diagnosis.selection.search_state import Found, Report
 from spacerobot.diagnosis.selection.without_prior import baseline_freed, set_free
 from spacerobot.diagnosis.terms.candidates import contains
+from spacerobot.diagnosis.terms.decision import SLIGHT, SMALL
 from spacerobot.diagnosis.terms.hypothesis import Label, Site
 
 FINALISTS = 4

@@ -23,10 +23,11 @@ from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.selection.bench import Bench, Promise
 from spacerobot.diagnosis.selection.candidate import Candidate
 from spacerobot.diagnosis.selection.growth import Growth
-from spacerobot.diagnosis.selection.model_choice import TIE, WORTH_OF_REST, as_good, choice, distinct, pays, ratio
+from spacerobot.diagnosis.selection.model_choice import as_good, choice, distinct, pays, ratio
 from spacerobot.diagnosis.selection.nameable import not_shown
 from spacerobot.diagnosis.selection.nested_laws import by_chance, inherited, not_excluded, wordings
 from spacerobot.diagnosis.terms.candidates import contains, redundant
+from spacerobot.diagnosis.terms.decision import TIE, WORTH_OF_REST
 from spacerobot.diagnosis.terms.hypothesis import Label, Site, label_of
 from spacerobot.effects.effect import Effect
 

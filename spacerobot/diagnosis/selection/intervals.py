@@ -17,9 +17,9 @@ from spacerobot.diagnosis.fitting.workshop import Task, Workshop
 from spacerobot.diagnosis.selection.decide import Decided
 from spacerobot.diagnosis.selection.judge import Judgement
 from spacerobot.diagnosis.selection.nameable import not_shown
-from spacerobot.diagnosis.selection.penalty import STAND_IN
 from spacerobot.diagnosis.selection.search_state import Found
 from spacerobot.diagnosis.terms.candidates import contains
+from spacerobot.diagnosis.terms.decision import STAND_IN
 from spacerobot.diagnosis.terms.kinds import NAMED, SETTLED
 
 BETTER = 1.0

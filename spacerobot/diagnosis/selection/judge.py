@@ -10,9 +10,20 @@ import numpy as np
 from spacerobot.diagnosis.fitting.adequacy import Left
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.selection.nameable import held, means
-from spacerobot.diagnosis.selection.penalty import MARGIN, PENALTY, defect, score, simplest
+from spacerobot.diagnosis.selection.penalty import defect, score, simplest
 from spacerobot.diagnosis.selection.search_state import Found
 from spacerobot.diagnosis.terms.candidates import by_name, contains
+from spacerobot.diagnosis.terms.decision import (
+    BENT,
+    EARN,
+    FEW,
+    GROUP_LIMIT,
+    LEVEL_LIMIT,
+    MARGIN,
+    MOVED,
+    PENALTY,
+    SIGNIFICANT,
+)
 from spacerobot.diagnosis.terms.hypothesis import Label
 from spacerobot.diagnosis.terms.kinds import (
     AMBIGUOUS,
@@ -23,21 +34,6 @@ from spacerobot.diagnosis.terms.kinds import (
     WRONG_PARAMETER,
     Kind,
 )
-
-EARN = 20.0
-"""Fall of the penalised cost that an effect must bring, after correction for the noise's level and colour."""
-
-MOVED = 3.0
-"""Stated sigmas beyond which a believed value counts as wrong."""
-
-SEVERAL = 2
-"""Believed values that must be wrong together, for an effect that explains as much to be as likely."""
-
-FEW = 2
-"""Believed values that may be wrong at once; where more would have to be, something is missing that bends them all."""
-
-BENT = 0.9
-"""How sure that is."""
 
 
 @dataclass(frozen=True)
@@ -209,7 +205,7 @@ def _instead(
     One thing that is missing is no less likely than two values that are both stated wrongly; beside one wrong value it
     must cost clearly less.
     """
-    bar = at_will - (0.0 if len(moved(freed)) >= SEVERAL else MARGIN)
+    bar = at_will - (0.0 if len(moved(freed)) >= FEW else MARGIN)
     better = [f for f in ranked if len(f.hypothesis.sites) == 1 and scores[id(f)] < bar and not moved(f)]
     return [f for f in better if id(f) in left_of and left_of[id(f)].adequate]
 
@@ -263,5 +259,8 @@ def _surprise(left: Left | None) -> float:
     """How sure it is that something is left over."""
     if left is None:
         return 0.5
-    worst = max(max(c.colour / 5.0, c.worst / 6.0, (c.level / c.noise - 1.0) / 0.03) for c in left.channels)
+    excess = [
+        (c.colour / SIGNIFICANT, c.worst / GROUP_LIMIT, (c.level / c.noise - 1.0) / LEVEL_LIMIT) for c in left.channels
+    ]
+    worst = max(map(max, excess))
     return float(np.clip(1.0 - np.exp(-0.7 * worst), 0.05, 0.99))

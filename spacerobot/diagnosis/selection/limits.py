@@ -20,13 +20,12 @@ from itertools import combinations
 import numpy as np
 from scipy.ndimage import binary_erosion
 
-from spacerobot.diagnosis.fitting.fitted import Fit
+from spacerobot.diagnosis.fitting.fitted import NORMAL_95, Fit
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.fitting.screen import FAINT, Projector, Screener, faint, starts_of
 from spacerobot.diagnosis.fitting.starts import sized
-from spacerobot.diagnosis.selection.judge import EARN, MOVED
-from spacerobot.diagnosis.selection.penalty import MARGIN, PENALTY
 from spacerobot.diagnosis.terms.candidates import contains, means
+from spacerobot.diagnosis.terms.decision import EARN, MARGIN, MOVED, PENALTY
 from spacerobot.diagnosis.terms.hypothesis import Believed, Site
 from spacerobot.effects.effect import Parameter
 
@@ -34,10 +33,6 @@ Label = tuple[str, str]
 
 ALONG = 0.999
 """Cosine beyond which two effects do the same, so that the pair is no more than either."""
-
-QUANTILE = 1.959963984540054
-"""Of the standard normal distribution, at 2.5 %: of the 5 % that may be missed, half for falling short of what is to be
-earned, half for a rival that comes too near."""
 
 STEPS = 10
 NEAR = 0.03
@@ -62,11 +57,13 @@ LARGEST = 1e3
 def must_earn(price: float, first: bool) -> float:
     """Noncentrality at which an effect earns its place.
 
+    Of the 5 % that may be missed, half fall short of this, half have a rival that comes too near (`must_lead`).
+
     Args:
         price: of its parameters.
         first: whether it would be the first effect; a further one leads over what it stands beside.
     """
-    return (math.sqrt(max((EARN if first else MARGIN) + price, 0.0)) + QUANTILE) ** 2
+    return (math.sqrt(max((EARN if first else MARGIN) + price, 0.0)) + NORMAL_95) ** 2
 
 
 def must_lead(dearer: float) -> float:
@@ -75,8 +72,8 @@ def must_lead(dearer: float) -> float:
     Args:
         dearer: by how much the effect's parameters cost more than the rival's.
     """
-    root = QUANTILE**2 + MARGIN + dearer
-    return (QUANTILE + math.sqrt(root)) ** 2 if root > 0.0 else 0.0
+    root = NORMAL_95**2 + MARGIN + dearer
+    return (NORMAL_95 + math.sqrt(root)) ** 2 if root > 0.0 else 0.0
 
 
 @dataclass(frozen=True, eq=False)

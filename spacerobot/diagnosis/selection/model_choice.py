@@ -16,23 +16,7 @@ from scipy.special import stdtrit
 
 from spacerobot.diagnosis.selection.candidate import Candidate
 from spacerobot.diagnosis.terms.data import TrialData
-
-WORTH_OF_REST = 0.05
-WORTH_OF_BASELINE = 0.02
-"""A further parameter must lower the held-out rms by these shares of itself and of the baseline's: an effect size,
-for in long recordings any harmless defect is significant."""
-
-SURE = 0.95
-"""Probability, by Student's t, with which the mean gain over unseen trials must exceed zero."""
-
-SPOKEN = 0.5
-"""Of fewer than three telling trials, those that say at least this share of what the clearest says must all agree."""
-
-TIE = 0.01
-"""Rivals whose held-out rms differ by less than this share are not told apart."""
-
-SAME = 1e-4
-"""Candidates of one size whose held-out rms agree to this share are one model in two wordings."""
+from spacerobot.diagnosis.terms.decision import CHANCE, REWORDED, SPOKEN, WORTH_OF_BASELINE, WORTH_OF_REST
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +66,7 @@ class Told:
         mean = (weight * gain).sum(axis=-1) / count
         freedom = np.maximum(count - 1.0, 1.0)
         scatter = (weight * (gain - mean[..., None]) ** 2).sum(axis=-1)
-        sure = mean > stdtrit(freedom, SURE) * np.sqrt(scatter / count / freedom)
+        sure = mean > stdtrit(freedom, 1.0 - CHANCE) * np.sqrt(scatter / count / freedom)
         return np.asarray((self.ratio < 1.0 - WORTH_OF_REST) & np.where(count < 3.0, every, sure))
 
     def _by_group(self, group: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -130,7 +114,7 @@ def choice(tested: Sequence[Candidate], baseline: Candidate, trials: Sequence[Tr
     near = [c for c in good if as_good(c, best, baseline)]
     simplest = min(c.size for c in near)
     first = min((c for c in near if c.size == simplest), key=lambda c: c.error)
-    same = [c for c in near if c.size == simplest and ratio(c, first) <= 1.0 + SAME]
+    same = [c for c in near if c.size == simplest and ratio(c, first) <= 1.0 + REWORDED]
     return min(same, key=lambda c: (sum(s.effect.kind == "sensor" for s in c.sites), len(c.sites), c.error))
 
 
@@ -168,6 +152,6 @@ def distinct(layer: Sequence[Candidate]) -> list[Candidate]:
     """Without those that say the same as one before them in other words (a preload and a bias of its sensor)."""
     kept: list[Candidate] = []
     for one in layer:
-        if all(abs(ratio(one, k) - 1.0) > SAME for k in kept):
+        if all(abs(ratio(one, k) - 1.0) > REWORDED for k in kept):
             kept.append(one)
     return kept

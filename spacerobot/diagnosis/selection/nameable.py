@@ -13,13 +13,10 @@ from collections.abc import Callable, Mapping, Sequence
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.terms.candidates import means as signs_mean
 from spacerobot.diagnosis.terms.candidates import redundant
+from spacerobot.diagnosis.terms.decision import AT_BOUND
 from spacerobot.diagnosis.terms.hypothesis import Site
 from spacerobot.effects.effect import Parameter
 from spacerobot.effects.sizes import Sizes
-
-AT = 1e-3
-"""Distance from a bound, as a share of it, within which a value sits there: searches stop at a bound to the last
-digit, and nothing physical is known to a thousandth of where somebody drew a line."""
 
 Ends = Mapping[str, tuple[float, float]]
 """Low and high ends of intervals by parameters' keys, physical."""
@@ -35,7 +32,7 @@ def at_bound(parameter: Parameter, value: float, error: tuple[float, float] | No
     """
     bounds = [b for b in (parameter.lower, parameter.upper) if math.isfinite(b) and b not in (0.0, parameter.null)]
     low, high = error or (value, value)
-    return any(abs(value - bound) <= AT * abs(bound) or low <= bound <= high for bound in bounds)
+    return any(abs(value - bound) <= AT_BOUND * abs(bound) or low <= bound <= high for bound in bounds)
 
 
 def held_by_bounds(site: Site, values: Mapping[str, float], errors: Ends | None = None) -> str:

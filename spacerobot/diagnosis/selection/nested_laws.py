@@ -9,14 +9,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.special import chdtri
 
-from spacerobot.diagnosis.fitting.fitted import Fit
-from spacerobot.diagnosis.fitting.profile import LEVEL_95
+from spacerobot.diagnosis.fitting.fitted import NORMAL_95, Fit
 from spacerobot.diagnosis.selection.bench import Bench
 from spacerobot.diagnosis.terms.candidates import redundant, refines
+from spacerobot.diagnosis.terms.decision import CHANCE, TWICE
 from spacerobot.diagnosis.terms.hypothesis import Site
-
-CHANCE = 0.05
-"""Probability with which parameters that mean nothing gain as much as counts, where the noise is stated."""
 
 
 def by_chance(gain: float, parameters: int, looks: int = 1) -> bool:
@@ -29,12 +26,6 @@ def by_chance(gain: float, parameters: int, looks: int = 1) -> bool:
     """
     return gain <= float(chdtri(parameters, -math.expm1(math.log1p(-CHANCE) / max(looks, 1))))
 
-
-TWICE = 2.0 / 3.0
-"""Difference of two levels over their mean where one is twice the other: friction that is not the same both ways."""
-
-WIDE = math.sqrt(LEVEL_95)
-"""Standard deviations that a 95 % interval reaches either way."""
 
 Known = Mapping[tuple[str, str], Site]
 """Sites by effect and place."""
@@ -89,7 +80,7 @@ def left_open(fit: Fit, general: Site) -> bool:
     friction falls, can always lie where nothing has been.
     """
     apart = _apart(fit, general)
-    return apart is not None and apart.difference + WIDE * apart.deviation > TWICE * apart.mean
+    return apart is not None and apart.difference + NORMAL_95 * apart.deviation > TWICE * apart.mean
 
 
 def least_alike(fit: Fit) -> Fit:
@@ -102,7 +93,7 @@ def least_alike(fit: Fit) -> Fit:
         apart = _apart(fit, site)
         if apart is not None and apart.deviation > 0.0:
             low, high = fit.hypothesis.bounds()
-            z = fit.z + WIDE / apart.deviation * apart.direction
+            z = fit.z + NORMAL_95 / apart.deviation * apart.direction
             fit = replace(fit, z=np.clip(z, low, high))
     return fit
 

@@ -14,7 +14,6 @@ from spacerobot.diagnosis.fitting.screen import Screen, faint
 from spacerobot.diagnosis.fitting.starts import effect_starts
 from spacerobot.diagnosis.fitting.workshop import Task
 from spacerobot.diagnosis.selection.nameable import held_labels
-from spacerobot.diagnosis.selection.penalty import MARGIN
 from spacerobot.diagnosis.selection.search_state import (
     WORTH_A_FIT,
     Found,
@@ -25,6 +24,7 @@ from spacerobot.diagnosis.selection.search_state import (
     share_of,
 )
 from spacerobot.diagnosis.terms.candidates import by_name, contains, mirrored, plainest, redundant, simpler
+from spacerobot.diagnosis.terms.decision import MARGIN
 from spacerobot.diagnosis.terms.hypothesis import Label, Site
 from spacerobot.effects.registry import effect
 from spacerobot.effects.trend import SUFFIX, TREND, may_change

@@ -23,10 +23,11 @@ from spacerobot.diagnosis.selection.forward_selection import among
 from spacerobot.diagnosis.selection.growth import Growth
 from spacerobot.diagnosis.selection.held_out import MOST_FOLDS, HeldOut, folds, scheme_of, start_of
 from spacerobot.diagnosis.selection.kept_aside import Fold, Unseen
-from spacerobot.diagnosis.selection.model_choice import TIE, ratio
+from spacerobot.diagnosis.selection.model_choice import ratio
 from spacerobot.diagnosis.selection.unseen import NOT_FITTED, nothing_foretold
 from spacerobot.diagnosis.terms.candidates import contains
 from spacerobot.diagnosis.terms.data import TrialData
+from spacerobot.diagnosis.terms.decision import TIE
 from spacerobot.diagnosis.terms.hypothesis import Label, Site
 from spacerobot.diagnosis.terms.kinds import OPEN, OTHER, PART, SAME, TOLD, LeadsTo, Told
 from spacerobot.support.errors import SimulationError

@@ -17,13 +17,14 @@ from functools import cached_property
 
 import numpy as np
 
+from spacerobot.diagnosis.fitting.fitted import NORMAL_95
 from spacerobot.diagnosis.fitting.starts import sized
 from spacerobot.diagnosis.selection.candidate import tried
 from spacerobot.diagnosis.selection.growth import Growth
 from spacerobot.diagnosis.selection.limits import LARGEST, NEAR, Column, Label, Limit, Limits
-from spacerobot.diagnosis.selection.model_choice import TIE, Told, groups, slack
-from spacerobot.diagnosis.selection.nested_laws import TWICE, WIDE
+from spacerobot.diagnosis.selection.model_choice import Told, groups, slack
 from spacerobot.diagnosis.terms.candidates import refines
+from spacerobot.diagnosis.terms.decision import TIE, TWICE
 
 DRAWN = 400
 """Campaigns: 5 % of them are known to 1.1 %."""
@@ -125,7 +126,7 @@ class PartLimits(Limits):
             both = np.stack([m for m in moved if m is not None])
             apart = np.array([1.0, -1.0])
             deviation = math.sqrt(max(float(apart @ np.linalg.pinv(both @ both.T) @ apart), 0.0)) * item.share
-            return 2.0 * WIDE * deviation / TWICE  # the difference itself scatters as much as its interval reaches
+            return 2.0 * NORMAL_95 * deviation / TWICE  # the difference itself scatters as much as its interval reaches
         return 0.0
 
 
@@ -183,7 +184,7 @@ class _Drawn:
             paid = told.better(self.limits.group)
         norm = float(self.gram[:, 0, 0].sum())
         found = (size * norm + self.seen[:, :, 0].sum(axis=1)) / math.sqrt(norm)
-        shown = np.abs(found) > WIDE
+        shown = np.abs(found) > NORMAL_95
         apart = np.ones((mine.shape[0], len(self.rivals)), dtype=bool)
         for r, rival in enumerate(self.rivals, 1):
             versus = self._told((r, self._fitted(r, size)), ours, size)

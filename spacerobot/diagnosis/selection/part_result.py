@@ -9,7 +9,7 @@ import numpy as np
 
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.noise import squares_of
-from spacerobot.diagnosis.locate.located import LEVEL, Located, Row
+from spacerobot.diagnosis.locate.located import Located, Row
 from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.selection.candidate import Candidate, tried
 from spacerobot.diagnosis.selection.check import Check
@@ -17,9 +17,10 @@ from spacerobot.diagnosis.selection.growth import Growth
 from spacerobot.diagnosis.selection.held_out import HeldOut
 from spacerobot.diagnosis.selection.judge import moved
 from spacerobot.diagnosis.selection.kept_aside import Unseen
-from spacerobot.diagnosis.selection.model_choice import SAME, TIE, agreeing, ratio
+from spacerobot.diagnosis.selection.model_choice import agreeing, ratio
 from spacerobot.diagnosis.selection.stretches import Knock
 from spacerobot.diagnosis.terms.data import TrialData
+from spacerobot.diagnosis.terms.decision import DOUBT, LOCATED, LOUD, REWORDED, STRIKING, TIE
 from spacerobot.diagnosis.terms.kinds import (
     AMBIGUOUS,
     NAMED,
@@ -29,17 +30,6 @@ from spacerobot.diagnosis.terms.kinds import (
     WRONG_PARAMETER,
     Kind,
 )
-
-STRIKING = 0.2
-"""Share of what a balance leaves over that one pattern must explain to be called a mismatch: an effect size, for in
-long recordings any harmless defect is significant."""
-
-LOUD = 1.3
-"""What is left of a balance is more than noise from so many times on what the stated noise of its sensors makes of it;
-less may be rounding, and filters of the loggers."""
-
-DOUBT = 0.5
-"""Confidence in a choice whose best rival predicts as well as it does."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,7 +106,7 @@ class Part:
     def striking(self) -> tuple[Row, ...]:
         """Patterns in its balances that are significant and large."""
         rows = self.located.rows if self.located is not None else ()
-        return tuple(r for r in rows if r.p < LEVEL and r.share > STRIKING)
+        return tuple(r for r in rows if r.p < LOCATED and r.share > STRIKING)
 
     @property
     def loudness(self) -> dict[str, float]:
@@ -159,7 +149,9 @@ class Part:
     @staticmethod
     def _wordings(own: Candidate, every: Sequence[tuple[Candidate, float]]) -> list[Candidate]:
         """The choice, and it said with more effects: friction of two levels is friction of one and a constant push."""
-        longer = [c for c, x in every if c.size == own.size and len(c.sites) > len(own.sites) and abs(x - 1.0) <= SAME]
+        longer = [
+            c for c, x in every if c.size == own.size and len(c.sites) > len(own.sites) and abs(x - 1.0) <= REWORDED
+        ]
         return [own, *longer]
 
     @property

@@ -6,29 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.terms.candidates import contains
-
-PENALTY = 8.0
-"""Cost of one effect parameter: the look over forty effects finds a chance fall of chi-squared of this size."""
-
-MARGIN = 10.0
-"""Lead below which two sets cannot be told apart, odds of 150 to 1; and which a set must have over a part of it."""
-
-SMALL = 1e-3
-"""Share of what a law explains that a richer one in its place, or a further effect beside it, may owe to the law's own
-small defects: a law that is wrong by three per cent of its force.
-"""
-
-SLIGHT = 0.05
-"""That share for a further effect where the simpler set leaves nothing but noise. Between either and what statistics
-ask for, the two are not told apart: with many samples a harmless defect of the first law is always significant.
-"""
-
-STAND_IN = 1.0 / 64.0
-"""Share of what a law explains that its own defect may cost, and so misplace its numbers, where it stands for a
-richer one: a law wrong by an eighth of its force. Measured on the sealed servo arms of docs/proof_records.jsonl and of
-the batch after it: one mode for seven joints costs up to so much at its true mass and damping in 39 of 40, up to a
-hundredth in 33.
-"""
+from spacerobot.diagnosis.terms.decision import MARGIN, PENALTY, SLIGHT, SMALL
 
 
 def score(fit: Fit, inflation: float = 1.0) -> float:

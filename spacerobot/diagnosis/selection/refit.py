@@ -14,9 +14,9 @@ from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.screen import Screener, faint
 from spacerobot.diagnosis.fitting.starts import effect_starts, informed_starts
 from spacerobot.diagnosis.fitting.workshop import Task
-from spacerobot.diagnosis.selection.penalty import PENALTY
 from spacerobot.diagnosis.selection.search_state import Found, noise_of, plausible_of, run_tasks, share_of
 from spacerobot.diagnosis.terms.candidates import contains, refines, simpler
+from spacerobot.diagnosis.terms.decision import PENALTY
 from spacerobot.diagnosis.terms.hypothesis import Label, Site, label_of
 from spacerobot.effects.registry import effect
 

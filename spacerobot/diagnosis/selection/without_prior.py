@@ -9,10 +9,11 @@ from __future__ import annotations
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.workshop import Task
-from spacerobot.diagnosis.selection.judge import EARN, FEW, moved
+from spacerobot.diagnosis.selection.judge import moved
 from spacerobot.diagnosis.selection.penalty import score
 from spacerobot.diagnosis.selection.search_state import Found, Report, run_tasks
 from spacerobot.diagnosis.terms.candidates import contains
+from spacerobot.diagnosis.terms.decision import EARN, FEW
 
 BEST = 4
 """Sets of least cost that are looked at, with all that they hold."""

@@ -111,11 +111,13 @@ def law_chart(law: Mapping[str, Any]) -> Chart:
     on, unit, of = law["depends_on"][0], unit_text(table["unit"]), unit_text(table["value_unit"])
     figure = _paper(WIDTH, 3.2)
     axes = figure.subplots()
-    axes.fill_between(x, low, high, color=GREEN, alpha=0.15, lw=0)
+    traded = " and ".join(name.rpartition(".")[2].replace("_", " ") for name in table["total_with"])
+    axes.plot(x, total, color=BLUE, label=_text(f"with {traded}, which it trades with") if traded else "the law")
+    if traded:
+        axes.plot(x, alone, "--", color=VERMILION, label="the law alone")
+    axes.fill_between(x, low, high, color=GREEN, alpha=0.15, lw=0, label="95 %, everywhere at once")
     axes.axhline(0.0, color=GREY, lw=0.8, ls="--")
-    if table["total_with"]:
-        axes.plot(x, alone, "--", color=VERMILION)
-    axes.plot(x, total, color=BLUE)
+    axes.legend(frameon=False)
     axes.margins(x=0.0)
     seen = np.concatenate([total, alone, [0.0]])
     margin = 0.06 * float(np.ptp(seen)) or 1.0

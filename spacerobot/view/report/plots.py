@@ -21,7 +21,7 @@ def figures(verdict: Mapping[str, Any], evidence: Evidence) -> dict[str, Figure]
 
 
 def report_figures(diagnosis: Diagnosis) -> dict[str, Figure]:
-    """The pictures of a diagnosis's report: held-out data, located residuals, rivals.
+    """The pictures of a diagnosis's report: held-out data, located residuals, learned laws, rivals.
 
     Returns:
         name -> figure; only those for which there is something to show.
@@ -38,6 +38,8 @@ def drawings(verdict: Mapping[str, Any], evidence: Evidence) -> dict[str, Callab
     for i, surface in enumerate(evidence.surfaces):
         name = f"residual_{i + 1:02d}_{_file(surface.balance)}_{_file(surface.quantity)}"
         found[name] = partial(charts.surface_chart, surface)
+    for i, law in enumerate(verdict.get("learned", ())):
+        found[f"learned_{i + 1:02d}_{_file(law['where'])}"] = partial(charts.law_chart, law)
     found["rivals"] = partial(charts.rivals_chart, evidence.hypotheses)
     held_out = verdict.get("held_out") or {}
     unit = " σ" if held_out.get("unit", "sigma") == "sigma" else ""

@@ -20,9 +20,10 @@ from spacerobot.diagnosis.selection.candidate import Candidate
 from spacerobot.diagnosis.selection.check import COPIES, Check, agreed
 from spacerobot.diagnosis.selection.forward_selection import grow
 from spacerobot.diagnosis.selection.held_out import HeldOut
-from spacerobot.diagnosis.selection.model_choice import WORTH_OF_REST, as_good, choice, pays, ratio
+from spacerobot.diagnosis.selection.model_choice import as_good, choice, pays, ratio
 from spacerobot.diagnosis.selection.part_result import Part
 from spacerobot.diagnosis.terms.data import TrialData
+from spacerobot.diagnosis.terms.decision import WORTH_OF_REST
 from spacerobot.diagnosis.terms.hypothesis import Site
 from spacerobot.effects.registry import all_effects, effect
 from spacerobot.model.library import load

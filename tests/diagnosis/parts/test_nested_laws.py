@@ -13,9 +13,10 @@ pytest.importorskip("mujoco", reason="the extra `proof` is not installed")
 from helpers_driven import driven_study
 
 from spacerobot.diagnosis.fitting.fitted import Fit
+from spacerobot.diagnosis.fitting.profile import LEVEL_95
 from spacerobot.diagnosis.machines.choose import models_for
 from spacerobot.diagnosis.selection.bench import Bench
-from spacerobot.diagnosis.selection.nested_laws import WIDE, least_alike, left_open, not_excluded
+from spacerobot.diagnosis.selection.nested_laws import least_alike, left_open, not_excluded
 from spacerobot.proof.engine.missing import Missing
 
 JOINT = "S1"
@@ -60,7 +61,7 @@ def test_two_levels_are_left_open_where_there_is_little_friction(tmp_path: Path)
     assert abs(more - less) > 2.0 * abs(one - other)
     assert more + less == pytest.approx(one + other, rel=0.2)
     rise = (far.z - open_.z) @ np.linalg.solve(open_.covariance, far.z - open_.z)
-    assert rise == pytest.approx(WIDE**2, rel=1e-3)  # the edge of a 95 % interval, everything else following
+    assert rise == pytest.approx(LEVEL_95, rel=1e-3)  # the edge of a 95 % interval, everything else following
 
 
 def test_a_fit_without_two_levels_has_no_end_of_them(tmp_path: Path) -> None:
