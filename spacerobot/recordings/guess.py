@@ -159,8 +159,11 @@ def _unit(name: str) -> str | None:
     for said in (bracketed.group(1), english(bracketed.group(1)).strip()) if bracketed else ():
         if said in UNITS and not said.isdigit():
             return said
-    last = re.split(r"[_\s]", name.strip())[-1]
-    return last if last != name.strip() and last in UNITS and not last.isdigit() else None
+    *before, last = re.split(r"[_\s]", name.strip())
+    for said in ("/".join([*before[-1:], last]), last) if before else ():  # "speed_mm_s" is in mm/s
+        if said in UNITS and not said.isdigit():
+            return said
+    return None
 
 
 def _fits(channel: str, unit: str | None) -> bool:

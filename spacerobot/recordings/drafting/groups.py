@@ -8,7 +8,7 @@ from collections.abc import Container, Sequence
 from dataclasses import dataclass
 
 from spacerobot.recordings.drafting.files import Found
-from spacerobot.recordings.drafting.names import identifier, is_measured, same
+from spacerobot.recordings.drafting.names import identifier, in_ascii, is_measured, same
 from spacerobot.recordings.trial import _GROUPS, _KEYS
 
 
@@ -99,7 +99,7 @@ def _name(part: list[Found], members: list[Found], taken: list[str]) -> str:
     common = [w for w in part[0].named.words if all(w in f.named.words for f in part)]
     everywhere = {w for w in common if all(w in f.named.words for f in members)} if len(part) < len(members) else set()
     telling = [w for w in common if w not in everywhere] or common
-    name = re.sub(r"[^\w-]+", "_", "_".join(telling), flags=re.ASCII).strip("_")[:30] or "log"
+    name = re.sub(r"[^\w-]+", "_", in_ascii("_".join(telling)), flags=re.ASCII).strip("_")[:30] or "log"
     if name in (*_KEYS, *_GROUPS):
         name += "_log"
     return unused(name, taken)

@@ -18,11 +18,13 @@ _WORDS = {
     for english, words in {
         "actual": "ist", "angle": "angolo angulo hoek uhel kat угол aci vinkel",
         "current": "strom courant corriente corrente prad proud stroom ток akim",
-        "deg": "graus grados gradi graden stopnie градусы derece", "force": "fuerza forza forca sila kracht сила kuvvet",
+        "deg": "graus grados gradi graden stopnie градусы derece",
+        "force": "fuerza forza forca sila kracht сила kuvvet",
         "joint": "articulation articulacion giunto junta przegub gewricht kloub сустав eklem",
         "mass": "masse masa massa hmotnost масса kutle", "measured": "mesure",
         "position": "weg lage posicion posizione posicao polozenie poloha positie положение konum",
-        "setpoint": "soll consigne", "slider": "suwak suwaka curseur каретка", "spring": "feder resorte ressort molla",
+        "setpoint": "soll sollwert consigne consigna referencia riferimento zadana zadany zadane задание referans",
+        "slider": "suwak suwaka curseur каретка", "spring": "feder resorte ressort molla",
         "target": "satellit cible objetivo bersaglio alvo cel celu doel цель hedef",
         "time": "temps tiempo tempo czas tijd cas время zaman tid",
         "torque": "couple coppia binario koppel момент tork",
@@ -55,6 +57,13 @@ def english(text: str) -> str:
     text = _THROUGH.sub(lambda found: f" {_WRITTEN_THROUGH[found.group(0)]} ", text)
     text = _LETTERS.sub(_parted, text)
     return _LETTERS.sub(lambda found: _WORDS.get(_bare(found.group(0)), found.group(0)), text)
+
+
+def words_in(name: str) -> list[str]:
+    """The words of a name in lower case: "Current_VX [m/s]" is current, vx."""
+    text = re.sub(r"[\[(][^\])]*[\])]\s*$", "", name.replace("$\\theta$", "theta"))
+    text = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", english(text))
+    return [w.lower() for w in re.split(r"[\W_]+", text) if w]
 
 
 def _bare(word: str) -> str:

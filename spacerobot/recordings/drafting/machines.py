@@ -52,7 +52,7 @@ def kind_of(readings: Mapping[str, Sequence[Reading]]) -> str:
 
 
 def draft_machine(
-    kind: str, readings: Mapping[str, Sequence[Reading]], files: Mapping[str, Found]
+    kind: str, readings: Mapping[str, Sequence[Reading]], files: Mapping[str, Found], *, driven: bool = True
 ) -> dict[str, list[Line]]:
     """Stream -> its channels, for a machine of this kind.
 
@@ -60,6 +60,7 @@ def draft_machine(
         kind: see `kind_of`.
         readings: stream -> what its columns seem to be.
         files: stream -> one of its files.
+        driven: whether something drives an axis, so that a column of that is asked for.
     """
     main = _main_thing(readings) if kind == "body" else ""
     found: dict[str, list[Line]] = {}
@@ -82,7 +83,7 @@ def draft_machine(
             if line.channel.endswith("yaw") and float(np.nanmax(np.abs(np.diff(values)))) > math.pi:
                 line.unwrap = True
             found.setdefault(stream, []).append(line)
-    if kind == "axis" and not any(x.use == "input" for lines in found.values() for x in lines):
+    if kind == "axis" and driven and not any(x.use == "input" for lines in found.values() for x in lines):
         first = next(iter(found.values()))[0]
         first.question = 'which column drives the axis: joint.axis.torque or .voltage, with use = "input"'
     return {stream: sorted(lines, key=lambda x: x.reading.index) for stream, lines in found.items()}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 from dataclasses import dataclass
 from pathlib import PurePath
 
@@ -68,8 +69,8 @@ def named(relative: PurePath) -> Named:
     for token in _tokens(_DATE.sub("_", stem)):
         if (value := _value(token)) is not None:
             values.append(value)
-        elif part := _OF_A_MACHINE.fullmatch(english(token).lower().strip()):
-            words.append(f"joint{int(part.group(2))}")
+        elif own := _OF_A_MACHINE.fullmatch(english(token).lower().strip()):
+            words.append(f"joint{int(own.group(2))}")
         elif any(c.isdigit() for c in token):
             keys.append(token)
         else:
@@ -106,4 +107,10 @@ def same(key: str) -> str:
 
 def identifier(text: str) -> str:
     """`text` as the id of a trial."""
-    return re.sub(r"[^\w.+=-]+", "_", text, flags=re.ASCII).strip("._ ")[:60]
+    return re.sub(r"[^\w.+=-]+", "_", in_ascii(text), flags=re.ASCII).strip("._ ")[:60]
+
+
+def in_ascii(text: str) -> str:
+    """`text` with Latin letters without their accents; other scripts stay as they are."""
+    parts = unicodedata.normalize("NFKD", text.replace("ß", "ss"))
+    return unicodedata.normalize("NFC", "".join(c for c in parts if not unicodedata.combining(c)))
