@@ -53,8 +53,8 @@ class Swing:
 
     Attributes:
         period: of its small swings [s].
-        middle: where it hangs, file's unit.
-        error: of `middle`.
+        middle: where it hangs [rad].
+        error: of `middle` [rad].
     """
 
     period: float
@@ -76,7 +76,8 @@ def swing_of(readings: Mapping[str, Sequence[Reading]], trials: Sequence[Trial])
     stream, reading = angles[0]
     if not (reading.unit and UNITS[reading.unit].dimension == "angle"):
         return None
-    tracks = [t for trial in trials if stream in trial.files and (t := track(trial.files[stream], reading.column))]
+    seen = [t for trial in trials if stream in trial.files and (t := track(trial.files[stream], reading.column))]
+    tracks = [Track(t.time, UNITS[reading.unit].factor * t.value) for t in seen]
     found = [s for s in map(swing, tracks) if s is not None]
     if not found or 2 * len(found) < len(tracks):
         return None
@@ -85,7 +86,7 @@ def swing_of(readings: Mapping[str, Sequence[Reading]], trials: Sequence[Trial])
 
 
 def swing(own: Track) -> Swing | None:
-    """The swing in the last part of a trial; None where it does not swing evenly."""
+    """The swing in the last part of a trial, in rad; None where it does not swing evenly."""
     last = own.time >= own.time[-1] - (own.time[-1] - own.time[0]) / LATEST
     time, value = own.time[last], own.value[last]
     middle = 0.5 * (float(np.quantile(value, 0.01)) + float(np.quantile(value, 0.99)))
@@ -99,13 +100,14 @@ def swing(own: Track) -> Swing | None:
     period = float(np.median(halves[1:] + halves[:-1]))
     if np.std(halves[1:] + halves[:-1]) > EVEN * period:
         return None
-    return Swing(period, middle, max(noise, EVEN * size))
+    wide = 1.0 + size**2 / 16 + 11 * size**4 / 3072  # a simple pendulum's period over that of its small swings
+    return Swing(period / wide, middle, max(noise, EVEN * size))
 
 
 def hang(line: Line, swing: Swing) -> None:
     """Take the reading at rest off, where it is certain to be none: 0 is hanging."""
     if abs(swing.middle) > CERTAIN * swing.error:
-        line.offset = -float(f"{swing.middle:.4g}")
+        line.offset = -float(f"{swing.middle / UNITS[line.reading.unit or 'rad'].factor:.4g}")
         line.remark = "; ".join(r for r in (line.remark, "0 where it hangs") if r)
 
 
