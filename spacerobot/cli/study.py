@@ -32,6 +32,7 @@ _KINDS = {
     "platform": "a floating platform with an arm",
     "body": "a free body",
     "axis": "one driven axis",
+    "pendulum": "a pendulum that swings freely",
     "": "a rig of which no column was recognised",
 }
 
@@ -145,7 +146,8 @@ def _text(report: dict[str, Any]) -> str:
             )
         lines.append(f"trial {trial['id']}  ({trial['condition']})  {'; '.join(sizes.values())}".rstrip())
         lines += [f"  note: {note}" for note in trial["notes"]]
-    lines += ["", f"{len(report['trials'])} trials in {len(report['conditions'])} conditions"]
+    many = len(report["conditions"])
+    lines += ["", f"{len(report['trials'])} trials in {many} condition{'s' * (many != 1)}"]
     lines += [f"warning: {w}" for w in report["warnings"]]
     lines += [f"error: {e}" for e in report["errors"]]
     if report["draft"]:

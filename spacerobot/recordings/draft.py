@@ -23,6 +23,7 @@ from spacerobot.recordings.drafting.heads import head
 from spacerobot.recordings.drafting.lines import Line, comment, toml
 from spacerobot.recordings.drafting.machines import AXIS, draft_machine, kind_of
 from spacerobot.recordings.drafting.names import ENDINGS
+from spacerobot.recordings.drafting.pendulum import hang, pendulum_urdf, swing_of
 from spacerobot.recordings.drafting.robots import joints_of
 from spacerobot.recordings.drafting.run_list import RunList, run_lists
 from spacerobot.recordings.drafting.wrist import Drafted, draft_wrist, is_wrist
@@ -46,7 +47,7 @@ class Draft:
 
     Attributes:
         title: of the study.
-        kind: "wrist", "arm", "platform", "body", "axis" or "" where nothing was recognised.
+        kind: "wrist", "arm", "platform", "body", "axis", "pendulum" or "" where nothing was recognised.
         robot: as a study names it, None where nothing is known of it.
         joints: of the robot, from base to tip.
         groups: stream -> its files.
@@ -97,8 +98,11 @@ class Draft:
         """The mass of a trial's target or body, kg, and who says so; None where nobody does, or two masses are said."""
         if trial.id in self.listed:
             return self.listed[trial.id], self.list_file
-        found = {v * UNITS[unit].factor for file in trial.files.values() for _, v, unit in file.named.values}
-        return (found.pop() if len(found) == 1 else None), "the file's name"
+        said = [(v * UNITS[unit].factor, text, f) for f in trial.files.values() for text, v, unit in f.named.values]
+        if len({mass for mass, _, _ in said}) != 1:
+            return None, ""
+        mass, text, file = said[0]
+        return mass, "the file's name" if text in file.relative.replace(",", ".") else f"the file: {text}"
 
     def _trial(self, trial: Trial) -> str:
         asked = f"   # ? {comment(trial.question)}" if trial.question else ""
@@ -148,11 +152,20 @@ def draft(folder: Path, robot: str | None = None) -> Draft:
     trials = trials_of(groups)
     kind = "wrist" if is_wrist(seen) else kind_of(seen)
     named = seen
-    if not joints and (kind in ("", "axis") or (kind == "body" and _no_plane(seen))):
-        seen = by_behaviour(seen, trials) or seen
+    if not joints and kind in ("", "axis", "body"):
+        plane = kind == "body" and not _no_plane(seen)
+        seen = by_behaviour(seen, trials, slider=plane) or seen
         kind = "wrist" if is_wrist(seen) else kind
+    swinging = swing_of(seen, trials) if kind == "axis" else None
     representative = {g.name: g.leanest for g in groups}
-    drafted = draft_wrist(seen, trials) if kind == "wrist" else Drafted(draft_machine(kind, seen, representative))
+    drafted = (
+        draft_wrist(seen, trials)
+        if kind == "wrist"
+        else Drafted(draft_machine(kind, seen, representative, driven=swinging is None))
+    )
+    if swinging is not None:
+        kind = "pendulum"
+        hang(next(x for x in drafted.lines[swinging[0]] if x.channel.endswith(".position")), swinging[1])
     _ask_what_no_name_says(drafted, named)
     told = [g for g in groups if drafted.lines.get(g.name)] or groups
     if len(told) < len(groups):  # files of which nothing was recognised would only part what belongs together
@@ -176,6 +189,8 @@ def draft(folder: Path, robot: str | None = None) -> Draft:
         made.listed, made.list_file = runs.masses(trials), runs.file
     if kind in ("arm", "platform"):
         made.gears = gearing(made.lines, representative)
+    if swinging is not None:
+        made.files["pendulum.urdf"] = pendulum_urdf(swinging[1])
     if kind == "axis":
         columns = [line.reading for found in lines.values() for line in found]
         turning = any(c.unit in ("rad", "deg") or c.axis == "yaw" for c in columns)

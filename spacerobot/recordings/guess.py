@@ -76,6 +76,12 @@ def is_time(column: Column) -> bool:
     return any(_TIME.match(english(name).strip()) for name in column.names) and runs_forward(column.values)
 
 
+def _in_seconds(column: Column) -> bool:
+    """Whether a unit of time is stated, in whatever language the name is, and the values are those of a clock."""
+    stated = [column.unit, *map(_unit, column.names)]
+    return any(u in UNITS and UNITS[u].dimension == "time" for u in stated if u) and runs_forward(column.values)
+
+
 def runs_forward(values: Floats) -> bool:
     """Whether the values only grow, and by about the same step."""
     if len(values) < 3 or not np.isfinite(values).all():
@@ -85,10 +91,11 @@ def runs_forward(values: Floats) -> bool:
 
 
 def find_time(table: RawTable) -> int | None:
-    """Index of the clock: by name, else the first column that runs forward in even steps of less than a second."""
-    for index, column in enumerate(table.columns):
-        if is_time(column):
-            return index
+    """Index of the clock: by name, by a unit of time, else the first that runs forward in steps below a second."""
+    for told in (is_time, _in_seconds):
+        for index, column in enumerate(table.columns):
+            if told(column):
+                return index
     for index, column in enumerate(table.columns):
         if runs_forward(column.values) and np.median(np.diff(column.values)) < 1.0:
             return index
@@ -149,10 +156,14 @@ def guess(name: str, stated: str | None = None) -> Guess:
 
 def _unit(name: str) -> str | None:
     bracketed = _BRACKETED.search(name)
-    if bracketed and bracketed.group(1) in UNITS and not bracketed.group(1).isdigit():
-        return bracketed.group(1)
-    last = re.split(r"[_\s]", name.strip())[-1]
-    return last if last != name.strip() and last in UNITS and not last.isdigit() else None
+    for said in (bracketed.group(1), english(bracketed.group(1)).strip()) if bracketed else ():
+        if said in UNITS and not said.isdigit():
+            return said
+    *before, last = re.split(r"[_\s]", name.strip())
+    for said in ("/".join([*before[-1:], last]), last) if before else ():  # "speed_mm_s" is in mm/s
+        if said in UNITS and not said.isdigit():
+            return said
+    return None
 
 
 def _fits(channel: str, unit: str | None) -> bool:

@@ -64,12 +64,14 @@ class RawTable:
         columns: in the file's order; all of one length, except in files of separate arrays.
         lines: (rows,) line of each row in the file, None where rows have no lines.
         notes: remarks for the user.
+        stated: single numbers that stand above the table, (name, value).
     """
 
     path: Path
     columns: tuple[Column, ...]
     lines: NDArray[np.int64] | None = None
     notes: tuple[str, ...] = ()
+    stated: tuple[tuple[str, float], ...] = ()
 
     def names(self) -> tuple[str, ...]:
         """One name for each column: the first that is its own, else its index."""

@@ -124,7 +124,7 @@ def axis_model(study: Study, trials: Sequence[Trial], joint: str, robot: Robot) 
             drives[trial.id], force = Drive(fine, {f"{name}.torque": drive}), torque.good()[1]
         motion.append((force, value, np.gradient(value, time)))
     force, place, rate = (np.concatenate([m[i] for m in motion]) for i in range(3))
-    if not driven:  # what it takes to move it as it moves
+    if not np.any(force):  # what it takes to move it as it moves
         force = values.get(f"{name}.mass", own) * rate**2 / max(float(np.std(place)), 1e-12)
     sizes = sizes_of(force, place, rate)
     whole, stated = [], True

@@ -208,7 +208,7 @@ def _sizes(
                     position.append(np.cumsum((value - value.mean()) * np.gradient(time)))
             if axis.force in recording:
                 force.append(recording[axis.force].good()[1])
-        if not force:  # what it takes to move it as it moves: its mass is known or one
+        if not any(np.any(f) for f in force):  # what it takes to move it as it moves: its mass is known or one
             mass = np.mean([study.values(t).get(f"{group}.mass", 1.0) for t in trials])
             rate = float(np.std(np.concatenate(velocity)) ** 2 / np.std(np.concatenate(position)))
             force = [np.array([mass * rate])]

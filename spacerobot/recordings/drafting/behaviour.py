@@ -30,12 +30,15 @@ Role = str
 """ "target", "wrist" or "force"."""
 
 
-def by_behaviour(readings: Mapping[str, Sequence[Reading]], trials: Sequence[Trial]) -> dict[str, list[Reading]] | None:
+def by_behaviour(
+    readings: Mapping[str, Sequence[Reading]], trials: Sequence[Trial], *, slider: bool = False
+) -> dict[str, list[Reading]] | None:
     """The readings with what their columns do in place of what their names do not say; None where no hit shows.
 
     Args:
         readings: stream -> what its columns seem to be.
         trials: the trials.
+        slider: whether only a slider shows a hit: a thrust bends a free body's track too.
     """
     votes: dict[tuple[str, str], list[Role]] = {}
     some = trials[:FEW]
@@ -44,7 +47,7 @@ def by_behaviour(readings: Mapping[str, Sequence[Reading]], trials: Sequence[Tri
             votes.setdefault(place, []).append(role)
     told = {place: roles[0] for place, roles in votes.items() if len(set(roles)) == 1 and 2 * len(roles) > len(some)}
     roles = list(told.values())
-    if roles.count("target") != 1 or not {"wrist", "force"} & set(roles):
+    if roles.count("target") != 1 or not ({"wrist"} if slider else {"wrist", "force"}) & set(roles):
         return None
     out: dict[str, list[Reading]] = {}
     for stream, found in readings.items():

@@ -76,4 +76,4 @@ def out_of_step(
         return ""
     seen = [r.leaves for r in wrists.values() if r.leaves is not None]
     pulse = f"the pulse is at {np.min(apart):.3g} to {np.max(apart):.3g} s here"
-    return f"{pulse}, the wrist moves at {np.min(seen):.3g} to {np.max(seen):.3g} s by its own clock"
+    return f"{pulse}, the wrist moves at {np.min(seen):.3g} to {np.max(seen):.3g} s by the cameras' clock"

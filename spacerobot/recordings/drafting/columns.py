@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from spacerobot.recordings.drafting.files import Found
-from spacerobot.recordings.drafting.languages import english
+from spacerobot.recordings.drafting.languages import words_in
 from spacerobot.recordings.drafting.vocabulary import (
     COMMAND,
     DIMENSION,
@@ -24,6 +24,8 @@ from spacerobot.recordings.units import UNITS
 _LATERAL = {"x": "x", "y": "y", "z": "z", "yaw": "yaw", "theta": "yaw", "heading": "yaw", "psi": "yaw", "att": "yaw"}
 _JOINT = re.compile(r"(?:^|[a-z])(\d{1,2})$")
 _PLACE = re.compile(r"(.+?)(?:\[(\d{1,2})\]|_(\d{1,2}))")
+_PLACES = ("p", "r", "s")
+"""What mathematics calls a place, beside the name of a thing: p_target, r_wrist."""
 _OF_JOINTS = words_of("q dq qd qdot tau joint joints theta effort efforts torques current currents moment")
 """Words of arrays that hold a number for each joint."""
 
@@ -115,7 +117,10 @@ def _reading(
         thing = next((t for w in said for t, called in THINGS.items() if w in called), "")
     if not thing:
         thing = next((t for w in file.named.words for t, called in THINGS.items() if w in called), "")
-    if thing in THINGS and not quantity and set(words) <= {*THINGS[thing], *_LATERAL}:
+    if not thing and (own := [w for w in file.named.words if re.fullmatch(r"joint\d+", w)]):
+        place = int(own[0].removeprefix("joint"))
+        thing = f"joint:{joints[place - 1]}" if 0 < place <= len(joints) else f"joint:{own[0]}"
+    if thing in THINGS and not quantity and set(words) <= {*THINGS[thing], *_LATERAL, *_PLACES}:
         quantity = "position"  # a thing alone is where it is
     if file.format == "motive" and "." in name:
         body = name.split(".")[0]
@@ -195,11 +200,11 @@ def _joint(name: str, words: list[str], joints: Sequence[str]) -> str:
         return f"joint:{own}"
     text = "".join(words)
     if not re.search(
-        r"joint|^(q|dq|qd|qdot|tau|pos|vel|eff|torque|effort|position|velocity|motor|axis|curr|i\d)", text
+        r"joint|^(j\d|q|dq|qd|qdot|tau|pos|vel|eff|torque|effort|position|velocity|motor|axis|curr|i\d)", text
     ):
         return ""
     number = next((int(m.group(1)) for w in reversed(words) if (m := _JOINT.search(w))), None)
-    if number is None or not (joints or re.match(r"(joint|q|dq|qd|qdot|tau|torque|effort|pos|vel|curr|i\d)", text)):
+    if number is None or not (joints or re.match(r"(joint|j\d|q|dq|qd|qdot|tau|torque|effort|pos|vel|curr|i\d)", text)):
         return ""
     return f"joint:{joints[number - 1]}" if 0 < number <= len(joints) else f"joint:joint{number}"
 
@@ -215,13 +220,6 @@ def _quantity(words: list[str]) -> str:
             if word in called or bare in called:
                 return quantity
     return ""
-
-
-def words_in(name: str) -> list[str]:
-    """The words of a name in lower case: "Current_VX [m/s]" is current, vx."""
-    text = re.sub(r"[\[(][^\])]*[\])]\s*$", "", name.replace("$\\theta$", "theta"))
-    text = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", english(text))
-    return [w.lower() for w in re.split(r"[\W_]+", text) if w]
 
 
 def _no_wishes(found: list[Reading]) -> list[Reading]:

@@ -8,6 +8,7 @@ from pathlib import Path, PurePath
 
 import numpy as np
 
+from spacerobot.recordings.drafting.masses import above_table, scalars, with_masses
 from spacerobot.recordings.drafting.names import ENDINGS, Named, named
 from spacerobot.recordings.readers import read_table, reader_for
 from spacerobot.recordings.readers.garbage import written_to
@@ -111,7 +112,10 @@ def _read(path: Path, relative: PurePath) -> Found:
         columns[j] = replace(columns[j], values=np.where(columns[j].values == value, np.nan, columns[j].values))
     missing = tuple(sorted(set(stands_for_none.values())))
     table = replace(table, columns=tuple(columns))
-    return Found(str(relative), reader_for(path).name, table, usable, named(relative), missing, fault)
+    form = reader_for(path).name
+    masses = scalars(table) + (above_table(path) if form in ("csv", "text") else [])
+    said = with_masses(named(relative), masses)
+    return Found(str(relative), form, table, usable, said, missing, fault)
 
 
 def sentinel(values: Floats) -> float | None:

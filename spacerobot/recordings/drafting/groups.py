@@ -8,7 +8,7 @@ from collections.abc import Container, Sequence
 from dataclasses import dataclass
 
 from spacerobot.recordings.drafting.files import Found
-from spacerobot.recordings.drafting.names import QUANTITIES, identifier, same
+from spacerobot.recordings.drafting.names import identifier, in_ascii, is_measured, same
 from spacerobot.recordings.trial import _GROUPS, _KEYS
 
 
@@ -76,25 +76,30 @@ def _like(file: Found, other: Found) -> bool:
 
 
 def _apart(members: list[Found]) -> list[list[Found]]:
-    """Members by their words, where the same trial has files of several words; else all in one."""
+    """Members by what their names say is measured, and by all their words where one trial's numbers come with several.
+
+    All are one where neither tells them apart.
+    """
+    by_measured: dict[frozenset[str], list[Found]] = {}
+    for file in members:
+        by_measured.setdefault(frozenset(w for w in file.named.words if is_measured(w)), []).append(file)
+    return [part for same_measured in by_measured.values() for part in _by_words(same_measured)]
+
+
+def _by_words(members: list[Found]) -> list[list[Found]]:
     by_words: dict[tuple[str, ...], list[Found]] = {}
     for file in members:
         by_words.setdefault(file.named.words, []).append(file)
-    parts = list(by_words.values())
-    if len(parts) == 1:
-        return parts
-    keys = [{f.named.keys for f in part} for part in parts]
-    # Words say what was measured where they are such words, or where one trial's numbers come with several of them.
-    told = {frozenset(QUANTITIES.intersection(words)) for words in by_words}
+    keys = [{f.named.keys for f in part} for part in by_words.values()]
     shared = any(a & b for a, b in itertools.combinations(keys, 2)) and any(k for ks in keys for k in ks)
-    return parts if len(told) > 1 or shared else [members]
+    return list(by_words.values()) if shared else [members]
 
 
 def _name(part: list[Found], members: list[Found], taken: list[str]) -> str:
     common = [w for w in part[0].named.words if all(w in f.named.words for f in part)]
     everywhere = {w for w in common if all(w in f.named.words for f in members)} if len(part) < len(members) else set()
     telling = [w for w in common if w not in everywhere] or common
-    name = re.sub(r"[^\w-]+", "_", "_".join(telling), flags=re.ASCII).strip("_")[:30] or "log"
+    name = re.sub(r"[^\w-]+", "_", in_ascii("_".join(telling)), flags=re.ASCII).strip("_")[:30] or "log"
     if name in (*_KEYS, *_GROUPS):
         name += "_log"
     return unused(name, taken)

@@ -67,6 +67,17 @@ mass = "unknown"           # kg, or kg m2 where it turns; state what you know
 damping = 0.0              # N s/m, or N m s/rad
 """
 
+_PENDULUM = """[baseline]                 # a pendulum that swings freely
+robot = "pendulum.urdf"    # ? 1 kg, as far out as its period asks for: state your mass, its place and inertia there
+base = "fixed"
+joints = "free"
+gravity = [0, 0, -9.80665]
+
+[baseline.joint.axis]
+damping = 0.0              # N m s/rad
+torque = 0                 # nothing drives it
+"""
+
 _UNTOLD = """[baseline]                 # ? which rig is this: no column was recognised
 robot = "pa10_wrist"
 """
@@ -93,4 +104,4 @@ def head(title: str, kind: str, robot: str | None, joints: Sequence[str], masses
         named = toml(robot if robot and joints else "pa10")
         base = '"free"' if kind == "platform" else '"fixed"'
         return top + _ARM.format(words=words, robot=named, asked=asked, base=base)
-    return top + {"body": _BODY, "axis": _AXIS}.get(kind, _UNTOLD)
+    return top + {"body": _BODY, "axis": _AXIS, "pendulum": _PENDULUM}.get(kind, _UNTOLD)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 
 _STEMS = {
     "kraft": "force", "drehmoment": "torque", "geschwindigkeit": "velocity", "drehzahl": "velocity",
@@ -13,13 +14,26 @@ _STEMS = {
 """German writes words together (Kontaktkraft, Schlittenweg): these are found at either end of a word."""
 
 _WORDS = {
-    "soll": "setpoint", "ist": "actual", "weg": "position", "lage": "position", "masse": "mass", "strom": "current",
-    "feder": "spring", "satellit": "target", "vitesse": "velocity", "couple": "torque", "cible": "target",
-    "poignet": "wrist", "temps": "time", "consigne": "setpoint", "mesure": "measured", "fuerza": "force",
-    "velocidad": "velocity", "objetivo": "target", "muñeca": "wrist", "tiempo": "time", "forza": "force",
-    "tempo": "time", "polso": "wrist", "bersaglio": "target",
+    word: english
+    for english, words in {
+        "actual": "ist", "angle": "angolo angulo hoek uhel kat угол aci vinkel",
+        "current": "strom courant corriente corrente prad proud stroom ток akim",
+        "deg": "graus grados gradi graden stopnie градусы derece",
+        "force": "fuerza forza forca sila kracht сила kuvvet",
+        "joint": "articulation articulacion giunto junta przegub gewricht kloub сустав eklem",
+        "mass": "masse masa massa hmotnost масса kutle", "measured": "mesure",
+        "position": "weg lage posicion posizione posicao polozenie poloha positie положение konum",
+        "setpoint": "soll sollwert consigne consigna referencia riferimento zadana zadany zadane задание referans",
+        "slider": "suwak suwaka curseur каретка", "spring": "feder resorte ressort molla",
+        "target": "satellit cible objetivo bersaglio alvo cel celu doel цель hedef",
+        "time": "temps tiempo tempo czas tijd cas время zaman tid",
+        "torque": "couple coppia binario koppel момент tork",
+        "velocity": "vitesse velocidad velocita velocidade predkosc rychlost snelheid скорость hiz hastighet",
+        "voltage": "tension tensao napiecie напряжение spanning", "wrist": "poignet muneca polso punho nadgarstek",
+    }.items()
+    for word in words.split()
 }  # fmt: skip
-"""Whole words."""
+"""Whole words, without their accents."""
 
 _WRITTEN_THROUGH = {
     "目標": "setpoint", "目標値": "setpoint", "指令": "command", "ターゲット": "target", "標的": "target",
@@ -34,6 +48,7 @@ _WRITTEN_THROUGH = {
 
 _ENDS = re.compile(rf"^(?:{'|'.join(_STEMS)})|(?:{'|'.join(_STEMS)})$", re.IGNORECASE)
 _THROUGH = re.compile("|".join(sorted(_WRITTEN_THROUGH, key=len, reverse=True)))
+_STROKES = str.maketrans("łøđı", "lodi")
 _LETTERS = re.compile(r"[^\W\d_]+")
 
 
@@ -41,7 +56,20 @@ def english(text: str) -> str:
     """`text` with the words that are known here said in English; all else stays as it is."""
     text = _THROUGH.sub(lambda found: f" {_WRITTEN_THROUGH[found.group(0)]} ", text)
     text = _LETTERS.sub(_parted, text)
-    return _LETTERS.sub(lambda found: _WORDS.get(found.group(0).lower(), found.group(0)), text)
+    return _LETTERS.sub(lambda found: _WORDS.get(_bare(found.group(0)), found.group(0)), text)
+
+
+def words_in(name: str) -> list[str]:
+    """The words of a name in lower case: "Current_VX [m/s]" is current, vx."""
+    text = re.sub(r"[\[(][^\])]*[\])]\s*$", "", name.replace("$\\theta$", "theta"))
+    text = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", english(text))
+    return [w.lower() for w in re.split(r"[\W_]+", text) if w]
+
+
+def _bare(word: str) -> str:
+    """`word` in lower case without its accents."""
+    parts = unicodedata.normalize("NFKD", word.lower().translate(_STROKES))
+    return unicodedata.normalize("NFC", "".join(c for c in parts if not unicodedata.combining(c)))
 
 
 def _parted(word: re.Match[str]) -> str:

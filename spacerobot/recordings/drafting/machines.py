@@ -12,6 +12,7 @@ from spacerobot.recordings.drafting.columns import Reading
 from spacerobot.recordings.drafting.files import Found
 from spacerobot.recordings.drafting.lines import Line
 from spacerobot.recordings.series import estimate_noise
+from spacerobot.recordings.units import UNITS
 
 AXIS = """<?xml version="1.0"?>
 <!-- One driven axis, written by `study new`. Its mass comes from the study. -->
@@ -51,7 +52,7 @@ def kind_of(readings: Mapping[str, Sequence[Reading]]) -> str:
 
 
 def draft_machine(
-    kind: str, readings: Mapping[str, Sequence[Reading]], files: Mapping[str, Found]
+    kind: str, readings: Mapping[str, Sequence[Reading]], files: Mapping[str, Found], *, driven: bool = True
 ) -> dict[str, list[Line]]:
     """Stream -> its channels, for a machine of this kind.
 
@@ -59,6 +60,7 @@ def draft_machine(
         kind: see `kind_of`.
         readings: stream -> what its columns seem to be.
         files: stream -> one of its files.
+        driven: whether something drives an axis, so that a column of that is asked for.
     """
     main = _main_thing(readings) if kind == "body" else ""
     found: dict[str, list[Line]] = {}
@@ -81,7 +83,7 @@ def draft_machine(
             if line.channel.endswith("yaw") and float(np.nanmax(np.abs(np.diff(values)))) > math.pi:
                 line.unwrap = True
             found.setdefault(stream, []).append(line)
-    if kind == "axis" and not any(x.use == "input" for lines in found.values() for x in lines):
+    if kind == "axis" and driven and not any(x.use == "input" for lines in found.values() for x in lines):
         first = next(iter(found.values()))[0]
         first.question = 'which column drives the axis: joint.axis.torque or .voltage, with use = "input"'
     return {stream: sorted(lines, key=lambda x: x.reading.index) for stream, lines in found.items()}
@@ -141,6 +143,8 @@ def _body_line(kind: str, reading: Reading, main: str) -> Line | None:
         if quantity == "force" and axis == "yaw":
             return None
         return Line(reading, f"{body}.{quantity}.{axis}", use="input")  # commanded or felt, it drives the body
+    if kind == "body" and not axis and quantity == "position" and UNITS[reading.unit or "m"].dimension == "angle":
+        axis = "yaw"  # in a plane there is one angle
     if reading.command or not axis:
         return None
     if quantity == "orientation" and axis in "wxyz":

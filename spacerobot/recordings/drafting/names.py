@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 from dataclasses import dataclass
 from pathlib import PurePath
 
@@ -18,9 +19,14 @@ ENDINGS = (
 
 _DATE = re.compile(r"(?:19|20)\d\d([-_. ]?)(?:0?[1-9]|1[0-2])\1(?:0[1-9]|[12]\d|3[01]|[1-9])(?![0-9])")
 _SPLIT = re.compile(r"[_\s,+=()\[\]]+|-|(?<!\d)\.|\.(?!\d)")
-_VALUE = re.compile(r"(?:m|mass|masse)?(\d+(?:[.p]\d+)?)([A-Za-zµ/]+)", re.IGNORECASE)
+_VALUE = re.compile(r"([^\W\d_]*)(\d+(?:[.p]\d+)?)([A-Za-zµ/]+)", re.IGNORECASE)
+_OF_A_MACHINE = re.compile(r"(joint|axis|motor)\s*(\d{1,2})")
+"""What is one of several on the same machine: its number tells no trial from another."""
 _COMMA = re.compile(r"(?<![A-Za-z0-9.,])(\d+),(\d+)(?=[A-Za-zµ])")
 """A decimal comma: between digits, before a unit."""
+
+
+_MASS = ("", "m", "mass")
 
 
 @dataclass(frozen=True)
@@ -28,7 +34,7 @@ class Named:
     """The parts of a file's name.
 
     Attributes:
-        words: what holds no digit, in lower case.
+        words: what holds no digit, in lower case, and the joint that the file is of ("joint2").
         keys: folders (but for those that say what is measured), then what holds a digit, without values; dates in
             one piece.
         values: (text, number, unit) of numbers with a unit of mass.
@@ -63,6 +69,8 @@ def named(relative: PurePath) -> Named:
     for token in _tokens(_DATE.sub("_", stem)):
         if (value := _value(token)) is not None:
             values.append(value)
+        elif own := _OF_A_MACHINE.fullmatch(english(token).lower().strip()):
+            words.append(f"joint{int(own.group(2))}")
         elif any(c.isdigit() for c in token):
             keys.append(token)
         else:
@@ -77,11 +85,16 @@ def _tokens(text: str) -> list[str]:
 def _value(token: str) -> tuple[str, float, str] | None:
     """A mass that the token states, None where it states none that a body can have."""
     found = _VALUE.fullmatch(token)
-    unit = UNITS.get(found.group(2)) if found else None
-    if found is None or unit is None or unit.dimension != "mass":
+    unit = UNITS.get(found.group(3)) if found else None
+    if found is None or unit is None or unit.dimension != "mass" or english(found.group(1)).lower() not in _MASS:
         return None
-    number = float(found.group(1).lower().replace("p", "."))
+    number = float(found.group(2).lower().replace("p", "."))
     return (token, number, unit.name) if number > 0.0 else None
+
+
+def is_measured(word: str) -> bool:
+    """Whether a word of a file's name says what the file measures."""
+    return word in QUANTITIES or (word.startswith("joint") and word[5:].isdigit())
 
 
 def same(key: str) -> str:
@@ -94,4 +107,10 @@ def same(key: str) -> str:
 
 def identifier(text: str) -> str:
     """`text` as the id of a trial."""
-    return re.sub(r"[^\w.+=-]+", "_", text, flags=re.ASCII).strip("._ ")[:60]
+    return re.sub(r"[^\w.+=-]+", "_", in_ascii(text), flags=re.ASCII).strip("._ ")[:60]
+
+
+def in_ascii(text: str) -> str:
+    """`text` with Latin letters without their accents; other scripts stay as they are."""
+    parts = unicodedata.normalize("NFKD", text.replace("ß", "ss"))
+    return unicodedata.normalize("NFC", "".join(c for c in parts if not unicodedata.combining(c)))

@@ -8,8 +8,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePath
 
-from spacerobot.recordings.drafting.columns import words_in
 from spacerobot.recordings.drafting.groups import Trial
+from spacerobot.recordings.drafting.masses import is_mass
 from spacerobot.recordings.drafting.names import same, without_ending
 from spacerobot.recordings.guess import guess
 from spacerobot.recordings.readers.numbers import number
@@ -87,7 +87,7 @@ def run_lists(folder: Path) -> list[RunList]:
 def _heading(head: bytes) -> bool:
     """Whether some cell of the first lines speaks of a mass, so that the rest is worth reading."""
     text = re.split(r"[\t;,\r\n]", head.decode("utf-8", "replace"))
-    return any(_is_mass(cell) for cell in text if not any(c.isdigit() for c in cell))
+    return any(is_mass(cell) for cell in text if not any(c.isdigit() for c in cell))
 
 
 def _list(file: str, lines: Sequence[str]) -> RunList | None:
@@ -95,7 +95,7 @@ def _list(file: str, lines: Sequence[str]) -> RunList | None:
         return None
     separator = max(_SEPARATORS, key=lines[0].count)
     head, *rest = csv.reader(lines, delimiter=separator, skipinitialspace=True)
-    masses = [c for c in head if _is_mass(c)]
+    masses = [c for c in head if is_mass(c)]
     rows = tuple(dict(zip(head, (c.strip() for c in row), strict=True)) for row in rest if len(row) == len(head))
     if len(masses) != 1 or len(set(head)) < len(head) or len(head) < 2 or not rows:
         return None
@@ -103,11 +103,6 @@ def _list(file: str, lines: Sequence[str]) -> RunList | None:
     factor = UNITS[stated].factor if stated and UNITS[stated].dimension == "mass" else 1.0
     comma = separator != "," and any("," in row[masses[0]] for row in rows)
     return RunList(file, rows, masses[0], factor, "," if comma else ".")
-
-
-def _is_mass(column: str) -> bool:
-    words = words_in(column)
-    return "mass" in words and not {"wrist", "slider", "hand", "arm", "base", "chaser"} & set(words)
 
 
 def _means(cell: str, trial: Trial) -> bool:

@@ -19,7 +19,7 @@ THINGS = {
 QUANTITY = {
     "position": words(
         "pos position positions angle angles theta yaw heading psi q encoder encoders enc x y z px py pz "
-        "height pose efpose att attitude"
+        "height pose efpose att attitude disp displ displacement defl deflection stroke"
     ),
     "velocity": words(
         "vel velocity velocities speed rate omega vx vy vz dx dy dz xdot ydot zdot dq qd qdot dtheta wz w gyro "
@@ -40,9 +40,9 @@ DIMENSION = {
 
 COMMAND = words(
     "ref reference references cmd command commands commanded des desired setpoint set goal sp dem demand "
-    "demanded planned plan"
+    "demanded planned plan thrust thruster thrusters jet jets nozzle nozzles"
 )
-"""Words of what was asked for, not measured."""
+"""Words of what was asked for, not measured; a thruster's push is commanded."""
 
 REAL = words("current actual act measured meas real fb feedback true")
 """Words of what was measured, beside what was asked for."""

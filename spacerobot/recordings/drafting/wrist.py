@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from spacerobot.recordings.drafting.approach import CERTAIN, Rest, Track, contact_zero, drift, rest
-from spacerobot.recordings.drafting.clocks import meet, out_of_step, runs_apart, turned
+from spacerobot.recordings.drafting.clocks import out_of_step, runs_apart, turned
 from spacerobot.recordings.drafting.columns import Reading
 from spacerobot.recordings.drafting.groups import Trial
 from spacerobot.recordings.drafting.lines import Line
@@ -26,6 +26,10 @@ LARGEST_RIG = 10.0
 ALONG = 1e-3
 """Share of the travel that an axis may miss and still be taken for its direction: a tenth of what labs know
 a spring to (1 %)."""
+
+
+NO_DELAY = 0.1
+"""Later than any filter or cable makes a reading [s]: two streams further apart have clocks of their own."""
 
 
 @dataclass
@@ -61,17 +65,22 @@ def draft_wrist(readings: Mapping[str, Sequence[Reading]], trials: Sequence[Tria
     some = trials[:: max(1, len(trials) // MOST_TRIALS)][:MOST_TRIALS]
     rests = _wrist_rests(places["wrist"], some)
     cameras = places["target"][0]
-    together = meet(some, places["wrist"][0], cameras)
-    travel = _travel(places["target"], some, rests if together else {})
-    if not together:
-        drafted.own_clock[places["wrist"][0]] = runs_apart(some, places["wrist"][0], cameras)
+    late = _turns_later(places, some, rests)
+    own = runs_apart(some, places["wrist"][0], cameras) or _of_its_own(list(late.values()), cameras)
+    if own:
+        drafted.own_clock[places["wrist"][0]] = own
+        seen = {i: r for i, r in rests.items() if i in late and r.leaves is not None}
+        rests = {i: replace(r, leaves=(r.leaves or 0.0) + late[i]) for i, r in seen.items()}
+    travel = _travel(places["target"], some, rests)
     for thing, (stream, columns) in places.items():
         line = _along(thing, columns, travel)
         if line is None:
             continue
         tracks = [t for trial in some if (t := _combined(trial, stream, line)) is not None]
-        if thing == "wrist" and line.reading.axis not in travel and _pushed(tracks) < 0:
+        if thing == "wrist" and _pushed(tracks) < 0:
             line.scale, tracks = -line.scale, [Track(t.time, -t.value) for t in tracks]
+            if line.reading.axis and line.reading.axis in travel:
+                line.remark = "turned round against its axis: a target pushes a wrist its own way"
         line.sigma = _median([estimate_noise(t.value) for t in tracks])
         if thing == "target":
             line.question = _too_far_for_metres(line, tracks)
@@ -191,6 +200,43 @@ def _round(value: float, error: float) -> float:
     return round(value, max(0, 1 - math.floor(math.log10(error))))
 
 
+def _turns_later(
+    places: Mapping[str, tuple[str, list[Reading]]], trials: Sequence[Trial], rests: Mapping[str, Rest]
+) -> dict[str, float]:
+    """Trial -> how much later by the cameras' clock than by the wrist's own the two turn back together, s."""
+    (cameras, columns), (stream, sliders) = places["target"], places["wrist"]
+    if not columns or not sliders or stream == cameras:
+        return {}
+    same = UNITS[sliders[0].unit or "m"].factor / UNITS[columns[0].unit or "m"].factor
+    found: dict[str, float] = {}
+    for trial in trials:
+        if trial.id not in rests or cameras not in trial.files:
+            continue
+        moved = [t for c in sliders if (t := track(trial.files[stream], c.column)) is not None]
+        bodies = [t for c in columns if (t := track(trial.files[cameras], c.column)) is not None]
+        if not moved or not bodies:
+            continue
+        slider, body = max(moved, key=_far), max(bodies, key=_far)
+        forward = float(np.sign(np.median(body.value[: len(body.value) // 4]) - body.value[0])) or 1.0
+        pushed = Track(slider.time, same * rests[trial.id].sign * slider.value)
+        still = rest(pushed)
+        late = turned(Track(body.time, forward * body.value), pushed, still) if still is not None else None
+        if late is not None:
+            found[trial.id] = late
+    return found
+
+
+def _of_its_own(late: Sequence[float], cameras: str) -> str:
+    """Why a wrist's clock is not the cameras', by how much later these see it turn back; "" where it is theirs."""
+    if not late or not float(np.median(np.abs(late))) > NO_DELAY:
+        return ""
+    return f"it turns back {np.min(late):.3g} to {np.max(late):.3g} s before {cameras} does"
+
+
+def _far(own: Track) -> float:
+    return float(np.ptp(own.value))
+
+
 def _place_target(drafted: Drafted, places: Mapping[str, tuple[str, list[Reading]]], trials: Sequence[Trial]) -> None:
     """The target's zero: where it touches the resting wrist."""
     lines = {line.channel: (stream, line) for stream, found in drafted.lines.items() for line in found}
@@ -253,7 +299,7 @@ def _place_force(
     wrists: Mapping[str, Rest],
 ) -> None:
     """The component with the pulse, positive in compression, and whether its clock is the cameras'."""
-    best: tuple[float, str, Reading, dict[str, Rest]] | None = None
+    found_forces: list[tuple[float, str, Reading, dict[str, Rest]]] = []
     for stream, found in readings.items():
         for reading in found:
             if reading.quantity != "force" or reading.command:
@@ -266,13 +312,14 @@ def _place_force(
                 if one is None or still is None or still.leaves is None:
                     continue
                 rests[trial.id] = still
-                peaks.append(float(np.max(np.abs(one.value - still.zero))) / still.sigma)
-            strength = float(np.median(peaks)) if peaks else 0.0
-            if best is None or strength > best[0]:
-                best = (strength, stream, reading, rests)
-    if best is None:
+                peaks.append(float(np.max(np.abs(one.value - still.zero))))
+            newton = UNITS[reading.unit or "N"].factor
+            found_forces.append((newton * float(np.median(peaks)) if peaks else 0.0, stream, reading, rests))
+    if not found_forces:
         return
-    strength, stream, reading, rests = best
+    most = max(len(rests) for _, _, _, rests in found_forces)
+    # By newtons, not by sigmas: cross-talk has the signal's noise as well as its pulse, and is as clear.
+    _, stream, reading, rests = max((f for f in found_forces if 2 * len(f[3]) >= most), key=lambda f: f[0])
     line = Line(reading, "contact.force")
     if not rests:
         line.question = "no pulse was seen in any trial: is this the contact force?"
@@ -287,12 +334,10 @@ def _place_force(
     drafted.lines.setdefault(stream, []).append(line)
     cameras = places["target"][0]
     if stream != cameras:
-        # A wrist's own clock says nothing of the cameras'; rows without one, nothing at all.
-        own = places["wrist"][0] in drafted.own_clock or any(
-            span(t.files[s]) is None for t in trials for s in (stream, places["wrist"][0]) if s in t.files
-        )
+        # Rows without a clock say nothing of the cameras'.
+        untimed = any(span(t.files[s]) is None for t in trials for s in (stream, places["wrist"][0]) if s in t.files)
         why = runs_apart(trials, stream, cameras)
-        why = why or ("" if own else out_of_step(trials, rests, wrists, _speeds(trials, places["target"], wrists)))
+        why = why or ("" if untimed else out_of_step(trials, rests, wrists, _speeds(trials, places["target"], wrists)))
         if why:
             drafted.own_clock[stream] = why
 

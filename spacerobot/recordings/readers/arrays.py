@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +22,8 @@ def arrays_to_table(
 
     Vectors are columns by their own name. A matrix `x` gives its columns as "x[j]" and "x[:,j]" and its rows
     as "x[i,:]". With `options.variable` that array's columns come first (so that they go by index alone),
-    followed by the other vectors of the same length.
+    followed by the other vectors of the same length. Where `options.variable` is a struct or a group, its fields are
+    the arrays, without its name.
 
     Args:
         path: the file.
@@ -38,6 +40,10 @@ def arrays_to_table(
     if options.variable is None:
         columns = [c for name, array in arrays.items() for c in _columns(name, array)]
     else:
+        inside = f"{options.variable}."
+        members = {name.removeprefix(inside): own for name, own in arrays.items() if name.startswith(inside)}
+        if members:
+            return arrays_to_table(path, members, replace(options, variable=None), notes)
         if options.variable not in arrays:
             raise NotFoundError(f"array of {path.name}", options.variable, arrays, where=str(path))
         columns = _columns(options.variable, _reshaped(path, arrays[options.variable], options))

@@ -22,6 +22,9 @@ _HEAD = 200
 
 _SAMPLE = 25
 
+_ABOVE = "above"
+"""In place of an index: a number that stands above the table."""
+
 
 class XlsxReader(Reader):
     """A sheet's columns, named by the rows above its table; `variable` names the sheet."""
@@ -37,17 +40,23 @@ class XlsxReader(Reader):
         """The sheet's columns; parsed in a child process."""
         arrays, notes = sandboxed_arrays(path, self.name, options.variable)
         first, last = options.rows or (0, None)
-        columns = []
+        columns: list[Column] = []
+        above: list[tuple[str, float]] = []
         for label, values in arrays.items():
             index, stated, called = label.split(":", 2)
+            if index == _ABOVE:
+                above.append((called, float(values[0])))
+                continue
             columns.append(Column((called or index,), np.ascontiguousarray(values[first:last]), stated or None))
         if not columns or not len(columns[0].values):
             raise InputError("the sheet has no rows of numbers", where=str(path))
-        return RawTable(path, tuple(columns), None, notes)
+        return RawTable(path, tuple(columns), None, notes, tuple(above))
 
 
 def xlsx_arrays(path: Path, sheet: str | None) -> tuple[dict[str, Floats], list[str]]:
-    """`INDEX:UNIT:NAME` -> column of a sheet, and remarks. Runs in the child process.
+    """`INDEX:UNIT:NAME` -> column of a sheet, `above::NAME` -> a number above them, and remarks.
+
+    Runs in the child process.
 
     Raises:
         InputError: no such sheet, no numbers in it, or more than the limit.
@@ -87,7 +96,18 @@ def xlsx_arrays(path: Path, sheet: str | None) -> tuple[dict[str, Floats], list[
     return {
         f"{j}:{units[j] or ''}:{called[j]}": np.ascontiguousarray(table[:, j])
         for j in islice(kept, limits.TEXT_COLUMNS)
-    }, notes
+    } | _above(written[:first]), notes
+
+
+def _above(lines: list[list[str]]) -> dict[str, Floats]:
+    """`above::NAME` -> the number in lines of a name and a number, and perhaps a unit."""
+    found: dict[str, Floats] = {}
+    for line in lines:
+        name, *rest = [cell for cell in line if cell] or [""]
+        value = number(rest[0]) if rest and len(rest) < 3 else None
+        if value is not None and number(name) is None:
+            found[f"{_ABOVE}::{name}{f' [{rest[1]}]' if rest[1:] else ''}"] = np.array([value])
+    return found
 
 
 def _first(rows: list[list[float | None]]) -> int | None:
