@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import re
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePath
@@ -10,6 +11,7 @@ import numpy as np
 
 from spacerobot.recordings.drafting.masses import above_table, scalars, with_masses
 from spacerobot.recordings.drafting.names import ENDINGS, Named, named
+from spacerobot.recordings.guess import find_time
 from spacerobot.recordings.readers import read_table, reader_for
 from spacerobot.recordings.readers.garbage import written_to
 from spacerobot.recordings.table import Floats, Options, RawTable
@@ -51,6 +53,11 @@ class Found:
     fault: str | None = None
     variable: str | None = None
     rate: float | None = None
+
+    @functools.cached_property
+    def clock(self) -> int | None:
+        """Index of the column that is its clock."""
+        return find_time(self.table)
 
     @property
     def rows(self) -> int:
