@@ -300,3 +300,18 @@ def test_a_folder_of_nothing_but_counters_says_what_it_holds(tmp_path: Path) -> 
     table(tmp_path / "log.csv", {"marker status": 0 * t + 1, "frame error": t % 3})
     with pytest.raises(InputError, match="no column was recognised among marker status, frame error"):
         draft(tmp_path)
+
+
+def test_times_in_a_file_of_their_own_are_the_clock_of_those_beside_it(tmp_path: Path) -> None:
+    t = np.cumsum(np.random.default_rng(0).uniform(0.009, 0.011, 400))
+    for n in (1, 2):
+        np.savetxt(tmp_path / f"time_{n}.txt", t + n, "%.6f")
+        np.savetxt(tmp_path / f"joint_pos_{n}.txt", np.sin(t[:, None] * [1, 2]), "%.6f")
+        np.savetxt(tmp_path / f"joint_tau_{n}.txt", np.cos(t[:, None] * [1, 2]), "%.6f")
+    study = written(tmp_path)
+    assert "rate" not in (tmp_path / "study.toml").read_text()
+    assert [t.id for t in study.trials] == ["1", "2"]
+    for n, trial in enumerate(study.trials, 1):
+        found = study.recording(trial)
+        assert set(found) == {f"joint.joint{j}.{what}" for j in (1, 2) for what in ("position", "torque")}
+        np.testing.assert_allclose(found["joint.joint1.position"].time, t + n, atol=1e-6)

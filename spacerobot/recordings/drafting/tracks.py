@@ -13,6 +13,8 @@ from spacerobot.recordings.units import UNITS
 
 def clock(file: Found) -> Floats | None:
     """The file's times, s; None without a clock."""
+    if file.times is not None:
+        return file.times[2]
     index = file.clock
     if index is None:
         return None
