@@ -15,7 +15,7 @@ import numpy as np
 
 from spacerobot.recordings.drafting.behaviour import by_behaviour
 from spacerobot.recordings.drafting.cells import trials_in
-from spacerobot.recordings.drafting.columns import Reading, readings
+from spacerobot.recordings.drafting.columns import Reading, joints_by_place, readings
 from spacerobot.recordings.drafting.files import Found, recordings_in, robots_in
 from spacerobot.recordings.drafting.gearing import gearing
 from spacerobot.recordings.drafting.groups import Group, Trial, groups_of, trials_of, unused
@@ -26,8 +26,9 @@ from spacerobot.recordings.drafting.names import ENDINGS
 from spacerobot.recordings.drafting.pendulum import hang, pendulum_urdf, swing_of
 from spacerobot.recordings.drafting.robots import joints_of
 from spacerobot.recordings.drafting.run_list import RunList, run_lists
+from spacerobot.recordings.drafting.time_files import with_times
 from spacerobot.recordings.drafting.wrist import Drafted, draft_wrist, is_wrist
-from spacerobot.recordings.guess import UNTIMED, find_time, time_unit, unsaid_unit
+from spacerobot.recordings.guess import UNTIMED, time_unit, unsaid_unit
 from spacerobot.recordings.recording import load_trial
 from spacerobot.recordings.study import load_study
 from spacerobot.recordings.table import Column
@@ -145,10 +146,11 @@ def draft(folder: Path, robot: str | None = None) -> Draft:
         listed = "; ".join(refused[:5]) or "it holds none of " + ", ".join(ENDINGS)
         raise InputError("the folder holds no recording that can be read", given=str(folder), valid=listed)
     runs = _list_of_runs(folder, files)
-    files = [t for f in files if runs is None or f.relative != runs.file for t in trials_in(f)]
+    files = with_times([t for f in files if runs is None or f.relative != runs.file for t in trials_in(f)])
     robot, joints = joints_of(robots_in(folder), folder, [f.relative for f in files], robot)
     groups = groups_of(files)
-    seen = {g.name: readings(g.leanest, joints) for g in groups}
+    placed = joints_by_place({g.name: g.leanest for g in groups})
+    seen = {g.name: readings(g.leanest, joints or placed.get(g.name, ())) for g in groups}
     trials = trials_of(groups)
     kind = "wrist" if is_wrist(seen) else kind_of(seen)
     named = seen
@@ -173,6 +175,7 @@ def draft(folder: Path, robot: str | None = None) -> Draft:
         refused += [_unrecognised(g) for g in groups if g not in told]
     taken: set[str] = set()
     lines = {g.name: drafted.lines.get(g.name) or _loose(seen[g.name], taken) for g in told}
+    refused += [_unrecognised(g) for g in told if not lines[g.name]]
     made = Draft(
         title=folder.resolve().name or "study",
         kind=kind,
@@ -200,9 +203,9 @@ def draft(folder: Path, robot: str | None = None) -> Draft:
 
 
 def _source(file: Found) -> str:
-    if file.variable is None:
-        return toml(file.relative)
-    return f"{{ file = {toml(file.relative)}, variable = {toml(file.variable)} }}"
+    said = {"variable": file.variable, "time_file": file.times[0] if file.times else None}
+    further = "".join(f", {key} = {toml(value)}" for key, value in said.items() if value is not None)
+    return f"{{ file = {toml(file.relative)}{further} }}" if further else toml(file.relative)
 
 
 def _list_of_runs(folder: Path, files: Sequence[Found]) -> RunList | None:
@@ -259,8 +262,10 @@ def _settings(group: Group, own_clock: str | None) -> list[str]:
     """Format, times, clock and missing readings of a stream."""
     file = group.leanest
     lines = [] if file.format in ("csv", "text") else [f"format = {toml(file.format)}"]
-    clock = find_time(file.table)
-    if clock is None and file.rate is not None:
+    clock = file.clock
+    if file.times is not None:
+        lines.append(f"time = {toml(file.times[1])}   # of the file that each trial names")
+    elif clock is None and file.rate is not None:
         lines.append(f"rate = {file.rate:g}   # Hz, by the clock beside it")
     elif clock is None:
         lines.append(f"rate = {UNTIMED}   # ? Hz: no column looked like a clock")

@@ -10,6 +10,7 @@ import pytest
 from helpers_labs import SPEEDS, rig
 from scipy.io import savemat
 
+from spacerobot.recordings.check import check_study
 from spacerobot.recordings.draft import draft, draft_study
 from spacerobot.recordings.drafting.approach import Track
 from spacerobot.recordings.drafting.masses import is_mass
@@ -17,6 +18,7 @@ from spacerobot.recordings.drafting.pendulum import swing
 from spacerobot.recordings.guess import guess
 from spacerobot.recordings.study import Study, load_study
 from spacerobot.recordings.table import Floats
+from spacerobot.support.errors import InputError
 
 MASSES = (12.5, 12.5, 28.0)
 
@@ -75,12 +77,13 @@ def test_structs_and_groups_of_one_file_are_trials_with_their_masses(tmp_path: P
             assert abs(np.median(found[channel].value - truth)) < within
 
 
-def test_groups_of_what_is_measured_are_no_trials(tmp_path: Path) -> None:
+@pytest.mark.parametrize("names", [("joint1", "joint2"), ("pose1", "pose2"), ("target1", "target2")])
+def test_groups_of_what_is_measured_are_no_trials(tmp_path: Path, names: tuple[str, str]) -> None:
     import h5py
 
     t, target, wrist, _ = rig(0.05)
     with h5py.File(tmp_path / "one.h5", "w") as file:
-        for n, (name, value) in enumerate({"joint1": target, "joint2": wrist}.items()):
+        for n, (name, value) in enumerate(zip(names, (target, wrist), strict=True)):
             made = file.create_group(name)
             made["t"], made["position"] = t + 0.001 * n, value
     assert len(draft(tmp_path).trials) == 1
@@ -246,3 +249,69 @@ def test_a_wrist_that_is_counted_against_the_travel_is_turned_round(tmp_path: Pa
     study = written(tmp_path)
     assert "turned round against its axis" in (tmp_path / "study.toml").read_text()
     assert study.recording(study.trials[0])["wrist.x"].value.max() > 1e-3
+
+
+@pytest.mark.parametrize(("names", "trials"), [("toss_{:03}", 3), ("camera_{}", 1), ("q{}", 1)])
+def test_numbered_matrices_of_one_file_are_trials_unless_they_are_what_is_measured(
+    tmp_path: Path, names: str, trials: int
+) -> None:
+    t = np.arange(0, 4, 0.01)
+    swings = np.column_stack([t, np.sin(t), np.cos(t)])
+    np.savez(tmp_path / "all.npz", **{names.format(n): swings for n in range(3)})
+    made = draft(tmp_path)
+    assert len(made.trials) == trials
+
+
+def test_matrices_without_names_are_joints_where_torques_have_as_many_columns(tmp_path: Path) -> None:
+    t = np.arange(0, 4, 0.01)
+    swing_of_each = np.sin(t[:, None] * np.arange(1, 6))
+    for name in ("positions", "velocity", "torques"):
+        np.savetxt(tmp_path / f"traj_{name}.txt", swing_of_each, "%.5f")
+    made = draft(tmp_path)
+    assert made.kind == "arm"
+    found = {line.channel for lines in made.lines.values() for line in lines}
+    assert found == {f"joint.joint{j}.{what}" for j in range(1, 6) for what in ("position", "velocity", "torque")}
+
+
+@pytest.mark.parametrize(("channel", "told"), [("body.position.x", True), ("target.x", False)])
+def test_check_says_where_nothing_reads_a_doubted_zero(tmp_path: Path, channel: str, told: bool) -> None:
+    """Only a wrist rig's fit finds zeros and factors that are doubted; elsewhere none is silently taken as exact."""
+    t = np.arange(0, 2, 0.01)
+    table(tmp_path / "a.csv", {"t": t, "x": np.sin(t), "y": np.cos(t)})
+    (tmp_path / "study.toml").write_text(
+        f"""format = 1
+[baseline]
+robot = "pa10_wrist"
+[streams.a]
+time = "t"
+channels.x = {{ is = "{channel}", sigma = 1e-4, offset_sigma = 1e-3, plus = {{ y = [0, 0.02] }} }}
+[[trials]]
+id = "1"
+a = "a.csv"
+"""
+    )
+    said = [w for w in check_study(load_study(tmp_path))["warnings"] if "no model reads it" in w]
+    assert bool(said) is told
+    assert not told or ("offset_sigma of body.position.x" in said[0] and "sigma of y in body.position.x" in said[0])
+
+
+def test_a_folder_of_nothing_but_counters_says_what_it_holds(tmp_path: Path) -> None:
+    t = np.arange(0, 4, 0.01)
+    table(tmp_path / "log.csv", {"marker status": 0 * t + 1, "frame error": t % 3})
+    with pytest.raises(InputError, match="no column was recognised among marker status, frame error"):
+        draft(tmp_path)
+
+
+def test_times_in_a_file_of_their_own_are_the_clock_of_those_beside_it(tmp_path: Path) -> None:
+    t = np.cumsum(np.random.default_rng(0).uniform(0.009, 0.011, 400))
+    for n in (1, 2):
+        np.savetxt(tmp_path / f"time_{n}.txt", t + n, "%.6f")
+        np.savetxt(tmp_path / f"joint_pos_{n}.txt", np.sin(t[:, None] * [1, 2]), "%.6f")
+        np.savetxt(tmp_path / f"joint_tau_{n}.txt", np.cos(t[:, None] * [1, 2]), "%.6f")
+    study = written(tmp_path)
+    assert "rate" not in (tmp_path / "study.toml").read_text()
+    assert [t.id for t in study.trials] == ["1", "2"]
+    for n, trial in enumerate(study.trials, 1):
+        found = study.recording(trial)
+        assert set(found) == {f"joint.joint{j}.{what}" for j in (1, 2) for what in ("position", "torque")}
+        np.testing.assert_allclose(found["joint.joint1.position"].time, t + n, atol=1e-6)

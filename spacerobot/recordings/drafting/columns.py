@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from spacerobot.recordings.drafting.files import Found
@@ -18,7 +18,7 @@ from spacerobot.recordings.drafting.vocabulary import (
     TURN,
 )
 from spacerobot.recordings.drafting.vocabulary import words as words_of
-from spacerobot.recordings.guess import Guess, find_time, guess
+from spacerobot.recordings.guess import Guess, guess
 from spacerobot.recordings.units import UNITS
 
 _LATERAL = {"x": "x", "y": "y", "z": "z", "yaw": "yaw", "theta": "yaw", "heading": "yaw", "psi": "yaw", "att": "yaw"}
@@ -63,7 +63,7 @@ def readings(file: Found, joints: Sequence[str]) -> list[Reading]:
         file: the file.
         joints: names of the robot's joints from base to tip, empty where no robot is at hand.
     """
-    clock = find_time(file.table)
+    clock = file.clock
     names = file.table.names()
     words = [words_in(n) for n in names]
     words = [[w for w in ws if len(ws) == 1 or w not in ("n", "m", "mm", "deg", "rad")] or ws for ws in words]
@@ -143,6 +143,25 @@ def _by_place(file: Found, reading: Reading, clock: int | None, joints: Sequence
             str(reading.index), reading.index, reading.thing, quantity, "xyz"[place], None, False, reading.plain
         )
     return reading
+
+
+def joints_by_place(files: Mapping[str, Found]) -> dict[str, tuple[str, ...]]:
+    """Stream -> joints of files without names, as many in files of positions as in those of torques or currents.
+
+    Args:
+        files: stream -> one of its files.
+    """
+    widths: dict[str, tuple[str, int]] = {}
+    for stream, file in files.items():
+        if not any(c.names for c in file.table.columns):
+            widths[stream] = _of_file(file), sum(j != file.clock for j in range(len(file.table.columns)))
+    driven = {n for quantity, n in widths.values() if quantity in ("torque", "current")}
+    placed = {n for quantity, n in widths.values() if quantity == "position"}
+    return {
+        stream: tuple(f"joint{j + 1}" for j in range(n))
+        for stream, (_, n) in widths.items()
+        if n > 1 and n in driven & placed
+    }
 
 
 def _of_file(file: Found) -> str:

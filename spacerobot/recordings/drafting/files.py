@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import re
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePath
@@ -10,6 +11,7 @@ import numpy as np
 
 from spacerobot.recordings.drafting.masses import above_table, scalars, with_masses
 from spacerobot.recordings.drafting.names import ENDINGS, Named, named
+from spacerobot.recordings.guess import find_time
 from spacerobot.recordings.readers import read_table, reader_for
 from spacerobot.recordings.readers.garbage import written_to
 from spacerobot.recordings.table import Floats, Options, RawTable
@@ -40,6 +42,7 @@ class Found:
         fault: what is wrong with some cell of a usable column, None where nothing is.
         variable: the one array of a file of several trials that this is, None for a file that is one.
         rate: readings a second of an array without a clock of its own [Hz], None where nothing says it.
+        times: the file that holds its times alone, their column and these [s]; None where it has none.
     """
 
     relative: str
@@ -51,6 +54,12 @@ class Found:
     fault: str | None = None
     variable: str | None = None
     rate: float | None = None
+    times: tuple[str, str, Floats] | None = None
+
+    @functools.cached_property
+    def clock(self) -> int | None:
+        """Index of the column that is its clock."""
+        return find_time(self.table) if self.times is None else None
 
     @property
     def rows(self) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import re
 import unicodedata
 
@@ -52,6 +53,7 @@ _STROKES = str.maketrans("łøđı", "lodi")
 _LETTERS = re.compile(r"[^\W\d_]+")
 
 
+@functools.lru_cache(maxsize=10_000)
 def english(text: str) -> str:
     """`text` with the words that are known here said in English; all else stays as it is."""
     text = _THROUGH.sub(lambda found: f" {_WRITTEN_THROUGH[found.group(0)]} ", text)

@@ -6,14 +6,16 @@ import numpy as np
 
 from spacerobot.recordings.drafting.approach import Track
 from spacerobot.recordings.drafting.files import Found
-from spacerobot.recordings.guess import UNTIMED, find_time, time_unit, unsaid_unit
+from spacerobot.recordings.guess import UNTIMED, time_unit, unsaid_unit
 from spacerobot.recordings.table import Floats
 from spacerobot.recordings.units import UNITS
 
 
 def clock(file: Found) -> Floats | None:
     """The file's times, s; None without a clock."""
-    index = find_time(file.table)
+    if file.times is not None:
+        return file.times[2]
+    index = file.clock
     if index is None:
         return None
     column = file.table.columns[index]
