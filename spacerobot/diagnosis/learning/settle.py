@@ -59,8 +59,11 @@ def settle(pool: Pool, decided: Decided, profiled: Mapping[str, tuple[float, flo
 
 
 def room_for_a_law(said: Judgement) -> bool:
-    """Whether what is said may be one law that has no name: nothing of the catalogue, or a crowd of its effects."""
-    count = len(said.chosen.hypothesis.sites)
+    """Whether what is said may be one law that has no name: nothing of the catalogue, or a crowd of its effects.
+
+    What is wrong with a sensor is no part of a crowd: no law of the machine takes its place.
+    """
+    count = sum(s.effect.kind != "sensor" for s in said.chosen.hypothesis.sites)
     return said.verdict == UNKNOWN or (
         said.verdict in (NAMED, AMBIGUOUS) and count >= CROWD - (said.verdict == AMBIGUOUS)
     )
