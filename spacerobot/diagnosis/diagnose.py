@@ -21,20 +21,18 @@ from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.mended_scene import scene_of
 from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.workshop import Workshop
-from spacerobot.diagnosis.learning.learn import Learnt, as_learned, learn
+from spacerobot.diagnosis.learning.learn import Learnt
+from spacerobot.diagnosis.learning.settle import settle
 from spacerobot.diagnosis.locate.located import Located
 from spacerobot.diagnosis.selection.admission import admit, has_wrist
 from spacerobot.diagnosis.selection.check import why_not
-from spacerobot.diagnosis.selection.checks import nested, synthetic, widened
-from spacerobot.diagnosis.selection.confirm import confirm
 from spacerobot.diagnosis.selection.decide import decide
 from spacerobot.diagnosis.selection.intervals import with_intervals
 from spacerobot.diagnosis.selection.limits import Limit, Limits
 from spacerobot.diagnosis.selection.precompile import help_compiling
-from spacerobot.diagnosis.selection.rig_fold import hold_out
 from spacerobot.diagnosis.selection.search_state import Report
 from spacerobot.diagnosis.terms.hypothesis import Label, Site
-from spacerobot.diagnosis.terms.kinds import AMBIGUOUS, NAMED, UNKNOWN
+from spacerobot.diagnosis.terms.kinds import AMBIGUOUS
 from spacerobot.effects.formula import FormulaLaw
 from spacerobot.effects.registry import all_effects
 from spacerobot.recordings.lacking import refuse_draft
@@ -92,30 +90,9 @@ def diagnose(
         decided = decide(pool, sites, report)
         report("intervals", 0, 1)
         decided, profiled = with_intervals(pool, decided)
-        found, left_of, inflation, first = decided.found, decided.left_of, decided.inflation, decided.judgement
-        chosen = first.chosen
-        learnt = learn(pool, found, report) if first.verdict == UNKNOWN else None
-        if learnt is not None:
-            first = as_learned(first, learnt)
-            chosen, profiled = first.chosen, {}
-        checks = [] if learnt else [nested([found.baseline, *found.fits.values()], chosen)]
-        # begun together, asked for below
-        copied = pool.aside(synthetic, chosen, first.lead) if first.verdict == NAMED else None
-        whole = pool.aside(confirm, chosen) if first.verdict == NAMED else None
-        unseen = hold_out(pool, first) if learnt is None else None
-        report("predicting held-out conditions", 0, 1)
-        held = learnt.held if unseen is None and learnt is not None else unseen() if unseen else None
-        if held is not None and first.verdict == NAMED:
-            checks.append(held.check())
-        if copied is not None and whole is not None:
-            report("checking on a synthetic copy", 0, 1)
-            checks += copied()
-            for check in checks:
-                for key, missed in check.missed.items():
-                    profiled[key] = widened(chosen, key, profiled[key], missed)
-            report("simulating with the whole robot", 0, 1)
-            checks.append(whole())
-        judgement = first if learnt else decided.but_for([c.name for c in checks if not c.passed])
+        found, left_of, inflation = decided.found, decided.left_of, decided.inflation
+        settled = settle(pool, decided, profiled, report)
+        judgement, held, learnt = settled.judgement, settled.held, settled.learnt
         looked_for = () if learnt else found.singles  # what hides beside a law without a name has no limit
         sizes = pool.aside(_limits, judgement.chosen, looked_for, inflation)
         report("locating", 0, 1)
@@ -139,8 +116,8 @@ def diagnose(
         held=held,
         limits=smallest,
         next_experiment=further,
-        profiled=profiled,
-        why=[*why_not(checks), *_not_shown(decided.withdrawn)],
+        profiled=settled.profiled,
+        why=[*why_not(settled.checks), *_not_shown(decided.withdrawn)],
         learnt=learnt,
         clocks=clock_offsets(study, workshop, judgement.chosen, inflation),
     )
@@ -157,7 +134,7 @@ def diagnose(
         unseen=of_rivals(workshop.trials, held),
         left=(left_of[id(base)], left_of.get(id(judgement.chosen), left_of[id(base)])),
         located=located,
-        checks=checks,
+        checks=settled.checks,
     )
     scene = scene_of(study, workshop.model, judgement.chosen)
     draft = None if learnt is None else _draft(learnt)

@@ -81,7 +81,7 @@ def test_nothing_is_done_twice(
 ) -> None:
     study = write_study(tmp_path, planted=[FRICTION])  # the same bytes elsewhere
     monkeypatch.setattr(pools.Workshop, "run", lambda self, task: pytest.fail(f"done again: {task.label}"))
-    monkeypatch.setattr("spacerobot.diagnosis.diagnose.synthetic", lambda *a: [Check("x", True, "")])
+    monkeypatch.setattr("spacerobot.diagnosis.learning.settle.synthetic", lambda *a: [Check("x", True, "")])
     again = diagnose(study, jobs=1, store=notes)
     assert plain(again.verdict)["effects"] == plain(rubbing.verdict)["effects"]
     assert again.verdict["held_out"] == rubbing.verdict["held_out"]

@@ -170,7 +170,7 @@ def test_a_law_is_learned_beside_an_effect_of_the_catalogue(monkeypatch: pytest.
     beside = workshop.run(Task((("viscous_drag", "target"),), {}))
     assert beside is not None
     with Pool(workshop, 1) as pool:
-        learnt = _learn(pool, beside, lambda *_: None)
+        learnt = _learn(pool, beside, math.inf, lambda *_: None)
     assert learnt is not None
     assert learnt.trusted
     assert (learnt.curve.shape.kind, learnt.curve.shape.of, learnt.curve.site.where) == ("friction", "d", "wrist")

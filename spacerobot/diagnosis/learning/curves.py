@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,7 +19,7 @@ CELLS = 29
 """Cells of a curve: 32 coefficients. With 12 the true law lies outside the band of its error for want of room."""
 
 SHARE = 0.03
-"""Of the spring's largest force, as which a further force is typical."""
+"""Of the largest force in the contact, as which a further force is typical, wherever it acts."""
 
 MARGIN = 0.05
 """Share of the recorded range that a curve reaches beyond it on either side: a better fit moves a little further."""
@@ -27,13 +27,13 @@ MARGIN = 0.05
 ROUGHNESS = 0.2
 """Where the search for a curve's roughness begins, in units of its size."""
 
-ANNEALED = (30.0, 8.0, 2.5, 1.0, 1.0, 1.0)
-"""Factors on the sensors' noise, one fit after the other: what is believed holds at first, or a fit that lacks the law
-has bent every value before the curve has found its shape. The roughness is estimated anew after each.
+ANNEALED = ((30.0, 10), (8.0, 10), (2.5, 10), (1.0, 10), (1.0, 10))
+"""Factors on the sensors' noise, and steps, of one fit after the other: what is believed holds at first, or a fit that
+lacks the law has bent every value before the curve has found its shape. The roughness is estimated anew after each.
 """
 
-STEPS = 10
-"""Of each of these fits."""
+FINISH = ((1.0, 40), (1.0, 40), (1.0, 40))
+"""And of the kind that is taken: a drag that stops its target needs a hundred steps."""
 
 SETTLED = 1.25
 """Factor by which the roughness may still change when it counts as found."""
@@ -102,9 +102,7 @@ def visited(workshop: Workshop, fit: Fit, port: str) -> dict[Variable, tuple[flo
     return {of: (float(min(x.min() for x in all_)), float(max(x.max() for x in all_))) for of, all_ in seen.items()}
 
 
-def fit_curve(
-    workshop: Workshop, beside: Fit, port: str, kind: Kind, of: Variable, *, bar: float = np.inf
-) -> Curve | None:
+def fit_curve(workshop: Workshop, beside: Fit, port: str, kind: Kind, of: Variable) -> Curve | None:
     """Fit a curve of one kind at a port beside what a fit has found already; None where it cannot be simulated.
 
     Args:
@@ -112,57 +110,82 @@ def fit_curve(
         beside: whose effects stay: the baseline's, or named ones.
         port: where.
         kind, of: a force, friction or memory; of displacement, rate or what is remembered.
-        bar: cost above which it is given up once the noise is what it is.
     """
     seen = visited(workshop, beside, port)
     spring = workshop.model.base["contact.stiffness" if port == "contact" else "wrist.stiffness"]
-    reach = max(abs(x) for x in seen["d"])
-    size = STIFF * spring if kind == "memory" else SHARE * spring * reach
+    reach, press = (max(abs(x) for x in seen[of]) for of in ("d", "N"))
+    size = STIFF * spring if kind == "memory" else SHARE * press
     low, high = (-STIFF * spring * reach, STIFF * spring * reach) if of == "z" else seen[of]
     margin = MARGIN * max(high - low, 1e-9)
     shape = Shape(kind, of, low - margin, high + margin, CELLS, ROUGHNESS, size)
+    rates = FORGETTING if kind == "memory" else (0.0,)
     warm = {k: v for k, v in beside.values().items() if "@" in k}
-    initials = None
+    begun = [_Begun(shape, port, {**warm, **_start(shape, port, rate)}) for rate in rates]
+    return _fitted_through(workshop, beside, begun, ANNEALED)
+
+
+def finished(workshop: Workshop, curve: Curve, beside: Fit) -> Curve:
+    """The same curve fitted to its end: among all kinds a few steps are enough to tell which it is."""
+    begun = _Begun(curve.shape, curve.site.where, curve.fit.values(), curve.fit.initials())
+    ended = _fitted_through(workshop, beside, [begun], FINISH)
+    return curve if ended is None or ended.evidence < curve.evidence else ended
+
+
+@dataclass(frozen=True, eq=False)
+class _Begun:
+    """From where a curve is fitted: its shape, and values of everything that is free."""
+
+    shape: Shape
+    port: str
+    warm: Mapping[str, float]
+    initials: Mapping[str, np.ndarray] | None = None
+
+    def after(self, curve: Curve, new: Shape) -> _Begun:
+        """From where another fit of the curve, in a new shape, begins."""
+        site = Site(LearnedLaw(new), self.port)
+        inside = {site.key(p.name): x for p, x in zip(site.effect.parameters, _carried(curve, new), strict=True)}
+        return _Begun(new, self.port, {**curve.fit.values(), **inside}, curve.fit.initials())
+
+
+def _fitted_through(
+    workshop: Workshop, beside: Fit, begun: Sequence[_Begun], rounds: Sequence[tuple[float, int]]
+) -> Curve | None:
+    """Fits one after the other, the roughness anew after each; the best of those at the noise as it is.
+
+    Args:
+        workshop: of the trials to fit.
+        beside: whose effects stay.
+        begun: from where the first fit begins; the best of several goes on.
+        rounds: a factor on the sensors' noise and steps, of each fit.
+    """
     found: Curve | None = None
-    for noise in ANNEALED:
+    for noise, steps in rounds:
         fitter = Fitter(workshop.model, [louder(t, noise) for t in workshop.trials])
         try:
-            if kind == "memory" and noise == ANNEALED[0]:
-                begun = [_begun(shape, port, rate) for rate in FORGETTING]
-                now = max(
-                    (_fitted(fitter, workshop, beside, shape, port, {**warm, **b}, None) for b in begun), key=_best
-                )
-            else:
-                now = _fitted(fitter, workshop, beside, shape, port, warm, initials)
+            tried = [(_fitted(fitter, workshop, beside, one, steps), one) for one in begun]
         except SimulationError:
             return found
+        now, at = min(tried, key=lambda both: both[0].fit.cost)
         factor = _rougher(now)
         if noise > 1.0:
             factor = max(factor, 1.0)  # what loud noise hides is not smooth
         else:
             if found is None or now.evidence > found.evidence:
                 found = now
-            if now.fit.cost > bar or max(factor, 1.0 / factor) < SETTLED:
+            if now.fit.converged and max(factor, 1.0 / factor) < SETTLED:
                 break
-        new = shape.rougher(factor)
-        if of == "z":
-            far = (1.0 + 2.0 * MARGIN) * max(max(abs(x) for x in visited(workshop, now.fit, port)["z"]), 1e-6)
+        new = at.shape.rougher(factor)
+        if new.of == "z":
+            far = (1.0 + 2.0 * MARGIN) * max(max(abs(x) for x in visited(workshop, now.fit, at.port)["z"]), 1e-6)
             new = replace(new, low=-far, high=far)
-        site = Site(LearnedLaw(new), port)
-        inside = _carried(now, new)
-        warm = {
-            **now.fit.values(),
-            **{site.key(p.name): x for p, x in zip(site.effect.parameters, inside, strict=True)},
-        }
-        shape, initials = new, now.fit.initials()
+        begun = [at.after(now, new)]
     return found
 
 
-def _best(curve: Curve) -> float:
-    return -curve.fit.cost
-
-
-def _begun(shape: Shape, port: str, rate: float) -> dict[str, float]:
+def _start(shape: Shape, port: str, rate: float) -> dict[str, float]:
+    """Of what remembers, a spring that fades at a rate; of anything else nothing yet."""
+    if shape.kind != "memory":
+        return {}
     site = Site(LearnedLaw(shape), port)
     return {site.key(p.name): rate if p.name == "rate_1_s" else shape.size for p in site.effect.parameters}
 
@@ -175,19 +198,11 @@ def _carried(old: Curve, new: Shape) -> list[float]:
     return [*inside.tolist(), *others]
 
 
-def _fitted(
-    fitter: Fitter,
-    workshop: Workshop,
-    beside: Fit,
-    shape: Shape,
-    port: str,
-    warm: Mapping[str, float],
-    initials: Mapping[str, np.ndarray] | None,
-) -> Curve:
-    site = Site(LearnedLaw(shape), port)
-    made = hypothesis(workshop.model.believed, [*beside.hypothesis.sites, site], warm)
-    fit = fitter.fit(made, warm=warm, initials=initials, max_iterations=STEPS, robust=False)
-    return Curve(shape, site, fit, evidence(fit))
+def _fitted(fitter: Fitter, workshop: Workshop, beside: Fit, begun: _Begun, steps: int) -> Curve:
+    site = Site(LearnedLaw(begun.shape), begun.port)
+    made = hypothesis(workshop.model.believed, [*beside.hypothesis.sites, site], begun.warm)
+    fit = fitter.fit(made, warm=begun.warm, initials=begun.initials, max_iterations=steps, robust=False)
+    return Curve(begun.shape, site, fit, evidence(fit))
 
 
 def louder(trial: TrialData, factor: float) -> TrialData:

@@ -13,7 +13,7 @@ import numpy as np
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
-from spacerobot.diagnosis.learning.curves import Curve, fit_curve
+from spacerobot.diagnosis.learning.curves import Curve, finished, fit_curve
 from spacerobot.diagnosis.learning.describe import Described, describe
 from spacerobot.diagnosis.selection.held_out import MOST_FOLDS, folds
 from spacerobot.diagnosis.selection.intervals import by_curvature
@@ -43,6 +43,12 @@ TRIED: tuple[tuple[str, Kind, Variable], ...] = (
     ("target", "friction", "d"),
 )
 """Ports and kinds of law, the plainer first. Friction of a level g(v) is left out: a force f(v) shows the same."""
+
+
+WITHIN = 1.05
+"""Cost of a curve, over the best set's of the catalogue, up to which it may still cost less once fitted to its end:
+that was worth a fortieth where a drag stopped its target.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,9 +102,8 @@ def learn(pool: Pool, found: Found, report: Report) -> Learnt | None:
         report: told of progress.
     """
     singles = [f for f in found.fits.values() if len(f.hypothesis.sites) == 1 and found.plausible(f)]
-    best = min(singles, key=lambda f: f.cost, default=None)
-    for beside in (found.baseline, best):
-        learnt = None if beside is None else _learn(pool, beside, report)
+    for beside in (found.baseline, *([found.preferred(singles)] if singles else [])):
+        learnt = _learn(pool, beside, WITHIN * found.best.cost, report)
         if learnt is not None and learnt.trusted and not _named_as_well(learnt.curve, found):
             return learnt
     return None
@@ -115,8 +120,11 @@ def _numbers(fit: Fit) -> int:
     return sum(f.kind == "effect" for f in fit.hypothesis.free)
 
 
-def _learn(pool: Pool, beside: Fit, report: Report) -> Learnt | None:
-    """The law that explains what is left beside a fit; None where no curve at one port leaves nothing but noise."""
+def _learn(pool: Pool, beside: Fit, bar: float, report: Report) -> Learnt | None:
+    """The law that explains what is left beside a fit; None where no curve at one port leaves nothing but noise.
+
+    Above the bar, a cost, the best curve is not fitted to its end.
+    """
     machine = pool.workshop.model.trial_mechanism(beside.hypothesis, beside.z, pool.workshop.trials[0])
     begun = [pool.aside(fit_curve, beside, *t) for t in TRIED if t[0] in ports_for(t[1], machine)]
     curves: list[Curve] = []
@@ -126,9 +134,10 @@ def _learn(pool: Pool, beside: Fit, report: Report) -> Learnt | None:
         if curve is not None:
             curves.append(curve)
     curves.sort(key=lambda c: -c.evidence)
-    if not curves:
+    if not curves or curves[0].fit.cost > bar:
         return None
-    best = curves[0]
+    report("learning it to the end", 0, 1)
+    best = pool.aside(finished, curves[0], beside)()
     left = pool.workshop.left_by(best.fit)
     if not left.adequate or _hidden(best, left.inflation):
         return None
@@ -191,6 +200,8 @@ def _fold(workshop: Workshop, out: tuple[str, ...], beside: Task, where: str, ki
     baseline = rest.run(Task((), {}))
     start = baseline if not beside.label else rest.run(beside)
     curve = None if start is None else fit_curve(rest, start, where, kind, of)
+    if curve is not None and start is not None:
+        curve = finished(rest, curve, start)
     form = None if curve is None else _closed(rest, curve)
     before = foretell(workshop.model, baseline, unseen)
     after = foretell(workshop.model, None if curve is None else curve.fit, unseen)

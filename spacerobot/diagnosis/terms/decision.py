@@ -25,6 +25,11 @@ FRACTION = 0.25
 the chosen set's fit stopped short by all of it.
 """
 
+CROWD = 3
+"""Effects in one set from which on a single law without a name may be the simpler story, and is tried; in one that is
+not told apart from others, one less. By the price of their parameters (BIC) the cheaper is said.
+"""
+
 # A law's own defects, as shares of what it explains.
 
 SMALL = 1e-3
