@@ -15,7 +15,8 @@ from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
 from spacerobot.diagnosis.learning.bands import band
 from spacerobot.diagnosis.learning.curves import fit_curve
-from spacerobot.diagnosis.learning.learn import _closed, _learn
+from spacerobot.diagnosis.learning.learn import _closed, learn
+from spacerobot.diagnosis.selection.search_state import Found
 from spacerobot.effects import registry
 from spacerobot.effects.effect import Effect, Parameter
 from spacerobot.effects.kernel import Kernel
@@ -167,10 +168,11 @@ def test_a_law_of_the_press_and_one_of_the_tip_are_learned_with_their_formulas(
 def test_a_law_is_learned_beside_an_effect_of_the_catalogue(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     drag = ("viscous_drag", "target", {"coefficient_Ns_m": 1.0})
     workshop = _workshop(monkeypatch, tmp_path, worn, (1.6, 0.008, 0.003), drag)
-    beside = workshop.run(Task((("viscous_drag", "target"),), {}))
+    baseline, beside = (workshop.run(Task(label, {})) for label in ((), (("viscous_drag", "target"),)))
+    assert baseline is not None
     assert beside is not None
     with Pool(workshop, 1) as pool:
-        learnt = _learn(pool, beside, math.inf, lambda *_: None)
+        learnt = learn(pool, Found(baseline, {beside.hypothesis.label: beside}), lambda *_: None)
     assert learnt is not None
     assert learnt.trusted
     assert (learnt.curve.shape.kind, learnt.curve.shape.of, learnt.curve.site.where) == ("friction", "d", "wrist")

@@ -103,8 +103,8 @@ def learn(pool: Pool, found: Found, report: Report) -> Learnt | None:
     """
     singles = [f for f in found.fits.values() if len(f.hypothesis.sites) == 1 and found.plausible(f)]
     for beside in (found.baseline, *([found.preferred(singles)] if singles else [])):
-        learnt = _learn(pool, beside, WITHIN * found.best.cost, report)
-        if learnt is not None and learnt.trusted and not _named_as_well(learnt.curve, found):
+        learnt = _learn(pool, beside, found, report)
+        if learnt is not None and learnt.trusted:
             return learnt
     return None
 
@@ -120,10 +120,10 @@ def _numbers(fit: Fit) -> int:
     return sum(f.kind == "effect" for f in fit.hypothesis.free)
 
 
-def _learn(pool: Pool, beside: Fit, bar: float, report: Report) -> Learnt | None:
-    """The law that explains what is left beside a fit; None where no curve at one port leaves nothing but noise.
+def _learn(pool: Pool, beside: Fit, found: Found, report: Report) -> Learnt | None:
+    """The law that explains what is left beside a fit.
 
-    Above the bar, a cost, the best curve is not fitted to its end.
+    None where no curve at one port leaves nothing but noise, or where the catalogue says as much.
     """
     machine = pool.workshop.model.trial_mechanism(beside.hypothesis, beside.z, pool.workshop.trials[0])
     begun = [pool.aside(fit_curve, beside, *t) for t in TRIED if t[0] in ports_for(t[1], machine)]
@@ -134,12 +134,12 @@ def _learn(pool: Pool, beside: Fit, bar: float, report: Report) -> Learnt | None
         if curve is not None:
             curves.append(curve)
     curves.sort(key=lambda c: -c.evidence)
-    if not curves or curves[0].fit.cost > bar:
+    if not curves or curves[0].fit.cost > WITHIN * found.best.cost:
         return None
     report("learning it to the end", 0, 1)
     best = pool.aside(finished, curves[0], beside)()
     left = pool.workshop.left_by(best.fit)
-    if not left.adequate or _hidden(best, left.inflation):
+    if not left.adequate or _hidden(best, left.inflation) or _named_as_well(best, found):
         return None
     lead = best.evidence - curves[1].evidence if len(curves) > 1 else float("inf")
     held = _held(pool, best, beside, report)
