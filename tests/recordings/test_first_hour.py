@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
+from pathlib import Path, PurePath
 
 import numpy as np
 import pytest
@@ -14,6 +14,7 @@ from spacerobot.recordings.check import check_study
 from spacerobot.recordings.draft import draft, draft_study
 from spacerobot.recordings.drafting.approach import Track
 from spacerobot.recordings.drafting.masses import is_mass
+from spacerobot.recordings.drafting.names import in_ascii, named
 from spacerobot.recordings.drafting.pendulum import swing
 from spacerobot.recordings.guess import guess
 from spacerobot.recordings.study import Study, load_study
@@ -315,3 +316,36 @@ def test_times_in_a_file_of_their_own_are_the_clock_of_those_beside_it(tmp_path:
         found = study.recording(trial)
         assert set(found) == {f"joint.joint{j}.{what}" for j in (1, 2) for what in ("position", "torque")}
         np.testing.assert_allclose(found["joint.joint1.position"].time, t + n, atol=1e-6)
+
+
+def test_an_export_of_messages_has_stamps_in_two_columns_and_no_yaw_of_a_quaternion(tmp_path: Path) -> None:
+    """The streams' stamps put them beside each other: no rate is asked for."""
+    for n, speed in enumerate(SPEEDS, 1):
+        t, target, wrist, force = rig(speed)
+        still = 0 * t
+        pose = {f"transform.translation.{a}": v for a, v in zip("xyz", (target, still, still), strict=True)}
+        pose |= {f"transform.rotation.{a}": still + (a == "w") for a in "xyzw"}
+        for late, name, columns in (
+            (0.00, "vicon_target", pose),
+            (0.25, "wrist_state", {"position[0]": wrist, "velocity[0]": np.gradient(wrist, t)}),
+            (0.25, "ft_sensor", {f"wrench.force.{a}": v for a, v in zip("xyz", (still, still, -force), strict=True)}),
+        ):  # fmt: skip
+            seen = t >= late
+            stamp = 1_700_000_000 + 100 * n + t[seen]
+            times = {"header.stamp.secs": np.floor(stamp), "header.stamp.nsecs": np.round(1e9 * (stamp % 1.0))}
+            table(tmp_path / f"bag_{n}_{name}.csv", times | {k: v[seen] for k, v in columns.items()})
+    study = written(tmp_path)
+    assert "rate" not in (tmp_path / "study.toml").read_text()
+    found = channels(study)
+    assert found == {
+        "transform.translation.x": "target.x", "position[0]": "wrist.x", "wrench.force.z": "contact.force",
+    }  # fmt: skip
+    assert not any(s.own_clock for s in study.streams.values())
+    recording = study.recording(study.trials[0])
+    late = recording["wrist.x"].time[0] - recording["target.x"].time[0]
+    assert late == pytest.approx(0.25, abs=1e-6)
+
+
+def test_a_blank_before_kilograms(tmp_path: Path) -> None:
+    assert named(PurePath("forsøg 1 - 3,2 kg")).values == (("3.2kg", 3.2, "kg"),)
+    assert in_ascii("forsøg Stoß") == "forsog Stoss"

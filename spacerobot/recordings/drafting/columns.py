@@ -78,6 +78,14 @@ def readings(file: Found, joints: Sequence[str]) -> list[Reading]:
         if NOT_READINGS.intersection(own) and not joints:
             continue
         reading: Reading | None = _reading(file, j, names[j], own, joints, actual)
+        if (
+            reading is not None
+            and own
+            and own[-1] in ("x", "y", "z", "w")
+            and TURN & set(own)
+            and [*own[:-1], "w"] in words
+        ):
+            reading = replace(reading, quantity="orientation", axis=own[-1])  # a quaternion's parts, by the fourth
         if reading is not None and (stem := _stem(names[j])) in arrays:
             reading = _in_array(reading, own, _place(names[j]), arrays[stem], joints)
         if reading is not None and not own and unnamed >= len(names) - 1:

@@ -49,7 +49,8 @@ _WRITTEN_THROUGH = {
 
 _ENDS = re.compile(rf"^(?:{'|'.join(_STEMS)})|(?:{'|'.join(_STEMS)})$", re.IGNORECASE)
 _THROUGH = re.compile("|".join(sorted(_WRITTEN_THROUGH, key=len, reverse=True)))
-_STROKES = str.maketrans("łøđı", "lodi")
+STROKES = str.maketrans("łøđı", "lodi")
+"""Letters that are another's with a stroke, or without its dot."""
 _LETTERS = re.compile(r"[^\W\d_]+")
 
 
@@ -70,7 +71,7 @@ def words_in(name: str) -> list[str]:
 
 def _bare(word: str) -> str:
     """`word` in lower case without its accents."""
-    parts = unicodedata.normalize("NFKD", word.lower().translate(_STROKES))
+    parts = unicodedata.normalize("NFKD", word.lower().translate(STROKES))
     return unicodedata.normalize("NFC", "".join(c for c in parts if not unicodedata.combining(c)))
 
 

@@ -7,7 +7,7 @@ import unicodedata
 from dataclasses import dataclass
 from pathlib import PurePath
 
-from spacerobot.recordings.drafting.languages import english
+from spacerobot.recordings.drafting.languages import STROKES, english
 from spacerobot.recordings.drafting.vocabulary import QUANTITIES
 from spacerobot.recordings.units import UNITS
 
@@ -24,6 +24,9 @@ _OF_A_MACHINE = re.compile(r"(joint|axis|motor)\s*(\d{1,2})")
 """What is one of several on the same machine: its number tells no trial from another."""
 _COMMA = re.compile(r"(?<![A-Za-z0-9.,])(\d+),(\d+)(?=[A-Za-zµ])")
 """A decimal comma: between digits, before a unit."""
+
+_KILOGRAMS = re.compile(r"(?<=\d)\s+(?=kg(?![A-Za-z]))", re.IGNORECASE)
+"""A blank between a mass and its unit."""
 
 
 _MASS = ("", "m", "mass")
@@ -79,7 +82,7 @@ def named(relative: PurePath) -> Named:
 
 
 def _tokens(text: str) -> list[str]:
-    return [t for t in _SPLIT.split(_COMMA.sub(r"\1.\2", text)) if t]
+    return [t for t in _SPLIT.split(_COMMA.sub(r"\1.\2", _KILOGRAMS.sub("", text))) if t]
 
 
 def _value(token: str) -> tuple[str, float, str] | None:
@@ -112,5 +115,5 @@ def identifier(text: str) -> str:
 
 def in_ascii(text: str) -> str:
     """`text` with Latin letters without their accents; other scripts stay as they are."""
-    parts = unicodedata.normalize("NFKD", text.replace("ß", "ss"))
+    parts = unicodedata.normalize("NFKD", text.replace("ß", "ss").replace("æ", "ae").translate(STROKES))
     return unicodedata.normalize("NFC", "".join(c for c in parts if not unicodedata.combining(c)))

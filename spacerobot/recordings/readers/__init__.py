@@ -13,6 +13,7 @@ from spacerobot.recordings.readers.hdf5 import Hdf5Reader
 from spacerobot.recordings.readers.mat import MatReader
 from spacerobot.recordings.readers.motive import MotiveReader
 from spacerobot.recordings.readers.npz import NpzReader
+from spacerobot.recordings.readers.stamps import with_stamps
 from spacerobot.recordings.readers.xlsx import XlsxReader
 from spacerobot.recordings.table import Options, RawTable
 from spacerobot.support.errors import InputError, NotFoundError
@@ -68,6 +69,6 @@ def read_table(path: Path, options: Options | None = None, format: str | None = 
         InputError: it cannot be read; with file, line and reason.
     """
     options = options or Options()
-    table = reader_for(path, format).read(path, options)
+    table = with_stamps(reader_for(path, format).read(path, options))
     refuse_garbage(table, options)
     return table
