@@ -12,7 +12,7 @@ from spacerobot.diagnosis.machines.body import axes_of, body_models
 from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.machines.grid import Grid, even_grid
 from spacerobot.diagnosis.machines.impacts import impact_models
-from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
+from spacerobot.diagnosis.machines.joint_torques import TURN, InverseDynamics
 from spacerobot.diagnosis.machines.links import robot_of
 from spacerobot.diagnosis.machines.platform import platform_models
 from spacerobot.diagnosis.machines.prescribed import carried
@@ -111,15 +111,16 @@ def _mass(name: str) -> str:
 
 
 def balances(study: Study, trials: list[Trial], joints: tuple[str, ...]) -> list[Machine]:
-    """A torque balance for each joint."""
-    robot = robot_of(study)
+    """A torque balance for each joint; of a base that floats, with what the joints make it do."""
+    robot = robot_of(study, floating=True if study.baseline.base == "free" else None)
     fully = all(f"joint.{j}.velocity" in study.recording(t) for j in joints for t in trials)
     kinds = ("position", "torque", "velocity")[: 3 if fully else 2]
     idle = {j: study.values()[f"joint.{j}.torque"] for j in joints if _idle(study, trials, j)}
     unread = [f"joint.{j}.torque" for j in idle]
     channels = [c for j in joints for kind in kinds if (c := f"joint.{j}.{kind}") not in unread]
+    turns = [TURN] if robot.floating and all(TURN in study.recording(t) for t in trials) else []
     grids = {
-        t.id: (_stated(even_grid(study.recording(t), channels), idle), study.condition(t), dict(t.overrides))
+        t.id: (_stated(even_grid(study.recording(t), channels + turns), idle), study.condition(t), dict(t.overrides))
         for t in trials
     }
     first = next((j for j in joints if j not in idle), None)

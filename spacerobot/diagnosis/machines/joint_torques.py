@@ -11,13 +11,13 @@ from copy import copy
 from dataclasses import dataclass, replace
 
 import numpy as np
-import pinocchio as pin
 
 from spacerobot.diagnosis.machines import torque_log
 from spacerobot.diagnosis.machines.contract import FACTORS, FIRST_NOISE, Machine, Predicted, Variant, conditions_of
 from spacerobot.diagnosis.machines.grid import Grid
 from spacerobot.diagnosis.machines.links import carried_links, mass_of, with_masses
 from spacerobot.diagnosis.machines.measured import port_forces, through_sensor
+from spacerobot.diagnosis.machines.rigid import Rigid
 from spacerobot.diagnosis.machines.sizes import sizes_of
 from spacerobot.diagnosis.machines.stated_noise import Lens, stated_noise, still_below
 from spacerobot.diagnosis.machines.test_functions import Bump
@@ -55,6 +55,12 @@ friction adds to it, nothing that a body can be takes nine tenths of it away."""
 
 REST = 0.002
 """Share of a joint's typical speed below which it may as well stand still, whatever its noise is."""
+
+TURN = "base.yaw"
+"""Channel of a floating base that its arm's joints feel."""
+
+SLOW = 2.0
+"""Span [s] over which what a base turns by itself is averaged: only outer moments change it."""
 
 FEWEST_READINGS = 4
 """That a piece holds at least."""
@@ -134,14 +140,17 @@ class InverseDynamics(Machine):
         self._link_mass = {n: m for n, m in weighed.items() if n in carried}
         self.links = tuple(self._link_mass)
         sigma = {n: s for n, s in (sigma or {}).items() if not n.startswith("link.") or n.split(".")[1] in carried}
-        heavier = [_Rigid(with_masses(robot, {n: 2.0 * m}), gravity, self.joints) for n, m in self._link_mass.items()]
+        heavier = [
+            Rigid(with_masses(robot, {n: 2.0 * m}, floating=robot.floating), gravity, self.joints)
+            for n, m in self._link_mass.items()
+        ]
         doubted = {n for n in {**sigma, **(absolute or {})} if n.endswith(".zero") and n.split(".")[1] in self.joints}
         self._zeros = tuple(sorted(doubted))
         sigma = {n: s for n, s in sigma.items() if not n.endswith(".zero") or n in doubted}
         believed_zeros = {j: (values or {}).get(f"joint.{j}.zero", 0.0) for j in self.joints}
         grids = {k: (shifted(g, believed_zeros), condition, own) for k, (g, condition, own) in grids.items()}
         self._raw = raw = {k: _kinematics(g, self.joints, SHARP) for k, (g, _, _) in grids.items()}
-        self._arm = arm = _Rigid(robot, gravity, self.joints)
+        self._arm = arm = Rigid(robot, gravity, self.joints)
         own = {j: _sizes(raw.values(), i, arm if j in idle else None) for i, j in enumerate(self.joints)}
         self.sizes = {f"joint.{j}": s for j, s in own.items()} | {"": own[self.compared[0]]}
         self._level = np.array([own[j].force for j in self.compared])
@@ -384,39 +393,6 @@ def shifted(grid: Grid, zeros: Mapping[str, float]) -> Grid:
 _UNITS = {"mass": "kg", "armature": "kg", "damping": "N s/m", "stiffness": "N/m", "friction": "N"} | torque_log.UNITS
 
 
-class _Rigid:
-    """Pinocchio's inverse dynamics of the logged joints, the others at rest."""
-
-    def __init__(self, robot: Robot, gravity: Sequence[float], joints: Sequence[str]) -> None:
-        self.robot = robot
-        self.model = pin.Model(robot.model)
-        self.model.gravity.linear = np.array(gravity, dtype=float)
-        self.data = self.model.createData()
-        self.index = [robot.velocity_index(j) for j in joints]
-        self.joints = tuple(joints)
-
-    def _full(self, position: np.ndarray) -> np.ndarray:
-        return self.robot.configuration(others=dict(zip(self.joints, position.tolist(), strict=True)))
-
-    def torque(self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
-        """Shape (T, J) [N m or N]."""
-        v, a = np.zeros(self.model.nv), np.zeros(self.model.nv)
-        out = np.empty_like(position)
-        for t in range(position.shape[0]):
-            v[self.index], a[self.index] = velocity[t], acceleration[t]
-            out[t] = pin.rnea(self.model, self.data, self._full(position[t]), v, a)[self.index]
-        return out
-
-    def inertia(self, positions: np.ndarray) -> np.ndarray:
-        """Mean joint-space inertia over some poses, shape (J, J)."""
-        some = positions[:: max(1, positions.shape[0] // 50)]
-        found = []
-        for position in some:
-            full = pin.crba(self.model, self.data, self._full(position))
-            found.append((np.triu(full) + np.triu(full, 1).T)[np.ix_(self.index, self.index)])
-        return np.asarray(np.mean(found, axis=0))
-
-
 @dataclass(frozen=True, eq=False)
 class _Log:
     """Smoothed joint logs of one trial. T samples, J joints."""
@@ -428,22 +404,35 @@ class _Log:
     acceleration: np.ndarray
     torque: np.ndarray
     good: np.ndarray  # (T,) bool
+    turn: np.ndarray | None  # (T,) of a tracked base that floats
     rigid: np.ndarray  # (T, J), empty before it is asked for
     by_link: np.ndarray  # (K, T, J), empty before it is asked for
     by_zero: np.ndarray  # (Z, T, J), empty before it is asked for
 
-    def thinned(self, by: int, arm: _Rigid, heavier: Sequence[_Rigid], zeros: Sequence[int]) -> _Log:
+    @staticmethod
+    def _turned(driven: np.ndarray, shown: np.ndarray, step: float) -> np.ndarray:
+        """The turn of a base as its joints drive it, with the slow rest that a tracker shows, shape (T,) [rad/s]."""
+        width = min(max(1, round(SLOW / step)), shown.size)
+        even = np.ones(width)
+        return driven + np.convolve(shown - driven, even, "same") / np.convolve(np.ones(shown.size), even, "same")
+
+    def thinned(self, by: int, arm: Rigid, heavier: Sequence[Rigid], zeros: Sequence[int]) -> _Log:
         """Every `by`-th sample, with the rigid body's torque, what of it each doubled link adds, and how it changes
         with the zero of some joints' encoders."""
         some = slice(None, None, by)
         q, v, a = self.position[some], self.velocity[some], self.acceleration[some]
-        rigid = arm.torque(q, v, a)
+        turn = None if self.turn is None else self._turned(arm.turning(q, v), self.turn[some], self.step * by)
+        rigid = arm.torque(q, v, a, turn)
         good = np.array([self.good[i : i + by].all() for i in range(0, self.time.size, by)])
-        by_link = np.array([other.torque(q, v, a) - rigid for other in heavier]).reshape(len(heavier), *rigid.shape)
+        by_link = np.array([other.torque(q, v, a, turn) - rigid for other in heavier]).reshape(
+            len(heavier), *rigid.shape
+        )
         steps = (np.eye(q.shape[1])[j] * STEP for j in zeros)  # a later zero is an earlier place
-        by_zero = np.array([(arm.torque(q - s, v, a) - arm.torque(q + s, v, a)) / (2.0 * STEP) for s in steps])
+        by_zero = np.array(
+            [(arm.torque(q - s, v, a, turn) - arm.torque(q + s, v, a, turn)) / (2.0 * STEP) for s in steps]
+        )
         by_zero = by_zero.reshape(len(zeros), *rigid.shape)
-        return _Log(self.time[some], self.step * by, q, v, a, self.torque[some], good, rigid, by_link, by_zero)
+        return _Log(self.time[some], self.step * by, q, v, a, self.torque[some], good, turn, rigid, by_link, by_zero)
 
 
 def _kinematics(grid: Grid, joints: Sequence[str], half: int) -> _Log:
@@ -461,7 +450,8 @@ def _kinematics(grid: Grid, joints: Sequence[str], half: int) -> _Log:
     good = np.convolve(~grid.good, np.ones(2 * half + 1), "valid") < 0.5
     time, empty = grid.time[half:-half], np.zeros((0, len(joints)))
     smooth = (sharp.smooth(position), velocity, acceleration, sharp.smooth(torque))
-    return _Log(time, grid.step, *smooth, good, empty, empty[None], empty[None])
+    turn = sharp.rate(grid.value[TURN]) if TURN in grid.value else None
+    return _Log(time, grid.step, *smooth, good, turn, empty, empty[None], empty[None])
 
 
 _LOGGED = ("position", "torque")
@@ -471,7 +461,7 @@ SOME = 50
 """Samples of a trial that tell how much torque a joint's motion asks for."""
 
 
-def _sizes(logs: Iterable[_Log], index: int, arm: _Rigid | None = None) -> Sizes:
+def _sizes(logs: Iterable[_Log], index: int, arm: Rigid | None = None) -> Sizes:
     """Of one joint; of one without a log of its torque by what the rigid body asks for."""
     every = list(logs)
     torque = np.concatenate([g.torque[:, index] for g in every])

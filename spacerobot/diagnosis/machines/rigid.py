@@ -1,0 +1,108 @@
+"""Torque that a rigid arm asks for along a motion of its joints, its base held or afloat.
+
+A base that floats moves as the joints make it: what a joint feels is then
+
+    tau = M_jj a_j + M_jb a_b + h_j,   M_bb a_b = -(M_bj a_j + h_b),   M_bb v_b = -M_bj v_j
+
+(Umetani and Yoshida 1989). Under gravity a table carries the base, which keeps its motions along the table, and its
+turn.
+That it began at rest need not be true of the turn, which a tracker shows; how fast it drifts no joint can feel.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pinocchio as pin
+
+from spacerobot.model.robot import Robot
+
+
+class Rigid:
+    """Pinocchio's inverse dynamics of the logged joints, the others at rest."""
+
+    def __init__(self, robot: Robot, gravity: Sequence[float], joints: Sequence[str]) -> None:
+        """Of a robot in a field of gravity, world axes [m/s^2], along the motion of these joints."""
+        self.robot = robot
+        self.model = pin.Model(robot.model)
+        self.model.gravity.linear = np.array(gravity, dtype=float)
+        self.data = self.model.createData()
+        self.index = [robot.velocity_index(j) for j in joints]
+        self.joints = tuple(joints)
+        self._afloat = _free_motions(np.array(gravity, dtype=float)) if robot.floating else np.zeros((6, 0))
+
+    def _full(self, position: np.ndarray) -> np.ndarray:
+        return self.robot.configuration(others=dict(zip(self.joints, position.tolist(), strict=True)))
+
+    def torque(
+        self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray, turn: np.ndarray | None = None
+    ) -> np.ndarray:
+        """Along a motion of the joints, shape (T, J) [N m or N].
+
+        Args:
+            position, velocity, acceleration: of the joints, shape (T, J).
+            turn: rate of an afloat base about its free axis, shape (T,) [rad/s]; that of a base which began at rest if
+                None.
+        """
+        v, a = np.zeros(self.model.nv), np.zeros(self.model.nv)
+        out = np.empty_like(position)
+        for t in range(position.shape[0]):
+            v[self.index], a[self.index] = velocity[t], acceleration[t]
+            q = self._full(position[t])
+            if self._afloat.size:
+                v[:6], a[:6] = self._base(q, v, a, None if turn is None else float(turn[t]))
+            out[t] = pin.rnea(self.model, self.data, q, v, a)[self.index]
+        return out
+
+    def turning(self, position: np.ndarray, velocity: np.ndarray) -> np.ndarray:
+        """Rate at which an afloat base that began at rest turns about its free axis, shape (T,) [rad/s]."""
+        v, a, out = np.zeros(self.model.nv), np.zeros(self.model.nv), np.zeros(position.shape[0])
+        for t in range(position.shape[0] if self._afloat.shape[1] == 3 else 0):
+            v[self.index] = velocity[t]
+            out[t] = self._base(self._full(position[t]), v, a)[0][3:] @ self._afloat[3:, 2]
+        return out
+
+    def _base(
+        self, q: np.ndarray, v: np.ndarray, a: np.ndarray, turn: float | None = None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Velocity and acceleration of the base, shape (6,) each, from those of the joints and perhaps its turn."""
+        free, whole = self._afloat, self._inertia(q)
+        own, joints = free.T @ whole[:6, :6] @ free, free.T @ whole[:6, 6:]
+        moving, push = v.copy(), joints @ v[6:]
+        if turn is None or free.shape[1] != 3:
+            moving[:6] = -free @ np.linalg.solve(own, push)
+        else:
+            slide = -np.linalg.solve(own[:2, :2], push[:2] + own[:2, 2] * turn)
+            moving[:6] = free @ np.append(slide, turn)
+        bias = free.T @ pin.nonLinearEffects(self.model, self.data, q, moving)[:6]
+        return moving[:6], -free @ np.linalg.solve(own, joints @ a[6:] + bias)
+
+    def _inertia(self, q: np.ndarray) -> np.ndarray:
+        full = pin.crba(self.model, self.data, q)
+        return np.asarray(np.triu(full) + np.triu(full, 1).T)
+
+    def inertia(self, positions: np.ndarray) -> np.ndarray:
+        """Mean joint-space inertia over some poses, that of an afloat base taken off, shape (J, J)."""
+        some = positions[:: max(1, positions.shape[0] // 50)]
+        found = []
+        for position in some:
+            whole, free = self._inertia(self._full(position)), self._afloat
+            own = whole[np.ix_(self.index, self.index)]
+            if free.size:
+                coupled = free.T @ whole[:6, self.index]
+                own = own - coupled.T @ np.linalg.solve(free.T @ whole[:6, :6] @ free, coupled)
+            found.append(own)
+        return np.asarray(np.mean(found, axis=0))
+
+
+def _free_motions(gravity: np.ndarray) -> np.ndarray:
+    """Motions of a base, linear and angular, that nothing carries, shape (6, F)."""
+    strength = float(np.linalg.norm(gravity))
+    if strength == 0.0:
+        return np.eye(6)
+    up = -gravity / strength
+    along = np.linalg.svd(up[None])[2][1:]
+    out = np.zeros((6, 3))
+    out[:3, :2], out[3:, 2] = along.T, up
+    return out
