@@ -15,6 +15,7 @@ from spacerobot.diagnosis.fitting.adequacy import Left
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
+from spacerobot.diagnosis.learning import settle
 from spacerobot.diagnosis.machines.wrist_rig import RigModel
 from spacerobot.diagnosis.selection import checks, confirm
 from spacerobot.diagnosis.selection.check import Check
@@ -204,7 +205,7 @@ def test_each_failed_check_reaches_the_verdict(tmp_path: Path) -> None:
             patched.setattr(whole, "_located", once)
             for name in ("nested", "synthetic", "confirm"):
                 said = failed if name == check else fine
-                patched.setattr(whole, name, _answer([said] if name == "synthetic" else said))
+                patched.setattr(settle, name, _answer([said] if name == "synthetic" else said))
             found = whole.diagnose(study, jobs=1, store=notes)
         verdict = plain(found.verdict)
         assert verdict["verdict"] == ("named" if check == "none" else "not_trusted")

@@ -15,7 +15,7 @@ from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
 from spacerobot.diagnosis.learning.bands import band
 from spacerobot.diagnosis.learning.curves import fit_curve
-from spacerobot.diagnosis.learning.learn import _closed, learn
+from spacerobot.diagnosis.learning.learn import _closed, _learn
 from spacerobot.diagnosis.selection.search_state import Found
 from spacerobot.effects import registry
 from spacerobot.effects.effect import Effect, Parameter
@@ -172,7 +172,7 @@ def test_a_law_is_learned_beside_an_effect_of_the_catalogue(monkeypatch: pytest.
     assert baseline is not None
     assert beside is not None
     with Pool(workshop, 1) as pool:
-        learnt = learn(pool, Found(baseline, {beside.hypothesis.label: beside}), lambda *_: None)
+        learnt = _learn(pool, beside, Found(baseline, {beside.hypothesis.label: beside}), lambda *_: None)
     assert learnt is not None
     assert learnt.trusted
     assert (learnt.curve.shape.kind, learnt.curve.shape.of, learnt.curve.site.where) == ("friction", "d", "wrist")

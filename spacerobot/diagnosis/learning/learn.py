@@ -23,7 +23,7 @@ from spacerobot.diagnosis.selection.nameable import not_shown
 from spacerobot.diagnosis.selection.rig_fold import Predictions, unseen_of
 from spacerobot.diagnosis.selection.search_state import Found, Report
 from spacerobot.diagnosis.selection.unseen import foretell
-from spacerobot.diagnosis.terms.decision import AS_GOOD
+from spacerobot.diagnosis.terms.decision import AS_GOOD, MARGIN
 from spacerobot.diagnosis.terms.hypothesis import Site
 from spacerobot.diagnosis.terms.kinds import LEARNED, SAME
 from spacerobot.effects.formula import FormulaLaw
@@ -110,10 +110,10 @@ def learn(pool: Pool, found: Found, report: Report) -> Learnt | None:
 
 
 def _named_as_well(curve: Curve, found: Found) -> bool:
-    """Whether a set of the catalogue says as much for fewer numbers; each must earn its BIC."""
+    """Whether a set of the catalogue says as much for fewer numbers, or nearly; each must earn its BIC."""
     price = float(np.log(float(curve.fit.samples)))
     own = curve.fit.cost + price * (curve.determined() + len(curve.fit.hypothesis.sites) - 1)
-    return any(f.cost + price * _numbers(f) < own for f in found.fits.values() if found.plausible(f))
+    return any(f.cost + price * _numbers(f) < own + MARGIN for f in found.fits.values() if found.plausible(f))
 
 
 def _numbers(fit: Fit) -> int:

@@ -39,7 +39,7 @@ class Settled:
 
 
 def settle(pool: Pool, decided: Decided, profiled: Mapping[str, tuple[float, float]], report: Report) -> Settled:
-    """Learn a law where the catalogue has none, and where what it offers fails.
+    """Learn a law where the catalogue has none, and where what it offers does not predict unseen trials.
 
     Args:
         pool: of all trials.
@@ -51,7 +51,7 @@ def settle(pool: Pool, decided: Decided, profiled: Mapping[str, tuple[float, flo
     learnt = learn(pool, decided.found, report) if tried else None
     if learnt is None:
         checked = _checked(pool, decided, profiled, report)
-        if not tried and checked.judgement.verdict == NOT_TRUSTED:
+        if not tried and checked.judgement.verdict == NOT_TRUSTED and checked.held and not checked.held.check().passed:
             learnt = learn(pool, decided.found, report)
         if learnt is None:
             return checked
