@@ -140,6 +140,7 @@ def test_many_wrong_values_at_once_are_something_that_bends_them_all(tmp_path: P
     assert all(p["ci95"] is None for p in verdict["parameters"].values())  # no measurement in a model that is wrong
 
 
+@pytest.mark.slow
 def test_what_has_no_name_is_not_given_another(tmp_path: Path) -> None:
     family = ("coulomb_friction", "stribeck_friction", "asymmetric_friction")
     study = write_study(tmp_path, planted=[("coulomb_friction", "wrist", {"force_N": 0.6})])
