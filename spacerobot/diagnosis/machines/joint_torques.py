@@ -300,7 +300,8 @@ class InverseDynamics(Machine):
         if not self.driven:
             return found
         for trial, log in self._raw.items():
-            rest = log.torque - self._arm.torque(log.position, log.velocity, log.acceleration)
+            asked = self._arm.torque(log.position, log.velocity, log.acceleration, log.turned(self._arm))
+            rest = log.torque - asked
             moment = first_shock(log.time, rest, SHARP * log.step)
             if moment is not None:
                 found[trial] = moment
@@ -409,11 +410,15 @@ class _Log:
     by_link: np.ndarray  # (K, T, J), empty before it is asked for
     by_zero: np.ndarray  # (Z, T, J), empty before it is asked for
 
-    @staticmethod
-    def _turned(driven: np.ndarray, shown: np.ndarray, step: float) -> np.ndarray:
-        """The turn of a base as its joints drive it, with the slow rest that a tracker shows, shape (T,) [rad/s]."""
-        width = min(max(1, round(SLOW / step)), shown.size)
-        even = np.ones(width)
+    def turned(self, arm: Rigid, by: int = 1) -> np.ndarray | None:
+        """Rate of a tracked base at every `by`-th sample, shape (T,) [rad/s]; None where it is not tracked.
+
+        As its joints drive it, with the slow rest that the tracker shows.
+        """
+        if self.turn is None:
+            return None
+        driven, shown = arm.turning(self.position[::by], self.velocity[::by]), self.turn[::by]
+        even = np.ones(min(max(1, round(SLOW / (self.step * by))), shown.size))
         return driven + np.convolve(shown - driven, even, "same") / np.convolve(np.ones(shown.size), even, "same")
 
     def thinned(self, by: int, arm: Rigid, heavier: Sequence[Rigid], zeros: Sequence[int]) -> _Log:
@@ -421,7 +426,7 @@ class _Log:
         with the zero of some joints' encoders."""
         some = slice(None, None, by)
         q, v, a = self.position[some], self.velocity[some], self.acceleration[some]
-        turn = None if self.turn is None else self._turned(arm.turning(q, v), self.turn[some], self.step * by)
+        turn = self.turned(arm, by)
         rigid = arm.torque(q, v, a, turn)
         good = np.array([self.good[i : i + by].all() for i in range(0, self.time.size, by)])
         by_link = np.array([other.torque(q, v, a, turn) - rigid for other in heavier]).reshape(
