@@ -41,7 +41,7 @@ SHARPEST = 1e-9
 """Half the width [s] of a corner that is not rounded."""
 
 MOST = 4
-"""Corners of a track, at most."""
+"""Corners and steps of a track, at most."""
 
 LEVEL = np.array([0.025, 0.5, 0.975])
 """Ends and middle of the interval of a moment."""
@@ -62,64 +62,103 @@ class Track:
     rate: bool = False
 
 
+@dataclass(frozen=True)
+class _Break:
+    """What happens to all tracks at one moment: a corner, or (`step`) a jump of the readings that no body can make."""
+
+    time: float
+    step: bool = False
+
+
 def kinks(tracks: Sequence[Track]) -> tuple[Moment, ...]:
     """The moments at which all tracks together are bent sharply, in order; none where a smooth curve does as well.
 
-    Corners that would do as well rounded stand for what is smooth and was left out, beside the knocks.
+    Corners that would do as well rounded stand for what is smooth and was left out, beside the knocks. Steps of a
+    position stand for a tracker that lost its body and found it elsewhere: two corners in a row would imitate one.
     """
     start, end = min(float(t.time[0]) for t in tracks), max(float(t.time[-1]) for t in tracks)
     grid = start + (end - start) * np.linspace(MARGIN, 1.0 - MARGIN, MOMENTS)
-    found: list[float] = []
-    known: list[float] = []
+    found: list[_Break] = []
+    known: list[_Break] = []
     sharp: list[int] = []
     accepted = _left(tracks, [])
+    kinds = (False, True) if any(not t.rate for t in tracks) else (False,)
     for count in range(1, MOST + 1):
-        found = _with_one_more(tracks, found, grid)
+        found = _cheapest(tracks, [_with_one_more(tracks, found, step, grid) for step in kinds])
         square = _left(tracks, found)
         fall = 1.0 - float(np.sqrt(square / max(accepted, 1e-300)))
         large = fall > 1.0 - (1.0 - FALL) ** (count - len(known))
-        if large and square < _smooth(tracks, count) and _significant(tracks, known, found):
-            some = [k for k in range(count) if _sharp(tracks, found, k)]
+        if large and square < _smooth(tracks, found) and _significant(tracks, known, found):
+            some = [k for k in range(count) if found[k].step or _sharp(tracks, found, k)]
             if some:
                 known, sharp, accepted = list(found), some, square
-    return tuple(sorted((_moment(tracks, known, k) for k in sharp), key=lambda m: m.time))
+    corners = [k for k in sharp if not known[k].step]
+    return tuple(sorted((_moment(tracks, known, k) for k in corners), key=lambda m: m.time))
 
 
-def _with_one_more(tracks: Sequence[Track], found: Sequence[float], grid: np.ndarray) -> list[float]:
-    """The corners with the best further one, each of them then moved to where it does best beside the others."""
-    out = _moved(tracks, [*found, float(grid[0])], len(found), grid)
+def _with_one_more(tracks: Sequence[Track], found: Sequence[_Break], step: bool, grid: np.ndarray) -> list[_Break]:
+    """The breaks with the best further one, each of them then moved to where it does best beside the others."""
+    out = _moved(tracks, [*found, _Break(float(grid[0]), step)], len(found), grid)
     for _ in range(ROUNDS):
         for k in range(len(out)):
             out = _moved(tracks, out, k, grid)
     finer = float(grid[1] - grid[0]) * np.linspace(-1.0, 1.0, 2 * FINER + 1)
     for k in range(len(out)):
-        out = _moved(tracks, out, k, np.clip(out[k] + finer, grid[0], grid[-1]))
+        out = _moved(tracks, out, k, np.clip(out[k].time + finer, grid[0], grid[-1]))
     return out
 
 
-def _moved(tracks: Sequence[Track], moments: Sequence[float], which: int, places: np.ndarray) -> list[float]:
-    """The corners with one of them where it does best among these places."""
-    sets = [[*moments[:which], float(p), *moments[which + 1 :]] for p in places]
+def _moved(tracks: Sequence[Track], breaks: Sequence[_Break], which: int, places: np.ndarray) -> list[_Break]:
+    """The breaks with one of them where it does best among these places."""
+    sets = [_at(breaks, which, float(p)) for p in places]
     return min(sets, key=lambda some: _left(tracks, some))
 
 
-def _columns(track: Track, moments: Sequence[float], rounded: int | None = None, width: float = 0.0) -> np.ndarray:
-    """A track's own start and bend, and at each corner another slope and another bend, shape (T, 3 + 2 K).
+def _at(breaks: Sequence[_Break], which: int, time: float) -> list[_Break]:
+    return [*breaks[:which], _Break(time, breaks[which].step), *breaks[which + 1 :]]
 
-    What resists the body resists it otherwise after a knock. Of a rate all are a degree lower, shape (T, 2 + 2 K). One
-    of the corners may be rounded.
+
+def _columns(track: Track, breaks: Sequence[_Break], rounded: int | None = None, width: float = 0.0) -> np.ndarray:
+    """A track's own start and bend, and what its breaks bring, shape (T, 3 + 2 corners + steps).
+
+    At each corner another slope and another bend: what resists the body resists it otherwise after a knock. Of a rate
+    all are a degree lower, shape (T, 2 + 2 corners), and a step of the position is nothing. One of the corners may be
+    rounded.
     """
     t = track.time - track.time[0]
-    after = [track.time - m for m in moments]
-    widths = [width if k == rounded else SHARPEST for k in range(len(moments))]
-    ramps = [
-        np.where(np.abs(a) < w, (a + w) ** 2 / (4.0 * w), np.maximum(a, 0.0))
-        for a, w in zip(after, widths, strict=True)
-    ]
-    if track.rate:
-        steps = [np.clip(0.5 + 0.5 * a / w, 0.0, 1.0) for a, w in zip(after, widths, strict=True)]
-        return np.stack([np.ones_like(t), t, *steps, *ramps], axis=1)
-    return np.stack([np.ones_like(t), t, t**2, *ramps, *(r**2 for r in ramps)], axis=1)
+    columns = [np.ones_like(t), t] if track.rate else [np.ones_like(t), t, t**2]
+    for k, one in enumerate(breaks):
+        after, w = track.time - one.time, width if k == rounded else SHARPEST
+        if one.step:
+            if not track.rate:
+                columns.append((after > 0.0).astype(float))
+            continue
+        ramp = np.where(np.abs(after) < w, (after + w) ** 2 / (4.0 * w), np.maximum(after, 0.0))
+        columns += [np.clip(0.5 + 0.5 * after / w, 0.0, 1.0), ramp] if track.rate else [ramp, ramp**2]
+    return np.stack(columns, axis=1)
+
+
+def _coefficients(tracks: Sequence[Track], breaks: Sequence[_Break]) -> int:
+    """Numbers that breaks set free in all tracks: the moments, and what each brings."""
+    return len(breaks) + sum((not t.rate) if one.step else 2 for one in breaks for t in tracks)
+
+
+def _cheapest(tracks: Sequence[Track], sets: Sequence[list[_Break]]) -> list[_Break]:
+    """The breaks of least cost by Schwarz's criterion, at readings that are independent beside those that fit best."""
+    closest = min(sets, key=lambda some: _left(tracks, some))
+    independent = _independent(tracks, closest)
+
+    def price(some: list[_Break]) -> float:
+        square = max(_left(tracks, some), 1e-300)
+        return independent * float(np.log(square)) + _coefficients(tracks, some) * float(np.log(independent))
+
+    return min(sets, key=price)
+
+
+def _independent(tracks: Sequence[Track], breaks: Sequence[_Break]) -> float:
+    """Readings that are independent in what these breaks leave over."""
+    rest = [_rest(t, _columns(t, breaks)) for t in tracks]
+    return float(sum(r.size / correlation_time(r) for r in rest))
 
 
 def _rest(track: Track, columns: np.ndarray) -> np.ndarray:
@@ -127,57 +166,53 @@ def _rest(track: Track, columns: np.ndarray) -> np.ndarray:
     return np.asarray(track.rest - columns @ found)
 
 
-def _left(tracks: Sequence[Track], moments: Sequence[float]) -> float:
-    """Sum of squares that corners at these moments leave over."""
-    return sum(float(np.square(_rest(t, _columns(t, moments))).sum()) for t in tracks)
+def _left(tracks: Sequence[Track], breaks: Sequence[_Break]) -> float:
+    """Sum of squares that these breaks leave over."""
+    return sum(float(np.square(_rest(t, _columns(t, breaks))).sum()) for t in tracks)
 
 
-def _smooth(tracks: Sequence[Track], count: int) -> float:
-    """What polynomials with no fewer coefficients than so many corners and their moments leave over."""
-    total = 0.0
+def _smooth(tracks: Sequence[Track], breaks: Sequence[_Break]) -> float:
+    """What polynomials with no fewer coefficients than these breaks and their moments leave over."""
+    further, total = -(-_coefficients(tracks, breaks) // len(tracks)), 0.0
     for track in tracks:
         span = track.time[-1] - track.time[0]
         x = 2.0 * (track.time - track.time[0]) / max(float(span), 1e-300) - 1.0
-        degree = 3 * count + (1 if track.rate else 2)
+        degree = further + (1 if track.rate else 2)
         total += float(np.square(_rest(track, np.polynomial.legendre.legvander(x, degree))).sum())
     return total
 
 
-def _significant(tracks: Sequence[Track], known: Sequence[float], found: Sequence[float]) -> bool:
-    """Whether further corners lower the squares by more than chance would."""
-    further = (2 * len(tracks) + 1) * (len(found) - len(known))
+def _significant(tracks: Sequence[Track], known: Sequence[_Break], found: Sequence[_Break]) -> bool:
+    """Whether further breaks lower the squares by more than chance would."""
+    further = max(_coefficients(tracks, found) - _coefficients(tracks, known), 1)
     limit = 1.0 - (1.0 - CHANCE) ** (1.0 / MOMENTS)
     return bool(_chance(tracks, found, _left(tracks, known), further) < limit)
 
 
-def _sharp(tracks: Sequence[Track], found: Sequence[float], which: int) -> bool:
+def _sharp(tracks: Sequence[Track], found: Sequence[_Break], which: int) -> bool:
     """Whether a corner fits better than the same one rounded does, by more than chance would have it."""
     width = ROUND * max(float(t.time[-1] - t.time[0]) for t in tracks)
     rounded = sum(float(np.square(_rest(t, _columns(t, found, which, width))).sum()) for t in tracks)
     return _chance(tracks, found, rounded, len(tracks)) < CHANCE
 
 
-def _chance(tracks: Sequence[Track], found: Sequence[float], other: float, further: int) -> float:
-    """Probability (F) of as large an excess of other squares over those of the corners, at independent readings."""
+def _chance(tracks: Sequence[Track], found: Sequence[_Break], other: float, further: int) -> float:
+    """Probability (F) of as large an excess of other squares over those of the breaks, at independent readings."""
     after = _left(tracks, found)
-    spare = -float(len(found))
-    for track in tracks:
-        columns = _columns(track, found)
-        spare += track.time.size / correlation_time(_rest(track, columns)) - columns.shape[1]
+    own = sum(_columns(t, []).shape[1] for t in tracks)
+    spare = _independent(tracks, found) - own - _coefficients(tracks, found)
     if spare < 1.0 or other <= after:
         return 1.0
     return float(fdtrc(further, spare, (other - after) / further / max(after / spare, 1e-300)))
 
 
-def _moment(tracks: Sequence[Track], moments: Sequence[float], which: int) -> Moment:
-    """One of the corners with its 95 % interval, the others in their places."""
-    others = [m for k, m in enumerate(moments) if k != which]
+def _moment(tracks: Sequence[Track], breaks: Sequence[_Break], which: int) -> Moment:
+    """One of the corners with its 95 % interval, the other breaks in their places."""
     start, end = min(float(t.time[0]) for t in tracks), max(float(t.time[-1]) for t in tracks)
     half = (end - start) / MOMENTS
-    near = moments[which] + half * np.linspace(-1.0, 1.0, 10 * FINER + 1)
-    squares = np.array([_left(tracks, [*others, float(m)]) for m in near])
-    rest = [_rest(t, _columns(t, moments)) for t in tracks]
-    independent = sum(r.size / correlation_time(r) for r in rest)
-    weight = (max(float(squares.min()), 1e-300) / np.maximum(squares, 1e-300)) ** (0.5 * independent)
+    near = breaks[which].time + half * np.linspace(-1.0, 1.0, 10 * FINER + 1)
+    squares = np.array([_left(tracks, _at(breaks, which, float(m))) for m in near])
+    share = max(float(squares.min()), 1e-300) / np.maximum(squares, 1e-300)
+    weight = share ** (0.5 * _independent(tracks, breaks))
     low, middle, high = np.interp(LEVEL, np.cumsum(weight) / weight.sum(), near)
     return Moment(float(middle), float(low), float(high))

@@ -42,3 +42,20 @@ def test_a_step_of_a_rate_is_a_corner() -> None:
     rest = 5.0 * (TIME > 17.2) + random.standard_normal(TIME.size)
     (found,) = kinks([Track(TIME, rest, rate=True)])
     assert found.time == pytest.approx(17.2, abs=0.3)
+
+
+@pytest.mark.parametrize("size", [10.0, 30.0])
+def test_a_tracker_that_jumps_is_no_knock(size: float) -> None:
+    """Whatever its noise: the position steps while the body goes on as before, and no impulse can do that."""
+    for seed in range(4):
+        random = np.random.default_rng(seed)
+        for noise in (random.standard_normal(TIME.size), random.standard_t(3, TIME.size) / np.sqrt(3.0)):
+            assert kinks([Track(TIME, size * (TIME > 12.9) + noise)]) == (), seed
+
+
+def test_a_knock_is_found_beside_a_tracker_that_jumps() -> None:
+    """The jump takes nothing from it."""
+    random = np.random.default_rng(8)
+    rest = 3.0 * np.maximum(TIME - 20.1, 0.0) + 15.0 * (TIME > 7.7) + random.standard_normal(TIME.size)
+    (found,) = kinks([Track(TIME, rest)])
+    assert found.time == pytest.approx(20.1, abs=0.4)
