@@ -22,7 +22,7 @@ from spacerobot.diagnosis.selection.forward_selection import MOST, grow
 from spacerobot.diagnosis.selection.part_fold import keep_aside
 from spacerobot.diagnosis.selection.part_result import Part
 from spacerobot.diagnosis.selection.search_state import Report
-from spacerobot.diagnosis.selection.stretches import bends, momentary, struck
+from spacerobot.diagnosis.selection.stretches import bends, foretold, momentary, struck
 from spacerobot.effects.effect import Effect
 from spacerobot.effects.registry import all_effects
 from spacerobot.recordings.study import Study
@@ -85,9 +85,18 @@ def _searched(
     found = bends(growth, places) if places else {}
     if not found:
         return Part(growth)
-    between = model.cut_at({trial: [m.time for m in some] for trial, some in found.items()})
-    again = grow(between, effects=catalogue, threads=threads, reached=reached, kept=kept.within("between knocks"))
-    return Part(again, knocks=tuple(struck(again, found, places)))
+
+    def knocked(what: str) -> Part:
+        between = model.cut_at(found)
+        again = grow(between, effects=catalogue, threads=threads, reached=reached, kept=kept.within(what))
+        return Part(again, knocks=tuple(struck(again, found, places)))
+
+    part = knocked("between knocks")
+    if not (again := foretold(part.knocks, part.growth.bench.trials)):
+        return part
+    found = {trial: [m for m in some if m.time not in again.get(trial, ())] for trial, some in found.items()}
+    found = {trial: some for trial, some in found.items() if some}
+    return knocked("between knocks of single trials") if found else Part(growth)
 
 
 def _tell(report: Report, what: str, size: int) -> None:

@@ -41,7 +41,7 @@ SHARPEST = 1e-9
 """Half the width [s] of a corner that is not rounded."""
 
 MOST = 4
-"""Corners and steps of a track, at most."""
+"""Corners of a track, at most."""
 
 LEVEL = np.array([0.025, 0.5, 0.975])
 """Ends and middle of the interval of a moment."""
@@ -80,25 +80,41 @@ def kinks(tracks: Sequence[Track]) -> tuple[Moment, ...]:
     grid = start + (end - start) * np.linspace(MARGIN, 1.0 - MARGIN, MOMENTS)
     found: list[_Break] = []
     known: list[_Break] = []
-    sharp: list[int] = []
     accepted = _left(tracks, [])
-    kinds = (False, True) if any(not t.rate for t in tracks) else (False,)
     for count in range(1, MOST + 1):
-        found = _cheapest(tracks, [_with_one_more(tracks, found, step, grid) for step in kinds])
+        found = _with_one_more(tracks, found, grid)
         square = _left(tracks, found)
         fall = 1.0 - float(np.sqrt(square / max(accepted, 1e-300)))
         large = fall > 1.0 - (1.0 - FALL) ** (count - len(known))
-        if large and square < _smooth(tracks, found) and _significant(tracks, known, found):
-            some = [k for k in range(count) if found[k].step or _sharp(tracks, found, k)]
-            if some:
-                known, sharp, accepted = list(found), some, square
-    corners = [k for k in sharp if not known[k].step]
+        better = large and square < _smooth(tracks, count) and _significant(tracks, known, found)
+        if better and any(_sharp(tracks, found, k) for k in range(count)):
+            known, accepted = list(found), square
+    known = _with_steps(tracks, known, 2.0 * MARGIN * (end - start))
+    corners = [k for k, one in enumerate(known) if not one.step and _sharp(tracks, known, k)]
     return tuple(sorted((_moment(tracks, known, k) for k in corners), key=lambda m: m.time))
 
 
-def _with_one_more(tracks: Sequence[Track], found: Sequence[_Break], step: bool, grid: np.ndarray) -> list[_Break]:
-    """The breaks with the best further one, each of them then moved to where it does best beside the others."""
-    out = _moved(tracks, [*found, _Break(float(grid[0]), step)], len(found), grid)
+def _with_steps(tracks: Sequence[Track], breaks: Sequence[_Break], near: float) -> list[_Break]:
+    """The breaks, a step in place of each run of corners closer than this [s] where that costs less."""
+    out = sorted(breaks, key=lambda one: one.time)
+    if all(t.rate for t in tracks):
+        return out
+    k = 0
+    while k < len(out):
+        run = 1
+        while k + run < len(out) and out[k + run].time - out[k + run - 1].time < near:
+            run += 1
+        places = np.linspace(out[k].time - 0.5 * near, out[k + run - 1].time + 0.5 * near, 4 * FINER + 1)
+        step = _moved(tracks, [*out[:k], _Break(out[k].time, step=True), *out[k + run :]], k, places)
+        if _cheapest(tracks, [out, step]) is step:
+            out, run = step, 1
+        k += run
+    return out
+
+
+def _with_one_more(tracks: Sequence[Track], found: Sequence[_Break], grid: np.ndarray) -> list[_Break]:
+    """The corners with the best further one, each of them then moved to where it does best beside the others."""
+    out = _moved(tracks, [*found, _Break(float(grid[0]))], len(found), grid)
     for _ in range(ROUNDS):
         for k in range(len(out)):
             out = _moved(tracks, out, k, grid)
@@ -171,13 +187,13 @@ def _left(tracks: Sequence[Track], breaks: Sequence[_Break]) -> float:
     return sum(float(np.square(_rest(t, _columns(t, breaks))).sum()) for t in tracks)
 
 
-def _smooth(tracks: Sequence[Track], breaks: Sequence[_Break]) -> float:
-    """What polynomials with no fewer coefficients than these breaks and their moments leave over."""
-    further, total = -(-_coefficients(tracks, breaks) // len(tracks)), 0.0
+def _smooth(tracks: Sequence[Track], count: int) -> float:
+    """What polynomials with no fewer coefficients than so many corners and their moments leave over."""
+    total = 0.0
     for track in tracks:
         span = track.time[-1] - track.time[0]
         x = 2.0 * (track.time - track.time[0]) / max(float(span), 1e-300) - 1.0
-        degree = further + (1 if track.rate else 2)
+        degree = 3 * count + (1 if track.rate else 2)
         total += float(np.square(_rest(track, np.polynomial.legendre.legvander(x, degree))).sum())
     return total
 

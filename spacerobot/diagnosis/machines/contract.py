@@ -181,8 +181,8 @@ class Machine(ABC):
         """
         return self
 
-    def cut_at(self, moments: Mapping[str, Sequence[float]]) -> Self:
-        """The same with recorded trials cut at moments [s]: each stretch has a start of its own; here none has one."""
+    def cut_at(self, moments: Mapping[str, Sequence[Moment]]) -> Self:
+        """The same with recorded trials cut at moments: each stretch has a start of its own; here none has one."""
         return self
 
     def steady(self, trial: TrialData, start: float, end: float) -> bool:

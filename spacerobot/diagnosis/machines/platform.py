@@ -22,6 +22,7 @@ from spacerobot.diagnosis.machines.contract import FIRST_NOISE, Machine, Nuisanc
 from spacerobot.diagnosis.machines.links import robot_of
 from spacerobot.diagnosis.machines.measured import port_forces, through_sensor
 from spacerobot.diagnosis.machines.sizes import sizes_of
+from spacerobot.diagnosis.machines.touch import Moment
 from spacerobot.diagnosis.machines.windows import cut, local
 from spacerobot.diagnosis.terms.data import Block, TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed, Site
@@ -124,7 +125,7 @@ class Platform(Machine):
         self._seen[trial.id] = places, {n: _smoothed(np.gradient(p, grid), SMOOTH) for n, p in places.items()}
         return trial
 
-    def cut_at(self, moments: Mapping[str, Sequence[float]]) -> Platform:
+    def cut_at(self, moments: Mapping[str, Sequence[Moment]]) -> Platform:
         """Each stretch between these moments is a trial of its own."""
         other = copy(self)
         pieces = [w for t in self._whole for w in cut(t, np.inf, moments.get(t.id, ()))]

@@ -10,6 +10,7 @@ from typing import Self
 import numpy as np
 
 from spacerobot.diagnosis.machines.contract import FACTORS, Machine, Nuisance, Predicted, Variant
+from spacerobot.diagnosis.machines.touch import Moment
 from spacerobot.diagnosis.machines.windows import FOLDS, Drive, cut, local, spread_over
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed, Site
@@ -85,7 +86,7 @@ class Simulated(Machine):
         self.recorded = {t.id: t for t in recorded}
         self.at_rest, self.covered = at_rest, covered
         self._window, self._budget = window, budget
-        self._cuts: Mapping[str, Sequence[float]] = {}
+        self._cuts: Mapping[str, Sequence[Moment]] = {}
         windows = [w for t in recorded for w in cut(t, window)]
         if not windows:
             raise InputError(f"{name} has too few readings in every trial", valid="five or more of a channel in one")
@@ -101,7 +102,7 @@ class Simulated(Machine):
         other._starts = {}
         return other
 
-    def cut_at(self, moments: Mapping[str, Sequence[float]]) -> Self:
+    def cut_at(self, moments: Mapping[str, Sequence[Moment]]) -> Self:
         """No window goes over one of these moments."""
         other = copy(self)
         other._cuts = moments
@@ -196,8 +197,8 @@ class Simulated(Machine):
         time, value, _ = whole.channel(readout.channel)
         known = time <= trial.end + 1e-9
         for moment in self._cuts.get(whole.id, ()):
-            if moment <= trial.start + 1e-9:
-                known &= time >= moment - 1e-9
+            if moment.high <= trial.start + 1e-9:
+                known &= time >= moment.high - 1e-9
         for window in self._hidden:
             if window.recorded == whole.id:
                 known &= (time < window.start - 1e-9) | (time > window.end - 1e-9)

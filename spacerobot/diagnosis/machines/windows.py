@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -10,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from spacerobot.diagnosis.machines.measured import through_sensor
+from spacerobot.diagnosis.machines.touch import Moment
 from spacerobot.diagnosis.terms.data import Block, TrialData, piece_id
 from spacerobot.effects.primitives import ChannelMap
 
@@ -103,14 +103,15 @@ def refinement(value: np.ndarray) -> int:
     return int(np.clip(np.ceil(np.sqrt(bend / BEND)), 1, 8))
 
 
-def cut(trial: TrialData, length: float, moments: Sequence[float] = ()) -> list[TrialData]:
+def cut(trial: TrialData, length: float, moments: Sequence[Moment] = ()) -> list[TrialData]:
     """The trial in windows of `length` seconds (an infinite one: whole), a rest of less than half of one left out.
 
-    Each stretch between `moments` [s] is cut by itself.
+    Each stretch between `moments` is cut by itself; readings within a moment's interval belong to none.
     """
-    edges = [trial.start, *sorted(m for m in moments if trial.start < m < trial.end), trial.end]
+    inside = sorted((m for m in moments if trial.start < m.low and m.high < trial.end), key=lambda m: m.time)
+    begins, ends_at = [trial.start, *(m.high for m in inside)], [*(m.low for m in inside), trial.end]
     spans: list[tuple[float, float]] = []
-    for first, last in itertools.pairwise(edges):
+    for first, last in zip(begins, ends_at, strict=True):
         count = 1 if last - first < 1.5 * length else int((last - first) / length + 0.5)
         close = last + 1e-6 * (last == trial.end)
         ends = [close] if count == 1 else [min(first + (n + 1) * length, close) for n in range(count)]

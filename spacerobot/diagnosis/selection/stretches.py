@@ -15,7 +15,7 @@ import numpy as np
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.noise import correlation_time, split
 from spacerobot.diagnosis.fitting.profile import LEVEL_95
-from spacerobot.diagnosis.locate.kinks import MARGIN, ROUND, Track, kinks
+from spacerobot.diagnosis.locate.kinks import MARGIN, MOMENTS, ROUND, Track, kinks
 from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.machines.touch import Moment
 from spacerobot.diagnosis.selection.growth import Growth
@@ -134,6 +134,29 @@ def struck(growth: Growth, moments: Mapping[str, Sequence[Moment]], places: Mapp
                 wide = float(np.sqrt(LEVEL_95)) * alone
                 if abs(value) > CLEAR * alone:
                     out.append(Knock(places[where], where, trial, moment, (value, value - wide, value + wide)))
+    return out
+
+
+def foretold(knocks: Sequence[Knock], trials: Sequence[TrialData]) -> dict[str, set[float]]:
+    """By recorded trial, the moments of knocks that another trial had as well: so late in it, and the same way.
+
+    What comes again is no accident. It is something that the machine does and its model leaves out; its shares in all
+    trials would be taken for as many knocks. At random one knock in a hundred would be so: moments agree to one of
+    those that are tried, and so do the signs of two coordinates.
+    """
+    begins = {name: min(t.start for t in trials if t.recorded == name) for name in {t.recorded for t in trials}}
+    length = {name: max(t.end for t in trials if t.recorded == name) - start for name, start in begins.items()}
+    struck: dict[tuple[str, float], dict[str, float]] = {}
+    for k in knocks:
+        struck.setdefault((k.trial, k.moment.time), {})[k.where] = k.impulse[0]
+    out: dict[str, set[float]] = {}
+    for (trial, time), size in struck.items():
+        for (other, again), other_size in struck.items():
+            apart = abs((time - begins[trial]) - (again - begins[other]))
+            both = size.keys() & other_size.keys()
+            alike = len(both) > 1 and all(size[w] * other_size[w] > 0.0 for w in both)
+            if trial != other and alike and apart < min(length[trial], length[other]) / MOMENTS:
+                out.setdefault(trial, set()).add(time)
     return out
 
 

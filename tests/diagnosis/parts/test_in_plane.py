@@ -55,3 +55,11 @@ def test_nothing_struck_a_body_that_glides(tmp_path: Path) -> None:
     """Noise is no knock."""
     verdict = diagnose(in_plane(tmp_path), jobs=1).verdict
     assert verdict["verdict"] == "nothing_missing"
+
+
+def test_what_comes_again_in_another_trial_is_no_knock(tmp_path: Path) -> None:
+    """At the same moment and the same way: the machine does it, and its model leaves it out. It has no name here."""
+    kick = (2.2, (0.10, -0.06, 0.004))
+    verdict = diagnose(in_plane(tmp_path, lambda v: 0.6 * against(v, 1.0), {1: kick, 3: kick}), jobs=1).verdict
+    assert not [e for e in verdict["effects"] if e["effect"] == "external_impulse"]
+    assert verdict["verdict"] != "nothing_missing"
