@@ -10,8 +10,9 @@ from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Force
 from spacerobot.effects.sizes import Sizes
 
-HARD = 3.0
-"""A stop is this many times as stiff as a spring that the typical force bends by the typical length."""
+STIFF = 0.3
+"""A stop is at least so many times as stiff as a spring that the typical force bends by the typical length: a rubber
+buffer is as stiff as the spring beside it, and a spring that merely hardens is far softer."""
 
 
 class EndStop(Effect):
@@ -32,8 +33,8 @@ class EndStop(Effect):
         return positions(mechanism, "wrist", "joint")
 
     def plausible(self, values: Mapping[str, float], sizes: Sizes) -> bool:
-        """Far stiffer than any spring that works there."""
-        return values["stiffness_N_m"] > HARD * sizes.force / sizes.length
+        """No softer than a buffer, beside the springs that work there."""
+        return values["stiffness_N_m"] > STIFF * sizes.force / sizes.length
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
         """A spring that acts beyond the travel."""
