@@ -200,7 +200,7 @@ def _smooth(tracks: Sequence[Track], count: int) -> float:
 
 def _significant(tracks: Sequence[Track], known: Sequence[_Break], found: Sequence[_Break]) -> bool:
     """Whether further breaks lower the squares by more than chance would."""
-    further = max(_coefficients(tracks, found) - _coefficients(tracks, known), 1)
+    further = _coefficients(tracks, found) - _coefficients(tracks, known)
     limit = 1.0 - (1.0 - CHANCE) ** (1.0 / MOMENTS)
     return bool(_chance(tracks, found, _left(tracks, known), further) < limit)
 
