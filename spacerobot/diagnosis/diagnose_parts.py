@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -17,6 +17,7 @@ from spacerobot.diagnosis.locate.of_model import locate_model
 from spacerobot.diagnosis.locate.readings import NothingToBalance
 from spacerobot.diagnosis.machines.choose import some_models_for
 from spacerobot.diagnosis.machines.contract import Machine
+from spacerobot.diagnosis.machines.touch import Moment
 from spacerobot.diagnosis.selection.checks import checks_of_part
 from spacerobot.diagnosis.selection.forward_selection import MOST, grow
 from spacerobot.diagnosis.selection.part_fold import keep_aside
@@ -86,17 +87,17 @@ def _searched(
     if not found:
         return Part(growth)
 
-    def knocked(what: str) -> Part:
-        between = model.cut_at(found)
-        again = grow(between, effects=catalogue, threads=threads, reached=reached, kept=kept.within(what))
-        return Part(again, knocks=tuple(struck(again, found, places)))
+    def between(moments: Mapping[str, Sequence[Moment]], what: str) -> Part:
+        cut = model.cut_at(moments)
+        again = grow(cut, effects=catalogue, threads=threads, reached=reached, kept=kept.within(what))
+        return Part(again, knocks=tuple(struck(again, moments, places)))
 
-    part = knocked("between knocks")
-    if not (again := foretold(part.knocks, part.growth.bench.trials)):
+    part = between(found, "between knocks")
+    if not (repeated := foretold(part.knocks, part.growth.bench.trials)):
         return part
-    found = {trial: [m for m in some if m.time not in again.get(trial, ())] for trial, some in found.items()}
-    found = {trial: some for trial, some in found.items() if some}
-    return knocked("between knocks of single trials") if found else Part(growth)
+    rest = {trial: [m for m in some if m.time not in repeated.get(trial, ())] for trial, some in found.items()}
+    single = {trial: some for trial, some in rest.items() if some}
+    return between(single, "between knocks of single trials") if single else Part(growth)
 
 
 def _tell(report: Report, what: str, size: int) -> None:

@@ -146,12 +146,12 @@ def foretold(knocks: Sequence[Knock], trials: Sequence[TrialData]) -> dict[str, 
     """
     begins = {name: min(t.start for t in trials if t.recorded == name) for name in {t.recorded for t in trials}}
     length = {name: max(t.end for t in trials if t.recorded == name) - start for name, start in begins.items()}
-    struck: dict[tuple[str, float], dict[str, float]] = {}
+    kicks: dict[tuple[str, float], dict[str, float]] = {}
     for k in knocks:
-        struck.setdefault((k.trial, k.moment.time), {})[k.where] = k.impulse[0]
+        kicks.setdefault((k.trial, k.moment.time), {})[k.where] = k.impulse[0]
     out: dict[str, set[float]] = {}
-    for (trial, time), size in struck.items():
-        for (other, again), other_size in struck.items():
+    for (trial, time), size in kicks.items():
+        for (other, again), other_size in kicks.items():
             apart = abs((time - begins[trial]) - (again - begins[other]))
             both = size.keys() & other_size.keys()
             alike = len(both) > 1 and all(size[w] * other_size[w] > 0.0 for w in both)
