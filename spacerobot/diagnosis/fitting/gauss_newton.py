@@ -102,15 +102,17 @@ class Fitter:
     ) -> np.ndarray:
         """Derivatives of one trial's residual, shape (S, G + N), by differences into the bounds.
 
-        With `old` derivatives only the effects' columns are taken anew: theirs is the strongest curvature.
+        With `old` derivatives only the effects' columns are taken anew: theirs is the strongest curvature. A learned
+        curve's are not: they are many, and a force is linear in them.
         """
         low, high = hypothesis.bounds()
         z, initial, base = state.z, state.own[trial.id], state.raw[trial.id]
         scales = self._scales[trial.id]
         columns = np.zeros((base.size, z.size + scales.size), order="F") if old is None else old.copy(order="F")
         idle = hypothesis.idle(trial.id)
+        curves = {s.key(p.name) for s in hypothesis.sites if s.effect.learned for p in s.effect.parameters}
         for g, free in enumerate(hypothesis.free):
-            if old is not None and free.kind != "effect":
+            if old is not None and (free.kind != "effect" or free.key in curves):
                 continue
             if free.key in idle:
                 continue
