@@ -244,9 +244,8 @@ def test_a_copy_is_fitted_one_effect_after_the_other_too(shop: Workshop, chosen:
     assert {t.near.hypothesis.label for t in stepwise if t.near is not None} == {LABEL, (other,)}
     for task in stepwise:
         assert task.label == both.hypothesis.label
-    assert not [
-        t for t in checks._other_starts(shop, chosen, chosen, ()) if t.near is not None and t.near is not chosen
-    ]
+    beside = [t.near for t in checks._other_starts(shop, chosen, chosen, ()) if t.near is not None]
+    assert [f.hypothesis.label for f in beside if f is not chosen] == [()]  # one alone: beside the fit without it
 
 
 def test_a_part_of_a_fit_has_the_same_values(shop: Workshop, chosen: Fit) -> None:

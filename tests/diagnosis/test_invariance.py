@@ -134,3 +134,40 @@ def test_the_same_verdict_whatever_the_noise(tmp_path: Path, seed: int) -> None:
     (entry,) = verdict["effects"]
     assert (entry["effect"], entry["where"]) == LABEL[0]
     assert entry["parameters"]["force_N"]["value"] == pytest.approx(FORCE, abs=0.02)
+
+
+LENGTH, TIME, MASS = 5.0, 4.0, 60.0
+
+
+def of_another_size(folder: Path) -> None:
+    """A rig whose every length, time and mass is so many times larger: it moves as the first does."""
+    force = MASS * LENGTH / TIME**2
+    rewritten(folder, lambda t, trial: t * ([TIME, LENGTH, LENGTH] if t.shape[1] == 3 else [TIME, force]))
+    units = {"mass": MASS, "stiffness": MASS / TIME**2, "damping": MASS / TIME}
+
+    def larger(found: re.Match[str]) -> str:
+        kind = found[1].rsplit("_", 1)[-1].rsplit(".", 1)[-1]
+        return f"{found[1]} = {float(found[2]) * units[kind]:.12g}"
+
+    path = folder / "study.toml"
+    text = re.sub(r"(?m)^((?:\w+\.)*\w*(?:mass|stiffness|damping)) = ([\d.e+-]+)", larger, path.read_text())
+    text = re.sub(r"sigma = 0.00015", f"sigma = {LENGTH * 0.00015:.12g}", text)
+    path.write_text(re.sub(r"sigma = 0.25", f"sigma = {force * 0.25:.12g}", text))
+
+
+SLOSH = {"mass_kg": 1.6, "frequency_Hz": 2.6, "damping_ratio": 0.04}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("larger", [False, True])
+def test_the_same_verdict_of_a_rig_of_another_size(tmp_path: Path, larger: bool) -> None:
+    write_study(tmp_path, planted=[("hidden_oscillator", "target", SLOSH)], masses=(9.0, 23.2, 51.0))
+    if larger:
+        of_another_size(tmp_path)
+    verdict = said(tmp_path)
+    assert verdict["verdict"] == "named", verdict["why"]
+    (entry,) = verdict["effects"]
+    assert (entry["effect"], entry["where"]) == ("hidden_oscillator", "target")
+    mass, rate = (MASS, 1.0 / TIME) if larger else (1.0, 1.0)
+    assert entry["parameters"]["mass_kg"]["value"] == pytest.approx(mass * SLOSH["mass_kg"], rel=0.25)
+    assert entry["parameters"]["frequency_Hz"]["value"] == pytest.approx(rate * SLOSH["frequency_Hz"], rel=0.05)

@@ -248,7 +248,8 @@ class Pool:
         kept = None if self._store is None else self._store.load(task_name(task))
         if kept is None:
             return False, None
-        made = hypothesis(self.workshop.model.believed.free_of(task.freed), task.sites(), task.start)
+        model = self.workshop.model
+        made = hypothesis(model.believed.free_of(task.freed), task.sites(model), task.start)
         fit = from_json(kept, self.workshop.fitter(), made)
         return fit is not None or kept["fit"] is None, fit
 

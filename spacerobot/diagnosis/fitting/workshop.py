@@ -14,6 +14,7 @@ from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.fitting.labels import rightly_labelled
 from spacerobot.diagnosis.fitting.spoiled import cleaned
 from spacerobot.diagnosis.fitting.starts import fit_from, fit_near
+from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.machines.wrist_rig import RigModel, readable
 from spacerobot.diagnosis.terms.data import TrialData, trial_data
 from spacerobot.diagnosis.terms.hypothesis import Label, Site
@@ -59,11 +60,11 @@ class Task:
     only: Only = ()
     freed: tuple[str, ...] = ()
 
-    def sites(self) -> list[Site]:
+    def sites(self, model: Machine) -> list[Site]:
         """What is to be fitted."""
         near = () if self.near is None else self.near.hypothesis.sites
         some = {**{s.label: s.trials for s in near}, **dict(self.only)}
-        return [Site(effect(name), where, some.get((name, where), ())) for name, where in self.label]
+        return [model.site(effect(name), where, some.get((name, where), ())) for name, where in self.label]
 
 
 @dataclass
@@ -102,7 +103,7 @@ class Workshop:
 
     def run(self, task: Task) -> Fit | None:
         """Do a task; None where it cannot be simulated."""
-        sites, believed = task.sites(), self.model.believed.free_of(task.freed)
+        sites, believed = task.sites(self.model), self.model.believed.free_of(task.freed)
         try:
             if task.near is not None:
                 return fit_near(

@@ -164,8 +164,12 @@ class Machine(ABC):
             if effect.once:
                 continue
             for where in dict.fromkeys(effect.places(plain)):
-                found.append(Site(scaled(effect, self.size_at(where)), where))
+                found.append(self.site(effect, where))
         return found
+
+    def site(self, effect: Effect, where: str, trials: tuple[str, ...] = ()) -> Site:
+        """An effect at a place, in all trials or in some, its parameters scaled to what is typical there."""
+        return Site(scaled(effect, self.size_at(where)), where, trials)
 
     def but_for(self, out: Sequence[str]) -> Self:
         """The same with its other trials alone."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +12,14 @@ from spacerobot.effects.sizes import Sizes
 
 SMALL = 0.05
 """A fit's unit step of a parameter, as a share of its typical size."""
+
+USUAL = Sizes(force=5.5, length=3.5e-3, time=0.04)
+"""Of the wrist rigs for which the catalogue's own scales and starts are written: geometric means over the campaigns
+that are bundled and proved on."""
+
+ALIKE = 10.0**0.5
+"""A rig whose sizes are so many times larger or smaller at most is one of those: starts lie a factor of some five
+apart."""
 
 
 def sizes_of(force: np.ndarray, position: np.ndarray, velocity: np.ndarray, reading: float | None = None) -> Sizes:
@@ -31,6 +40,25 @@ def scaled(effect: Effect, sizes: Sizes) -> Effect:
         type(effect).__name__, (type(effect),), {"parameters": parameters, "__doc__": type(effect).__doc__}
     )()
     return made
+
+
+def beside_usual(effect: Effect, sizes: Sizes) -> Effect:
+    """The same effect, its parameters' scales and starts larger by what a rig of these sizes is larger than the usual;
+    itself where the rig is one of those.
+    """
+    pairs = ((sizes.force, USUAL.force), (sizes.length, USUAL.length), (sizes.time, USUAL.time))
+    if all(usual / ALIKE < size < usual * ALIKE for size, usual in pairs):
+        return effect
+    made = copy.copy(effect)
+    vars(made)["parameters"] = tuple(_times(p, sizes.of(p.unit) / USUAL.of(p.unit)) for p in effect.parameters)
+    return made
+
+
+def _times(parameter: Parameter, factor: float) -> Parameter:
+    if parameter.unit in ("1", "channel unit"):
+        return parameter
+    starts = tuple(min(max(factor * s, parameter.lower), parameter.upper) for s in parameter.starts)
+    return replace(parameter, scale=factor * parameter.scale, starts=tuple(dict.fromkeys(starts)))
 
 
 def _scaled(parameter: Parameter, sizes: Sizes) -> Parameter:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import functools
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -13,6 +12,7 @@ import numpy as np
 
 from spacerobot.diagnosis.machines.contract import CLOCK, Machine, Nuisance, Predicted, Variant
 from spacerobot.diagnosis.machines.mechanism_cache import MechanismCache
+from spacerobot.diagnosis.machines.sizes import beside_usual
 from spacerobot.diagnosis.terms.candidates import candidate_sites
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed, Hypothesis, Site
@@ -119,6 +119,7 @@ class RigModel(Machine):
         self.tolerance = tolerance
         self._lately = MechanismCache()
         self._know(trials)
+        self._size = self._typical()
 
     def _know(self, trials: tuple[TrialData, ...]) -> None:
         self.trials = trials
@@ -126,9 +127,8 @@ class RigModel(Machine):
         self._touch = {t.id: touch_time(t) for t in trials}
         self._motion = {t.id: _nuisances(t, self.turning, self.sideways) for t in trials}
 
-    @functools.cached_property
-    def _size(self) -> Sizes:
-        """Typical of the wrist: how far it moves, and against what, as the targets' speed has it."""
+    def _typical(self) -> Sizes:
+        """Sizes at the wrist: how far it moves, and against what, as the targets' speed has it."""
         seen = [t.channel("wrist.x")[1] for t in self._trials.values() if "wrist.x" in t.channels]
         spring = self.base.get("wrist.stiffness", 1.0)
         moved = np.concatenate(seen) if seen else self._forces() / spring
@@ -157,8 +157,12 @@ class RigModel(Machine):
         return replace(rig(inside, lateral=self.sideways), sensors=self.sensors)
 
     def sites(self, effects: Iterable[Effect] | None = None) -> list[Site]:
-        """Every effect at every place, as it stands in the catalogue; what happens once, in one of the trials."""
-        return candidate_sites(self.plain(), self.believed, effects)
+        """Every effect at every place; what happens once, in one of the trials."""
+        return [self.site(s.effect, s.where) for s in candidate_sites(self.plain(), self.believed, effects)]
+
+    def site(self, effect: Effect, where: str, trials: tuple[str, ...] = ()) -> Site:
+        """An effect at a place, as it stands in the catalogue unless this rig is of another size."""
+        return Site(beside_usual(effect, self._size), where, trials)
 
     def variants(self, trial: TrialData) -> Iterator[Variant]:
         """The trial with another target at other speeds; what is not stated of it cannot be changed."""

@@ -139,7 +139,7 @@ def _copied_fit(workshop: Workshop, chosen: Fit, seed: int) -> tuple[Fitter, Fit
 
 def _other_starts(copy: Workshop, chosen: Fit, ended: Fit, only: Only) -> Iterator[Task]:
     """Where else a fit of the copy begins: where the first one ended, the effects' own starts, their true values, and
-    one effect after the other, as a search finds them.
+    as a search finds them: beside the fit without effects, and one effect after the other.
     """
     label, freed = chosen.hypothesis.label, chosen.hypothesis.freed
     yield Task(label, {}, near=ended, max_iterations=STEPS, freed=freed)
@@ -147,6 +147,9 @@ def _other_starts(copy: Workshop, chosen: Fit, ended: Fit, only: Only) -> Iterat
         yield Task(label, start, only=only, freed=freed)
     values = effect_values(chosen)
     yield Task(label, values, only=only, freed=freed)
+    plain = copy.run(Task((), {}, freed=freed))
+    if plain is not None:
+        yield Task(label, values, near=plain, max_iterations=STEPS, only=only, freed=freed)
     for one in label if len(label) > 1 else ():
         alone = copy.run(Task((one,), {}, near=_part(chosen, one), only=only, freed=freed))
         if alone is not None:

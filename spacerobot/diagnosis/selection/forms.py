@@ -8,7 +8,6 @@ from spacerobot.diagnosis.fitting.screen import faint
 from spacerobot.diagnosis.fitting.workshop import Task
 from spacerobot.diagnosis.selection.pairs import simplify
 from spacerobot.diagnosis.selection.search_state import WORTH_A_FIT, Found, Report, run_tasks, screened, share_of
-from spacerobot.diagnosis.terms.hypothesis import Site
 from spacerobot.effects.effect import FORM
 from spacerobot.effects.registry import effect
 
@@ -31,7 +30,7 @@ def formed(pool: Pool, found: Found, report: Report) -> None:
         crowded = [where for _, where in found.best.hypothesis.label].count(site.where) > 1
         if found.explained and not crowded:
             continue
-        others = [Site(effect(site.effect.name + FORM + form), site.where) for form in site.effect.forms]
+        others = [pool.workshop.model.site(effect(site.effect.name + FORM + f), site.where) for f in site.effect.forms]
         for beside in _without(found, site.where):
             report("screening forms", 0, len(others))
             tasks = []

@@ -115,7 +115,7 @@ def more(pool: Pool, found: Found, report: Report) -> None:
             break
 
 
-def changing(found: Found) -> list[Task]:
+def changing(pool: Pool, found: Found) -> list[Task]:
     """The best single effects, and those of the best set, each as one that grows or fades over the trials.
 
     Of several laws of one thing the plainest first: five richer ones are no reason to do without it.
@@ -130,7 +130,7 @@ def changing(found: Found) -> list[Task]:
         for site in fit.hypothesis.sites:
             if site.trials or not may_change(site.effect):
                 continue
-            new = Site(effect(site.effect.name + SUFFIX), site.where)
+            new = pool.workshop.model.site(effect(site.effect.name + SUFFIX), site.where)
             label = tuple(sorted(new.label if one == site.label else one for one in fit.hypothesis.label))
             values = {new.key(p.name): fit.values()[site.key(p.name)] for p in site.effect.parameters}
             start = {**effect_values(fit), **values, new.key(TREND): 0.0}
@@ -265,7 +265,7 @@ def simplify(pool: Pool, found: Found, report: Report) -> None:
                 continue
             if bound.intersection(label):  # it would be held there too
                 continue
-            sites = [Site(effect(name), where) for name, where in label]
+            sites = [pool.workshop.model.site(effect(name), where) for name, where in label]
             starts = effect_starts(sites, effect_values(best))[: 1 if label in found.fits else 2]
             starts += [{**starts[0], **own} for own in _inherited(sites, best)]
             tasks += [Task(label, start, near=best, max_iterations=20) for start in starts]

@@ -14,6 +14,7 @@ from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.screen import Screener, faint
 from spacerobot.diagnosis.fitting.starts import effect_starts, informed_starts
 from spacerobot.diagnosis.fitting.workshop import Task
+from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.selection.search_state import Found, noise_of, plausible_of, run_tasks, share_of
 from spacerobot.diagnosis.terms.candidates import contains, refines, simpler
 from spacerobot.diagnosis.terms.decision import PENALTY
@@ -41,7 +42,7 @@ def refit(pool: Pool, chosen: Sequence[Site], rivals: Sequence[Sequence[Site]], 
     """
     baseline = pool.here(Task((), {}))
     assert baseline is not None  # the believed rig itself can be simulated, or RigModel had refused it
-    sets = _with_parts(chosen, rivals)
+    sets = _with_parts(pool.workshop.model, chosen, rivals)
     singles = {s.label: Site(s.effect, s.where) for one in sets.values() for s in one}
     found = Found(
         baseline, singles=tuple(singles.values()), noise=noise_of(pool.workshop), plausible=plausible_of(pool.workshop)
@@ -71,7 +72,9 @@ def _silent(what: str, done: int, total: int) -> None:
     """Progress that nobody watches."""
 
 
-def _with_parts(chosen: Sequence[Site], rivals: Sequence[Sequence[Site]]) -> dict[Label, tuple[Site, ...]]:
+def _with_parts(
+    model: Machine, chosen: Sequence[Site], rivals: Sequence[Sequence[Site]]
+) -> dict[Label, tuple[Site, ...]]:
     """Every set and all its parts, special cases of the chosen one's effects too; the smaller first."""
     sets: dict[Label, tuple[Site, ...]] = {}
     for sites in (chosen, *rivals):
@@ -79,7 +82,7 @@ def _with_parts(chosen: Sequence[Site], rivals: Sequence[Sequence[Site]]) -> dic
             for part in itertools.combinations(sites, size):
                 sets.setdefault(label_of(part), part)
     for label in simpler(tuple(s.label for s in chosen)):
-        sets.setdefault(label, tuple(Site(effect(name), where) for name, where in label))
+        sets.setdefault(label, tuple(model.site(effect(name), where) for name, where in label))
     return dict(sorted(sets.items(), key=lambda item: (len(item[0]), _size(item[1]))))
 
 

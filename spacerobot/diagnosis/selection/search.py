@@ -110,7 +110,7 @@ def search(pool: Pool, sites: Sequence[Site], report: Report) -> Found:
     formed(pool, found, report)
     more(pool, found, report)
     if not found.explained:
-        run_tasks(pool, found, changing(found), report, "effects that change over the trials")
+        run_tasks(pool, found, changing(pool, found), report, "effects that change over the trials")
         lone = {id(f): f for f in (found.baseline, found.preferred([*found.fits.values()] or [found.baseline]))}
         later = [t for f in lone.values() for t in since(workshop.fitter(), workshop.model.believed, f, found.singles)]
         run_tasks(pool, found, later, report, "sensors that change from some trial on")

@@ -57,7 +57,7 @@ class Foretold:
         if trial.id not in self.starts:
             return None
         some = dict(self.only)
-        sites = [Site(effect(n), w, some.get((n, w), ())) for n, w in self.label]
+        sites = [model.site(effect(n), w, some.get((n, w), ())) for n, w in self.label]
         values = {**self.values, **self.own.get(trial.id, {})}
         made = hypothesis(model.believed.free_of(self.freed), sites, values)
         raw, keep = Fitter(model, [trial]).residual(made, made.start(values), trial, self.starts[trial.id])

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import pickle
+
 import pytest
 
-from spacerobot.diagnosis.machines.sizes import scaled
+from spacerobot.diagnosis.machines.sizes import USUAL, beside_usual, scaled
 from spacerobot.effects.registry import all_effects, effect
 from spacerobot.effects.sizes import Sizes
 from spacerobot.support.errors import InputError
@@ -40,3 +42,19 @@ def test_a_thousandfold_rig_gets_thousandfold_steps() -> None:
 def test_sizes_must_be_positive() -> None:
     with pytest.raises(InputError, match="typical size"):
         Sizes(0.0, 1.0, 1.0)
+
+
+@pytest.mark.parametrize("name", sorted(all_effects()))
+def test_a_rig_of_another_size_is_searched_in_its_own_sizes(name: str) -> None:
+    """Two machines alike but for their units of force, length and time begin their fits alike; the usual as it is."""
+    sizes = Sizes(force=40.0 * USUAL.force, length=5.0 * USUAL.length, time=4.0 * USUAL.time)
+    plain, big = effect(name), beside_usual(effect(name), sizes)
+    assert beside_usual(effect(name), USUAL) is plain
+    unit = Sizes(force=40.0, length=5.0, time=4.0)
+    for was, now in zip(plain.parameters, big.parameters, strict=True):
+        angle = was.unit in ("rad", "rad/m")  # against a gravity that is the same for both
+        factor = 5.0 ** (was.unit == "rad") / 16.0 if angle else unit.of(was.unit)
+        assert now.scale == pytest.approx(factor * was.scale)
+        assert all(was.lower <= s <= was.upper for s in now.starts)
+        assert now.starts[0] == pytest.approx(min(max(factor * was.starts[0], was.lower), was.upper))
+    assert pickle.loads(pickle.dumps(big)).parameters == big.parameters  # as sent to workers
