@@ -174,13 +174,14 @@ class Fitter:
         used = 0
         if robust and state.chi2() > ROBUST_ABOVE * state.samples:
             state, used, _, _, _ = self._descend(hypothesis, state, True, max_iterations // 2)
-        given_up = False
+        given_up, system = False, None
         for _ in range(RESCUES):
             if rows is None:
                 state, _ = self.rescue(hypothesis, state)
-            state, iterations, converged, system, given_up = self._descend(
+            state, iterations, converged, last, given_up = self._descend(
                 hypothesis, state, False, max_iterations - used, hopeless, rows, loose, eager and rows is not None
             )
+            system = last or system  # none where nothing was left to spend
             rows = None
             used += iterations
             if given_up:

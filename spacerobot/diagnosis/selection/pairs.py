@@ -157,7 +157,7 @@ def _fit_pairs(pool: Pool, found: Found, single: Fit, first: Screen | None, repo
     run_tasks(pool, found, near, report, "pairs of effects")  # all of them: two may explain the data
     if first is not None and not found.explained:
         run_tasks(pool, found, _of_singles(found), report, "pairs of the best single effects", stop=True)
-        for other in [f for f in found.singles_by_cost()[:TOP_BESIDE] if f is not single]:
+        for other in [f for f in found.one_of_each()[:TOP_BESIDE] if f is not single]:
             if found.explained:
                 break
             others = [s for s in found.singles if s.label not in other.hypothesis.label]
@@ -207,7 +207,7 @@ def _of_singles(found: Found) -> list[Task]:
 
     Friction that brings a body to rest hardly moves the recordings where it is faint, so no screening promises it.
     """
-    top = [f for f in found.singles_by_cost() if found.baseline.cost - f.cost > WORTH_A_FIT][:TOP_SINGLES]
+    top = [f for f in found.one_of_each() if found.baseline.cost - f.cost > WORTH_A_FIT][:TOP_SINGLES]
     tasks = []
     for one, other in itertools.combinations(top, 2):  # the better one first: the fit begins at it
         a, b = one.hypothesis.label, other.hypothesis.label
