@@ -38,12 +38,14 @@ from spacerobot.effects.registry import all_effects
 from spacerobot.recordings.lacking import refuse_draft
 from spacerobot.recordings.study import Study
 from spacerobot.support.executors.base import Executor
+from spacerobot.support.workers import one_thread
 
 
 def _silent(what: str, done: int, total: int) -> None:
     """Progress that nobody watches."""
 
 
+@one_thread()
 def diagnose(
     study: Study,
     *,

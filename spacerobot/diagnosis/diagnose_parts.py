@@ -27,8 +27,10 @@ from spacerobot.diagnosis.selection.stretches import bends, foretold, momentary,
 from spacerobot.effects.effect import Effect
 from spacerobot.effects.registry import all_effects
 from spacerobot.recordings.study import Study
+from spacerobot.support.workers import one_thread
 
 
+@one_thread()
 def diagnose_parts(
     study: Study,
     *,

@@ -27,6 +27,15 @@ def begin(*_: object) -> None:
         os.environ[name] = "1"
 
 
+@contextlib.contextmanager
+def one_thread() -> Iterator[None]:
+    """While it is open, or in what it decorates: linear algebra on one thread, as in workers."""
+    from threadpoolctl import threadpool_limits
+
+    with threadpool_limits(limits=1, user_api="blas"):
+        yield
+
+
 def may_fork() -> bool:
     """Whether processes may begin as copies of this one, which load and compile nothing: not beside other threads."""
     return sys.platform == "linux" and threading.active_count() == 1

@@ -1,4 +1,5 @@
-"""Same input, same bytes: in another process, with other hash seeds and more workers, a diagnosis writes the same.
+"""Same input, same bytes: in another process, with other hash seeds, more workers and threads of linear algebra, a
+diagnosis writes the same.
 
 So it does with another --seed, but for the seed itself.
 """
@@ -29,7 +30,12 @@ SECONDS = re.compile(rb'"seconds": [\d.]+|<dd>[\d.]+ s</dd>')
 def written(study: Path, out: Path, seed: str, jobs: str, *options: str) -> dict[str, bytes]:
     """Verdict and page of one diagnosis, without what it took."""
     command = [sys.executable, "-m", "spacerobot", "diagnose", str(study), "--out", str(out), "--jobs", jobs, *options]
-    done = subprocess.run(command, env={**os.environ, "PYTHONHASHSEED": seed}, capture_output=True, check=False)
+    done = subprocess.run(
+        command,
+        env={**os.environ, "PYTHONHASHSEED": seed, "OPENBLAS_NUM_THREADS": jobs},
+        capture_output=True,
+        check=False,
+    )
     assert done.returncode == 0, done.stderr.decode()
     return {name: SECONDS.sub(b"", (out / name).read_bytes()) for name in ("verdict.json", "report.html")}
 
