@@ -51,7 +51,7 @@ test-all:  ## the test suite on every supported Python that is installed
 	  if command -v python$$v >/dev/null || [ -n "$(UV)" ]; then $(MAKE) suite PYTHON=$$( [ -n "$(UV)" ] && echo $$v || echo python$$v ) VENV=.venv-$$v || exit 1; \
 	  else echo "python$$v is not installed: skipped"; fi; done
 
-prove-quick: $(VENV)/.test  ## four concealed campaigns of another engine, diagnosed blind and scored
+prove-quick: $(VENV)/.test  ## a few concealed campaigns of another engine, diagnosed blind and scored
 	$(BIN)/spacerobot prove --quick --no-rivals --jobs 2 --out build/proof-quick --overwrite
 
 fuzz: $(VENV)/.test  ## fuzz every reader with more than a million cases (an hour; goes on where it stopped)

@@ -115,7 +115,7 @@ FULL = Size(
 )
 
 QUICK = Size(
-    {"outsider": 1, "unlabelled": 1, "wrong_value": 1, "nothing_missing": 1},  # what takes longest is begun first
+    {"unlabelled": 1, "wrong_value": 1, "nothing_missing": 1},
     withheld_rounds=0,
     curve_repeats=0,
     short_repeats=0,

@@ -130,6 +130,7 @@ def test_masses_that_each_trial_states_are_told_as_a_factor(tmp_path: Path) -> N
     assert verdict["moved"]["target.mass"]["unit"] == TIMES_STATED
 
 
+@pytest.mark.slow
 def test_many_wrong_values_at_once_are_something_that_bends_them_all(tmp_path: Path) -> None:
     """As a force sensor's scale does, where no catalogue has it."""
     truth = {"wrist.stiffness": 1.15 * 1020.0, "wrist.mass": 1.15 * 0.7, "contact.stiffness": 1.3 * 68000.0}

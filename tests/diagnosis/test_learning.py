@@ -165,6 +165,7 @@ def test_a_law_of_the_press_and_one_of_the_tip_are_learned_with_their_formulas(
     assert found == pytest.approx(numbers[0], rel=0.05 if law is pressed else 0.2)
 
 
+@pytest.mark.slow
 def test_a_law_is_learned_beside_an_effect_of_the_catalogue(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     drag = ("viscous_drag", "target", {"coefficient_Ns_m": 1.0})
     workshop = _workshop(monkeypatch, tmp_path, worn, (1.6, 0.008, 0.003), drag)
