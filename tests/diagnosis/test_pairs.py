@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from spacerobot.diagnosis.fitting.adequacy import Left
@@ -10,7 +12,7 @@ from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
 from spacerobot.diagnosis.selection import pairs
 from spacerobot.diagnosis.selection import search as whole
-from spacerobot.diagnosis.selection.search_state import Found, noise_of
+from spacerobot.diagnosis.selection.search_state import Found, noise_of, run_tasks
 from tests.diagnosis.rigs import write_study
 
 DRAG, RUB = ("viscous_drag", "target"), ("coulomb_friction", "target")
@@ -97,3 +99,26 @@ def test_a_search_asks_whether_what_is_left_is_noise(shop: Workshop) -> None:
     fit = shop.run(Task((), {}))
     assert fit is not None
     assert asks(fit) is shop.left_by(fit).adequate is False  # two effects are missing
+
+
+def test_laws_of_one_thing_fill_one_place(found: Found) -> None:
+    first = [f.hypothesis.label for f in found.one_of_each()]
+    assert (WRIST,) in first
+    assert (EITHER,) not in first
+
+
+def test_a_set_at_the_wrong_moment_is_found_at_the_right_one(tmp_path: Path) -> None:
+    """In one trial it strikes before the touch, in another after it: everything that follows is another."""
+    gap, knock, key = ("backlash", "wrist"), ("external_impulse", "target"), "external_impulse@target.time_s"
+    planted = [(*gap, {"half_gap_m": 1.5e-4}), (*knock, {"impulse_Ns": 0.08, "time_s": 0.25})]
+    workshop = Workshop(write_study(tmp_path, planted=planted))
+    start = {"backlash@wrist.half_gap_m": 1.5e-4, "external_impulse@target.impulse_Ns": -0.03, key: 0.9}
+    base, wrong = workshop.run(Task((), {})), workshop.run(Task((gap, knock), start))
+    assert base is not None
+    assert wrong is not None
+    assert abs(wrong.values()[key] - 0.25) > 0.1
+    with Pool(workshop, 1) as pool:
+        found = Found(base, {wrong.hypothesis.label: wrong})
+        run_tasks(pool, found, pairs._other_moments(pool, found), lambda *_: None, "at other moments")
+    assert found.best.cost < wrong.cost - 100.0
+    assert found.best.values()[key] == pytest.approx(0.25, abs=0.02)

@@ -11,7 +11,7 @@ import numpy as np
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.screen import Screen, faint
-from spacerobot.diagnosis.fitting.starts import effect_starts
+from spacerobot.diagnosis.fitting.starts import EVERY, SIZES, effect_starts, moments, sized
 from spacerobot.diagnosis.fitting.workshop import Task
 from spacerobot.diagnosis.selection.nameable import held_labels
 from spacerobot.diagnosis.selection.search_state import (
@@ -70,6 +70,7 @@ def pairs(pool: Pool, found: Found, first: Screen, report: Report) -> None:
         paired.add(single.hypothesis.label)
         run_tasks(pool, found, _mirrored(found), report, "late for early")
         run_tasks(pool, found, _twins(found, first), report, "what acts alike")
+        run_tasks(pool, found, _other_moments(pool, found), report, "at other moments")
         simplify(pool, found, report)
         if found.explained:
             break
@@ -242,6 +243,21 @@ def _twins(found: Found, first: Screen) -> list[Task]:
             start = item.start if alone is None else effect_values(alone)
             if label not in found.fits and not bound.intersection(label):
                 tasks.append(Task(label, {**start, **effect_values(best)}, near=best, max_iterations=20))
+    return tasks
+
+
+def _other_moments(pool: Pool, found: Found) -> list[Task]:
+    """The best set with what happens at a moment at others, all over the trials and either way, from their approaches.
+
+    Which moment it came to hangs on what the rest had not explained then; and a knock before a touch moves all that
+    follows, so that no fit finds it from one behind.
+    """
+    best, tasks = found.best, []
+    for own in best.hypothesis.sites if len(best.hypothesis.sites) > 1 and not found.explained else ():
+        for start in moments(own, pool.workshop.trials)[::EVERY]:
+            for share in (SIZES[0], -SIZES[0]) if own.effect.two_sided else (SIZES[0],):
+                values = {**effect_values(best), **sized(own, start, share)}
+                tasks.append(Task(best.hypothesis.label, values, max_iterations=20, only=best.hypothesis.only))
     return tasks
 
 
