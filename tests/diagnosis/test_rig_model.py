@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -73,3 +74,24 @@ def test_forces_are_left_out_about_each_touch_as_their_sensor_sees_it(touches: l
     assert np.array_equal(keep[10:][sure], (apart > ONSET_MASK)[sure])
     by_its_clock = counted(rig(RIG), trial, Predicted((), tuple(touches), (0.0, late)))
     assert np.array_equal(by_its_clock, keep)
+
+
+def test_sizes_are_alike_whatever_reads_the_wrist(tmp_path: Path) -> None:
+    """From its marker, from the force alone, from the target's speed where neither is read; a spring not stated too."""
+    write_study(tmp_path)
+    path = tmp_path / "study.toml"
+    whole = path.read_text()
+    blind = re.sub(r"(?m)^x_wrist_m = .*\n", "", whole)
+    numb = re.sub(
+        r"(?m)^force = .*\n", "", re.sub(r"\[streams\.force\]\n(?:[^\[].*\n|\[streams\.force\..*\n)*", "", blind)
+    )
+    springless = re.sub(r'(?m)^(stiffness = 1020.*|"wrist.stiffness" = .*)\n', "", numb)
+    found = []
+    for text in (whole, blind, numb, springless):
+        path.write_text(text)
+        study = load_study(tmp_path)
+        found.append(RigModel(study, trial_data(study)).size_at("wrist"))
+    for size in found[1:3]:
+        assert size.length == pytest.approx(found[0].length, rel=0.3)
+        assert size.time == pytest.approx(found[0].time, rel=0.3)
+    assert found[3].force == pytest.approx(found[0].force, rel=0.9)

@@ -37,6 +37,10 @@ UNKNOWN_CENTRES = {
 }
 """Where the search for an unstated value begins, SI; that for the wrist's stiffness where the recordings say."""
 
+SPREAD = 1.0 / 3.0
+"""Standard deviation of what a hit moves in a trial over its peak, and such a time over the spring's own: that of half
+a sine in a recording some four times as long."""
+
 STEP_LIMIT = 5000
 """Steps of one trial after which a fit calls its parameters too stiff to be true; a plain trial takes some 400."""
 
@@ -129,21 +133,25 @@ class RigModel(Machine):
 
     def _typical(self) -> Sizes:
         """Sizes at the wrist: how far it moves, and against what, as the targets' speed has it."""
-        seen = [t.channel("wrist.x")[1] for t in self._trials.values() if "wrist.x" in t.channels]
-        spring = self.base.get("wrist.stiffness", 1.0)
-        moved = np.concatenate(seen) if seen else self._forces() / spring
-        length = max(float(np.std(moved)), 1e-9)
+        values = {**self.base, **self.believed.unknown}
+        spring = values.get("wrist.stiffness", 1.0)
+        masses = [t.overrides.get("target.mass", values.get("target.mass", 1.0)) for t in self.trials]
+        natural = SPREAD * math.sqrt(float(np.median(masses)) / spring)
         rates = [n.guess for motion in self._motion.values() for n in motion if n.coordinate == "target" and n.rate]
-        speed = max(float(np.sqrt(np.mean(np.square(rates)))), 1e-9)
-        return Sizes(spring * length, length, length / speed)
+        speed = float(np.sqrt(np.mean(np.square(rates)))) if rates else 0.0
+        length = self._spread("wrist.x") or self._spread("contact.force") / spring or speed * natural
+        time = length / speed if length > 0.0 and speed > 0.0 else natural
+        return Sizes(spring * max(length, 1e-9), max(length, 1e-9), max(time, 1e-9))
+
+    def _spread(self, channel: str) -> float:
+        """Standard deviation of all good readings of a channel; 0 where nothing reads it."""
+        shown = [t.channel(channel) for t in self.trials if channel in t.channels]
+        good = [value[weight > 0.0] for _, value, weight in shown]
+        return float(np.std(np.concatenate(good))) if any(x.size for x in good) else 0.0
 
     def size_at(self, where: str) -> Sizes:
         """Of the wrist, everywhere."""
         return self._size
-
-    def _forces(self) -> np.ndarray:
-        seen = [t.channel("contact.force")[1] for t in self._trials.values() if "contact.force" in t.channels]
-        return np.concatenate(seen) if seen else np.ones(1)
 
     def of(self, trial: TrialData) -> RigModel:
         """The same rig, in this trial alone."""
