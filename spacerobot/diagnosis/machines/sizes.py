@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 import copy
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.effects.effect import Effect, Parameter
 from spacerobot.effects.sizes import Sizes
 
 SMALL = 0.05
 """A fit's unit step of a parameter, as a share of its typical size."""
+
+SPREAD = 1.0 / 3.0
+"""Standard deviation of what a hit moves in a trial over its peak, and such a time over the spring's own: that of half
+a sine in a recording some four times as long."""
 
 USUAL = Sizes(force=5.5, length=3.5e-3, time=0.04)
 """Of the wrist rigs for which the catalogue's own scales and starts are written: geometric means over the campaigns
@@ -31,6 +38,30 @@ def sizes_of(force: np.ndarray, position: np.ndarray, velocity: np.ndarray, read
         time=length / float(np.sqrt(np.mean(np.square(velocity)))),
         reading=length if reading is None else reading,
     )
+
+
+def sizes_of_hits(trials: Sequence[TrialData], values: Mapping[str, float], rates: Sequence[float]) -> Sizes:
+    """Sizes at a wrist that targets hit: how far it moves, and against what, as their speed has it.
+
+    Args:
+        trials: of the rig; from what reads the wrist or the contact's force, or from the speeds where nothing does.
+        values: of the baseline, by name.
+        rates: speeds of the targets [m/s], where their tracks were read.
+    """
+    spring = values.get("wrist.stiffness", 1.0)
+    masses = [t.overrides.get("target.mass", values.get("target.mass", 1.0)) for t in trials]
+    natural = SPREAD * math.sqrt(float(np.median(masses)) / spring)
+    speed = float(np.sqrt(np.mean(np.square(rates)))) if rates else 0.0
+    length = _spread(trials, "wrist.x") or _spread(trials, "contact.force") / spring or speed * natural
+    time = length / speed if length > 0.0 and speed > 0.0 else natural
+    return Sizes(spring * max(length, 1e-9), max(length, 1e-9), max(time, 1e-9))
+
+
+def _spread(trials: Sequence[TrialData], channel: str) -> float:
+    """Standard deviation of all good readings of a channel; 0 where nothing reads it."""
+    shown = [t.channel(channel) for t in trials if channel in t.channels]
+    good = [value[weight > 0.0] for _, value, weight in shown]
+    return float(np.std(np.concatenate(good))) if any(x.size for x in good) else 0.0
 
 
 def scaled(effect: Effect, sizes: Sizes) -> Effect:

@@ -12,7 +12,7 @@ import numpy as np
 
 from spacerobot.diagnosis.machines.contract import CLOCK, Machine, Nuisance, Predicted, Variant
 from spacerobot.diagnosis.machines.mechanism_cache import MechanismCache
-from spacerobot.diagnosis.machines.sizes import beside_usual
+from spacerobot.diagnosis.machines.sizes import beside_usual, sizes_of_hits
 from spacerobot.diagnosis.terms.candidates import candidate_sites
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed, Hypothesis, Site
@@ -36,10 +36,6 @@ UNKNOWN_CENTRES = {
     "target.mass": 10.0,
 }
 """Where the search for an unstated value begins, SI; that for the wrist's stiffness where the recordings say."""
-
-SPREAD = 1.0 / 3.0
-"""Standard deviation of what a hit moves in a trial over its peak, and such a time over the spring's own: that of half
-a sine in a recording some four times as long."""
 
 STEP_LIMIT = 5000
 """Steps of one trial after which a fit calls its parameters too stiff to be true; a plain trial takes some 400."""
@@ -123,31 +119,14 @@ class RigModel(Machine):
         self.tolerance = tolerance
         self._lately = MechanismCache()
         self._know(trials)
-        self._size = self._typical()
+        rates = [n.guess for motion in self._motion.values() for n in motion if n.coordinate == "target" and n.rate]
+        self._size = sizes_of_hits(trials, {**self.base, **unknown}, rates)
 
     def _know(self, trials: tuple[TrialData, ...]) -> None:
         self.trials = trials
         self._trials = {t.id: t for t in trials}
         self._touch = {t.id: touch_time(t) for t in trials}
         self._motion = {t.id: _nuisances(t, self.turning, self.sideways) for t in trials}
-
-    def _typical(self) -> Sizes:
-        """Sizes at the wrist: how far it moves, and against what, as the targets' speed has it."""
-        values = {**self.base, **self.believed.unknown}
-        spring = values.get("wrist.stiffness", 1.0)
-        masses = [t.overrides.get("target.mass", values.get("target.mass", 1.0)) for t in self.trials]
-        natural = SPREAD * math.sqrt(float(np.median(masses)) / spring)
-        rates = [n.guess for motion in self._motion.values() for n in motion if n.coordinate == "target" and n.rate]
-        speed = float(np.sqrt(np.mean(np.square(rates)))) if rates else 0.0
-        length = self._spread("wrist.x") or self._spread("contact.force") / spring or speed * natural
-        time = length / speed if length > 0.0 and speed > 0.0 else natural
-        return Sizes(spring * max(length, 1e-9), max(length, 1e-9), max(time, 1e-9))
-
-    def _spread(self, channel: str) -> float:
-        """Standard deviation of all good readings of a channel; 0 where nothing reads it."""
-        shown = [t.channel(channel) for t in self.trials if channel in t.channels]
-        good = [value[weight > 0.0] for _, value, weight in shown]
-        return float(np.std(np.concatenate(good))) if any(x.size for x in good) else 0.0
 
     def size_at(self, where: str) -> Sizes:
         """Of the wrist, everywhere."""
