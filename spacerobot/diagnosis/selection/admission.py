@@ -116,6 +116,17 @@ def of_model(study: Study, model: Machine) -> Iterator[InputError]:
         yield InputError(what, given=f"trial {trial.id}", valid="a second trial of it", where=where)
 
 
+SHARE = 20
+"""A wrist rests in the first of so many parts of a trial."""
+
+DEEP = 0.95
+"""Share of a trial's readings of the wrist that lie below its deepest ones: the target touches it then. Not the very
+deepest, which may be an outlier.
+"""
+
+CLEARLY = 20.0
+"""Sigmas by which it moves, if a zero is asked for: a wrist that nothing touched shows none."""
+
 Questions = Callable[[Recording], Iterator[InputError]]
 """Asked of a recording: why it cannot be fitted."""
 
@@ -158,6 +169,7 @@ class WristDoor:
         except InputError as error:
             yield error
             return
+        yield from misplaced(recording, where)
         try:
             model = self._model(trial)
             start = np.array([n.guess for n in model.nuisances(trial)])
@@ -183,6 +195,32 @@ class WristDoor:
                 self._mechanisms.clear()
             self._mechanisms[key] = model.mechanism({**model.base, **model.believed.unknown, **trial.overrides})
         return self._mechanisms[key]
+
+
+def misplaced(recording: Recording, where: str) -> Iterator[InputError]:
+    """Why a track cannot be laid over a rig: its zero is elsewhere than the rig's, by more than the wrist moves.
+
+    The wrist's zero is where its spring is relaxed, the target's where it touches: there and then both read the same.
+    """
+    if "wrist.x" not in recording or TRACK not in recording:
+        return
+    wrist, target = recording["wrist.x"], recording[TRACK]
+    (time, place), (when, track) = wrist.good(), target.good()
+    if place.size < LEAST or track.size < LEAST or not wrist.sigma > 0.0:
+        return
+    hand = np.interp(time, *recording["hand.x"].good()) if "hand.x" in recording else np.zeros_like(place)
+    pressed = place - hand
+    rest = float(np.median(pressed[: max(LEAST, place.size // SHARE)]))
+    deep = pressed >= np.quantile(pressed, DEEP)
+    moved = float(np.median(pressed[deep])) - rest
+    if moved < CLEARLY * wrist.sigma:
+        return
+    apart = float(np.median(np.interp(time[deep], when, track) - place[deep]))
+    for series, by, at in ((wrist, rest, "at rest"), (target, rest + apart, "when it touches")):
+        if abs(by) > moved:
+            what = f"{series.name} reads {by:.4g} m {at}, the wrist moves by {moved:.3g} m: its zero is elsewhere"
+            valid = f'0 m there: offset."{series.name}" = {-by:.4g} in the trial, or an offset on the channel'
+            yield InputError(f"{what}, in trial {recording.trial.id}", valid=valid, where=where)
 
 
 def weighable(series: Series) -> tuple[str, str] | None:
