@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from spacerobot.diagnosis.overlay import overlay
 from spacerobot.diagnosis.selection.admission import admit
 from spacerobot.recordings.study import load_study
 from spacerobot.support.errors import InputError
@@ -39,6 +40,12 @@ def test_it_is_told_by_how_much_and_what_is_stated_is_taken(
     path = tmp_path / "study.toml"
     path.write_text(re.sub(r"(?m)^(target.mass = .*)$", rf'\1\noffset."{channel}" = {told[1]}', path.read_text()))
     admit(load_study(tmp_path))
+
+
+def test_an_overlay_draws_it_and_says_so(tmp_path: Path) -> None:
+    write_study(tmp_path, masses=(9.0,))
+    moved(tmp_path, 2, 1.234)
+    assert any("its zero is elsewhere" in said for said in overlay(load_study(tmp_path)).model.assumptions)
 
 
 def test_a_few_lost_markers_are_no_zero(tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ from spacerobot.diagnosis.answer.spoiled import left_out, noise_told
 from spacerobot.diagnosis.fitting.spoiled import cleaned
 from spacerobot.diagnosis.forward.base import ForwardModel, TrialOverlay, Value, channels_of, overlaid, unit_of
 from spacerobot.diagnosis.machines.wrist_rig import RigModel, readable
-from spacerobot.diagnosis.selection.admission import questions
+from spacerobot.diagnosis.selection.admission import misplaced, questions
 from spacerobot.diagnosis.terms.data import TrialData, trial_data
 from spacerobot.dynamics.effective_mass import effective_mass
 from spacerobot.recordings.rig_robot import study_robot
@@ -51,7 +51,7 @@ class WristRig(ForwardModel):
     @classmethod
     def of(cls, study: Study) -> Self:
         """The rig as believed."""
-        ask = questions(study)
+        ask = questions(study, to_draw=True)
         for trial in study.trials:
             for refusal in ask(study.recording(trial)):
                 raise refusal
@@ -74,6 +74,8 @@ class WristRig(ForwardModel):
             "starts at rest.",
             "The arm is held still." if held else f"The arm moves as one hand of {self.hand_mass:.3g} kg.",
         ]
+        first = self.study.recording(self.study.trials[0])
+        said += [f"A diagnosis would refuse this: {refusal}." for refusal in misplaced(first, "")]
         said += [f"{word[0].upper()}{word[1:]}." for word in self.model.beliefs.words()]
         for stream, late in self._late().items():
             said.append(

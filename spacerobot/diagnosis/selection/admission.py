@@ -131,16 +131,21 @@ Questions = Callable[[Recording], Iterator[InputError]]
 """Asked of a recording: why it cannot be fitted."""
 
 
-def questions(study: Study) -> Questions:
-    """What is asked of each trial; nothing of the trials of other machines, which are asked as a whole."""
-    return WristDoor(study).refusals if has_wrist(study) else lambda recording: iter(())
+def questions(study: Study, *, to_draw: bool = False) -> Questions:
+    """What is asked of each trial; nothing of the trials of other machines, which are asked as a whole.
+
+    Args:
+        study: whose trials.
+        to_draw: only what a picture needs too: a picture shows best that a zero is elsewhere.
+    """
+    return WristDoor(study, to_draw).refusals if has_wrist(study) else lambda recording: iter(())
 
 
 class WristDoor:
     """Asks trials of a wrist rig, one after the other, and keeps none: they share the rig as it is believed."""
 
-    def __init__(self, study: Study) -> None:
-        self._study, self._shown = study, readable(study)
+    def __init__(self, study: Study, to_draw: bool = False) -> None:
+        self._study, self._shown, self._to_draw = study, readable(study), to_draw
         self._models: dict[bool, RigModel] = {}
         self._mechanisms: dict[object, Mechanism] = {}
 
@@ -169,7 +174,8 @@ class WristDoor:
         except InputError as error:
             yield error
             return
-        yield from misplaced(recording, where)
+        if not self._to_draw:
+            yield from misplaced(recording, where)
         try:
             model = self._model(trial)
             start = np.array([n.guess for n in model.nuisances(trial)])
