@@ -99,7 +99,8 @@ def _new(args: argparse.Namespace) -> int:
         return 0
     print(f"{path}: {_KINDS[made.kind]}; {len(names)} trial{'s' if len(names) > 1 else ''}")
     for name, lines in made.lines.items():
-        print(f"  {name}: {', '.join(line.channel for line in lines[:8])}{', ...' if len(lines) > 8 else ''}")
+        left = f"; left out: {', '.join(made.left[name][:6])}" if made.left[name] else ""
+        print(f"  {name}: {', '.join(line.channel for line in lines[:8])}{', ...' if len(lines) > 8 else ''}{left}")
     for remark in made.remarks[:5]:
         print(f"  not read: {remark}")
     if len(made.remarks) > 5:

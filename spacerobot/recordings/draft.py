@@ -13,8 +13,10 @@ from pathlib import Path
 
 import numpy as np
 
+from spacerobot.recordings.drafting.angles import in_degrees
 from spacerobot.recordings.drafting.behaviour import by_behaviour
 from spacerobot.recordings.drafting.cells import trials_in
+from spacerobot.recordings.drafting.column_lists import column_lists, with_lists
 from spacerobot.recordings.drafting.columns import Reading, joints_by_place, readings
 from spacerobot.recordings.drafting.files import Found, recordings_in, robots_in
 from spacerobot.recordings.drafting.gearing import gearing
@@ -25,7 +27,7 @@ from spacerobot.recordings.drafting.machines import AXIS, draft_machine, kind_of
 from spacerobot.recordings.drafting.names import ENDINGS
 from spacerobot.recordings.drafting.pendulum import hang, pendulum_urdf, swing_of
 from spacerobot.recordings.drafting.robots import joints_of
-from spacerobot.recordings.drafting.run_list import RunList, run_lists
+from spacerobot.recordings.drafting.run_list import RunList, run_lists, sheet_list
 from spacerobot.recordings.drafting.time_files import with_times
 from spacerobot.recordings.drafting.wrist import Drafted, draft_wrist, is_wrist
 from spacerobot.recordings.guess import UNTIMED, time_unit, unsaid_unit
@@ -145,6 +147,7 @@ def draft(folder: Path, robot: str | None = None) -> Draft:
     if not files:
         listed = "; ".join(refused[:5]) or "it holds none of " + ", ".join(ENDINGS)
         raise InputError("the folder holds no recording that can be read", given=str(folder), valid=listed)
+    files = with_lists(files, column_lists(folder))
     runs = _list_of_runs(folder, files)
     files = with_times([t for f in files if runs is None or f.relative != runs.file for t in trials_in(f)])
     robot, joints = joints_of(robots_in(folder), folder, [f.relative for f in files], robot)
@@ -158,6 +161,8 @@ def draft(folder: Path, robot: str | None = None) -> Draft:
         plane = kind == "body" and not _no_plane(seen)
         seen = by_behaviour(seen, trials, slider=plane) or seen
         kind = "wrist" if is_wrist(seen) else kind
+    if kind == "wrist" and not any(r.thing == "wrist" for found in seen.values() for r in found):
+        seen = _with_slider(seen, trials)
     swinging = swing_of(seen, trials) if kind == "axis" else None
     representative = {g.name: g.leanest for g in groups}
     drafted = (
@@ -172,10 +177,11 @@ def draft(folder: Path, robot: str | None = None) -> Draft:
     told = [g for g in groups if drafted.lines.get(g.name)] or groups
     if len(told) < len(groups):  # files of which nothing was recognised would only part what belongs together
         trials = trials_of(told)
-        refused += [_unrecognised(g) for g in groups if g not in told]
+        refused += [_second(g, kind, seen[g.name]) or _unrecognised(g) for g in groups if g not in told]
     taken: set[str] = set()
     lines = {g.name: drafted.lines.get(g.name) or _loose(seen[g.name], taken) for g in told}
     refused += [_unrecognised(g) for g in told if not lines[g.name]]
+    _say_who_names(lines, representative)
     made = Draft(
         title=folder.resolve().name or "study",
         kind=kind,
@@ -192,6 +198,7 @@ def draft(folder: Path, robot: str | None = None) -> Draft:
         made.listed, made.list_file = runs.masses(trials), runs.file
     if kind in ("arm", "platform"):
         made.gears = gearing(made.lines, representative)
+    in_degrees(made.lines, representative)
     if swinging is not None:
         made.files["pendulum.urdf"] = pendulum_urdf(swinging[1])
     if kind == "axis":
@@ -210,11 +217,23 @@ def _source(file: Found) -> str:
 
 def _list_of_runs(folder: Path, files: Sequence[Found]) -> RunList | None:
     """The lab's own list of the trials that the other files make."""
-    for runs in run_lists(folder):
+    for runs in [*run_lists(folder), *(sheet for f in files if (sheet := sheet_list(f)) is not None)]:
         others = [f for f in files if f.relative != runs.file]
         if others and runs.masses(trials_of(groups_of(others))):
             return runs
     return None
+
+
+def _with_slider(seen: dict[str, list[Reading]], trials: Sequence[Trial]) -> dict[str, list[Reading]]:
+    """The readings, with the wrist where none is called so: what is pushed as far as the target goes on."""
+    told = by_behaviour(seen, trials, slider=True) or seen
+    return {
+        stream: [
+            new if new.thing == "wrist" and old.quantity != "force" else old
+            for old, new in zip(found, told[stream], strict=True)
+        ]
+        for stream, found in seen.items()
+    }
 
 
 def _no_plane(seen: Mapping[str, Sequence[Reading]]) -> bool:
@@ -231,6 +250,23 @@ def _ask_what_no_name_says(drafted: Drafted, named: Mapping[str, Sequence[Readin
             if said[line.reading.column] != (line.reading.thing, line.reading.quantity):
                 asked = f"{line.channel} by what it does in a hit, not by its name: is it?"
                 line.question = "; ".join(q for q in (asked, line.question) if q)
+
+
+def _second(group: Group, kind: str, found: Sequence[Reading]) -> str:
+    """Why nothing is left to tell of a second body's or machine's log; "" where it is none."""
+    if kind not in ("body", "platform", "arm") or kind_of({group.name: found}) != kind:
+        return ""
+    like = f" and {len(group.files) - 1} like it" if len(group.files) > 1 else ""
+    return f"{group.files[0].relative}{like}: its channels are another file's already; is it a second machine's log"
+
+
+def _say_who_names(lines: Mapping[str, Sequence[Line]], files: Mapping[str, Found]) -> None:
+    """A remark at each channel whose column a list beside the file names."""
+    for stream, found in lines.items():
+        file = files[stream]
+        for line in found if file.labels else ():
+            label = f"{file.labels[line.reading.index]}, by {file.labelled_by}"
+            line.remark = "; ".join(filter(None, (label, line.remark)))
 
 
 def _unrecognised(group: Group) -> str:
@@ -266,11 +302,12 @@ def _settings(group: Group, own_clock: str | None) -> list[str]:
     if file.times is not None:
         lines.append(f"time = {toml(file.times[1])}   # of the file that each trial names")
     elif clock is None and file.rate is not None:
-        lines.append(f"rate = {file.rate:g}   # Hz, by the clock beside it")
+        beside = "by the clock beside it" if file.variable else "as it says above its table"
+        lines.append(f"rate = {file.rate:g}   # Hz, {beside}")
     elif clock is None:
         lines.append(f"rate = {UNTIMED}   # ? Hz: no column looked like a clock")
     else:
-        column = file.table.columns[clock]
+        column = file.called.columns[clock]
         lines.append(f"time = {toml(file.table.names()[clock])}{_rate(column)}")
         if unsaid := unsaid_unit(column):
             asked = f"its steps would be {_step(column):g} s"

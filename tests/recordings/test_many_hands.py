@@ -139,8 +139,8 @@ def test_a_camera_systems_export_names_things_above_their_axes(tmp_path: Path) -
     head += "\n,,,,,,,"
     study = written(tmp_path / "rig", head, "{i},0,500,{x:.6f}e3,210,480,{s:.6f}e3,200")
     assert columns_of(study) == {"target.x": "rig:target.Y", "wrist.x": "rig:slider.Y"}
-    assert study.streams["log"].rate == 100.0  # as it happens: it has no clock, and the draft asks
-    assert "# ? Hz" in (tmp_path / "rig" / "study.toml").read_text()
+    assert study.streams["log"].rate == 100.0
+    assert "# ? Hz" not in (tmp_path / "rig" / "study.toml").read_text()
     units = {c.unit for c in study.streams["log"].channels}
     assert units == {"mm"}
 

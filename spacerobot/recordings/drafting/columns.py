@@ -9,11 +9,13 @@ from dataclasses import dataclass, replace
 from spacerobot.recordings.drafting.files import Found
 from spacerobot.recordings.drafting.languages import words_in
 from spacerobot.recordings.drafting.vocabulary import (
+    ARM,
     COMMAND,
     DIMENSION,
     NOT_READINGS,
     QUANTITY,
     REAL,
+    STAMPS,
     THINGS,
     TURN,
 )
@@ -21,7 +23,17 @@ from spacerobot.recordings.drafting.vocabulary import words as words_of
 from spacerobot.recordings.guess import Guess, guess
 from spacerobot.recordings.units import UNITS
 
-_LATERAL = {"x": "x", "y": "y", "z": "z", "yaw": "yaw", "theta": "yaw", "heading": "yaw", "psi": "yaw", "att": "yaw"}
+_LATERAL = {
+    "x": "x",
+    "y": "y",
+    "z": "z",
+    "yaw": "yaw",
+    "theta": "yaw",
+    "heading": "yaw",
+    "psi": "yaw",
+    "att": "yaw",
+    "rz": "yaw",
+}
 _JOINT = re.compile(r"(?:^|[a-z])(\d{1,2})$")
 _PLACE = re.compile(r"(.+?)(?:\[(\d{1,2})\]|_(\d{1,2}))")
 _PLACES = ("p", "r", "s")
@@ -64,19 +76,25 @@ def readings(file: Found, joints: Sequence[str]) -> list[Reading]:
         joints: names of the robot's joints from base to tip, empty where no robot is at hand.
     """
     clock = file.clock
-    names = file.table.names()
+    columns = file.called.columns
+    names = file.called.names()
     words = [words_in(n) for n in names]
     words = [[w for w in ws if len(ws) == 1 or w not in ("n", "m", "mm", "deg", "rad")] or ws for ws in words]
     actual = {w for ws in words for w in ws}
-    unnamed = sum(not c.names for c in file.table.columns)
+    unnamed = sum(not c.names for c in columns)
+    others = _of_others(words, file.named.words)
     found: list[Reading] = []
     arrays = _arrays(names)
     for j in file.usable:
         if j == clock or (clock is not None and len(file.table.columns[j].values) != file.rows):
             continue
-        own = words[j] if file.table.columns[j].names else []
-        if NOT_READINGS.intersection(own) and not joints:
+        own = words[j] if columns[j].names else []
+        if own[:1] and own[0] in others:
             continue
+        if (NOT_READINGS.intersection(own) and not joints) or STAMPS.intersection(own[-1:]):
+            continue
+        if own[-1:] == ["f"] and [*own[:-1], "i"] in words:
+            own = own[:-1]  # final beside initial, no force
         reading: Reading | None = _reading(file, j, names[j], own, joints, actual)
         if (
             reading is not None
@@ -92,7 +110,17 @@ def readings(file: Found, joints: Sequence[str]) -> list[Reading]:
             reading = _by_place(file, reading, clock, joints)
         if reading is not None:
             found.append(reading)
-    return _no_wishes(found)
+    return [replace(r, column=file.table.names()[r.index]) for r in _no_wishes(found)]
+
+
+def _of_others(words: Sequence[Sequence[str]], file: Sequence[str]) -> set[str]:
+    """First words of columns that are another machine's: RED's own log has RED_Px, and BLACK_Px as RED heard it."""
+    rest: dict[str, set[tuple[str, ...]]] = {}
+    for own in words:
+        if len(own) > 1:
+            rest.setdefault(own[0], set()).add(tuple(own[1:]))
+    mine = next((rest[w] for w in file if len(rest.get(w, ())) > 1), set())
+    return {first for first, own in rest.items() if first not in file and len(own & mine) > 1}
 
 
 def _reading(
@@ -106,6 +134,8 @@ def _reading(
         said.append("current")  # another word says that it was measured
     if "target" in words and command:
         said = [w for w in said if w != "target"]
+    if words[-1:] in (["tx"], ["ty"], ["tz"]) or (words[-2:-1] and words[-2] in ("tx", "ty", "tz")):
+        said = [*said, "torque"] if "fx" in neighbours else said
     quantity = _quantity(said) or (DIMENSION.get(UNITS[stated].dimension, "") if stated else "")
     if not quantity or (quantity == "position" and stated is None):
         quantity = _of_file(file) or quantity
@@ -124,10 +154,15 @@ def _reading(
     if not thing:
         thing = next((t for w in said for t, called in THINGS.items() if w in called), "")
     if not thing:
-        thing = next((t for w in file.named.words for t, called in THINGS.items() if w in called), "")
+        # The last of several: topics go from the general to the particular, vrpn_client_node-wrist-pose.
+        thing = next((t for w in reversed(file.named.words) for t, called in THINGS.items() if w in called), "")
     if not thing and (own := [w for w in file.named.words if re.fullmatch(r"joint\d+", w)]):
         place = int(own[0].removeprefix("joint"))
         thing = f"joint:{joints[place - 1]}" if 0 < place <= len(joints) else f"joint:{own[0]}"
+    if thing in ("wrist", "hand") and ARM & neighbours:
+        thing = f"body:{next(w for w in said if w in THINGS[thing])}" if THINGS[thing] & set(said) else ""
+    elif thing == "" and (link := next((w for w in said if w in ARM), "")):
+        thing = f"body:{link}"
     if thing in THINGS and not quantity and set(words) <= {*THINGS[thing], *_LATERAL, *_PLACES}:
         quantity = "position"  # a thing alone is where it is
     if file.format == "motive" and "." in name:
@@ -237,7 +272,9 @@ def _joint(name: str, words: list[str], joints: Sequence[str]) -> str:
 
 
 def _quantity(words: list[str]) -> str:
-    for word in words:
+    for n, word in enumerate(words):
+        if word == "rz" and words[n + 1 : n + 2] in (["d"], ["dd"]):
+            return "velocity" if words[n + 1] == "d" else ""
         if re.fullmatch(r"q[mgr]", word):
             return "position"
         if re.fullmatch(r"i\d{1,2}", word):

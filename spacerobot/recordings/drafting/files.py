@@ -11,6 +11,7 @@ import numpy as np
 
 from spacerobot.recordings.drafting.masses import above_table, scalars, with_masses
 from spacerobot.recordings.drafting.names import ENDINGS, Named, named
+from spacerobot.recordings.drafting.stated_rate import stated_rate
 from spacerobot.recordings.guess import find_time
 from spacerobot.recordings.readers import read_table, reader_for
 from spacerobot.recordings.readers.garbage import written_to
@@ -41,8 +42,10 @@ class Found:
         missing: readings that stand for none: the same again and again, far from all others.
         fault: what is wrong with some cell of a usable column, None where nothing is.
         variable: the one array of a file of several trials that this is, None for a file that is one.
-        rate: readings a second of an array without a clock of its own [Hz], None where nothing says it.
+        rate: readings a second of a file or array without a clock of its own [Hz], None where nothing says it.
         times: the file that holds its times alone, their column and these [s]; None where it has none.
+        labels: what a list beside the file calls its columns, "" where it says nothing of one; none without a list.
+        labelled_by: that list.
     """
 
     relative: str
@@ -55,11 +58,21 @@ class Found:
     variable: str | None = None
     rate: float | None = None
     times: tuple[str, str, Floats] | None = None
+    labels: tuple[str, ...] = ()
+    labelled_by: str = ""
 
     @functools.cached_property
     def clock(self) -> int | None:
         """Index of the column that is its clock."""
-        return find_time(self.table) if self.times is None else None
+        return find_time(self.called) if self.times is None else None
+
+    @property
+    def called(self) -> RawTable:
+        """The table with the names that a list beside the file gives its columns."""
+        if not self.labels:
+            return self.table
+        pairs = zip(self.labels, self.table.columns, strict=True)
+        return replace(self.table, columns=tuple(replace(c, names=(label,)) if label else c for label, c in pairs))
 
     @property
     def rows(self) -> int:
@@ -124,7 +137,8 @@ def _read(path: Path, relative: PurePath) -> Found:
     form = reader_for(path).name
     masses = scalars(table) + (above_table(path) if form in ("csv", "text") else [])
     said = with_masses(named(relative), masses)
-    return Found(str(relative), form, table, usable, said, missing, fault)
+    rate = stated_rate(path) if form in ("csv", "text") else None
+    return Found(str(relative), form, table, usable, said, missing, fault, rate=rate)
 
 
 def sentinel(values: Floats) -> float | None:

@@ -80,7 +80,8 @@ def draft_machine(
                 # Not stated as sigma: a smooth log may have been filtered, and then its scatter is not its noise.
                 noise = estimate_noise(values)
                 line.remark = f"scatter about {noise:.2g} as read: sigma = ?" if noise > 0 else ""
-            if line.channel.endswith("yaw") and float(np.nanmax(np.abs(np.diff(values)))) > math.pi:
+            angle = line.channel.endswith(".yaw") and reading.quantity == "position"
+            if angle and float(np.nanmax(np.abs(np.diff(values)))) > math.pi:
                 line.unwrap = True
             found.setdefault(stream, []).append(line)
     if kind == "axis" and driven and not any(x.use == "input" for lines in found.values() for x in lines):

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import PurePath
 
 from spacerobot.recordings.drafting.languages import STROKES, english
-from spacerobot.recordings.drafting.vocabulary import QUANTITIES
+from spacerobot.recordings.drafting.vocabulary import QUANTITIES, THINGS
 from spacerobot.recordings.units import UNITS
 
 ENDINGS = (
@@ -30,6 +30,9 @@ _KILOGRAMS = re.compile(r"(?<=\d)\s+(?=kg(?![A-Za-z]))", re.IGNORECASE)
 
 
 _MASS = ("", "m", "mass")
+
+_OF_A_THING = QUANTITIES.union(*THINGS.values())
+"""Words of folders that keep one thing's files, and so tell no trial: target/, wrist_encoder/."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +66,8 @@ def named(relative: PurePath) -> Named:
     folders: list[str] = []
     for part in relative.parts[:-1]:
         tokens = [t.lower() for t in _SPLIT.split(part) if t]
-        measured = QUANTITIES.intersection(tokens) and not any(c.isdigit() for c in part)
+        measured = QUANTITIES.intersection(tokens) or _OF_A_THING.issuperset(tokens)
+        measured = measured and not any(c.isdigit() for c in part)
         (words if measured else folders).extend(tokens if measured else [part])
         values.extend(value for token in _tokens(part) if (value := _value(token)) is not None)
     keys.extend(folders)

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePath
 
+import numpy as np
+
+from spacerobot.recordings.drafting.files import Found
 from spacerobot.recordings.drafting.groups import Trial
 from spacerobot.recordings.drafting.masses import is_mass
 from spacerobot.recordings.drafting.names import same, without_ending
@@ -84,6 +87,15 @@ def run_lists(folder: Path) -> list[RunList]:
     return found
 
 
+def sheet_list(file: Found) -> RunList | None:
+    """A workbook's sheet as a list of runs; those are found by number, for a sheet's text is not read."""
+    if file.format != "xlsx":
+        return None
+    head = file.table.names()
+    rows = [[f"{v:g}" for v in row] for row in np.transpose([c.values for c in file.table.columns])]
+    return _made(file.relative, head, rows, comma=False)
+
+
 def _heading(head: bytes) -> bool:
     """Whether some cell of the first lines speaks of a mass, so that the rest is worth reading."""
     text = re.split(r"[\t;,\r\n]", head.decode("utf-8", "replace"))
@@ -95,14 +107,19 @@ def _list(file: str, lines: Sequence[str]) -> RunList | None:
         return None
     separator = max(_SEPARATORS, key=lines[0].count)
     head, *rest = csv.reader(lines, delimiter=separator, skipinitialspace=True)
+    return _made(file, head, rest, comma=separator != ",")
+
+
+def _made(file: str, head: Sequence[str], rest: Iterable[Sequence[str]], *, comma: bool) -> RunList | None:
+    """The list of these rows; with `comma`, that may be the decimal mark of its numbers."""
     masses = [c for c in head if is_mass(c)]
     rows = tuple(dict(zip(head, (c.strip() for c in row), strict=True)) for row in rest if len(row) == len(head))
     if len(masses) != 1 or len(set(head)) < len(head) or len(head) < 2 or not rows:
         return None
     stated = guess(masses[0]).stated
     factor = UNITS[stated].factor if stated and UNITS[stated].dimension == "mass" else 1.0
-    comma = separator != "," and any("," in row[masses[0]] for row in rows)
-    return RunList(file, rows, masses[0], factor, "," if comma else ".")
+    decimal = "," if comma and any("," in row[masses[0]] for row in rows) else "."
+    return RunList(file, rows, masses[0], factor, decimal)
 
 
 def _means(cell: str, trial: Trial) -> bool:

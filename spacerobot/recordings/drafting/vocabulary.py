@@ -16,10 +16,13 @@ THINGS = {
 }
 """Thing of a wrist rig or platform -> what labs call it."""
 
+ARM = words("elbow shoulder forearm upperarm")
+"""Parts of an arm: a wrist beside them is one too, and no slider on a spring."""
+
 QUANTITY = {
     "position": words(
         "pos position positions angle angles theta yaw heading psi q encoder encoders enc x y z px py pz "
-        "height pose efpose att attitude disp displ displacement defl deflection stroke"
+        "rz height pose efpose att attitude disp displ displacement defl deflection stroke"
     ),
     "velocity": words(
         "vel velocity velocities speed rate omega vx vy vz dx dy dz xdot ydot zdot dq qd qdot dtheta wz w gyro "
@@ -52,6 +55,9 @@ NOT_READINGS = words(
     "residual quality id seq sequence"
 )
 """Words of counters, statuses and errors."""
+
+STAMPS = words("stamp stamps timestamp timestamps secs nsecs nanosecs seq header")
+"""Last words of the columns that a logger adds to each message: when it was sent, and its number."""
 
 TURN = words("rotation rot quat quaternion orientation qx qy qz qw")
 """Words of the parts of a quaternion."""

@@ -215,8 +215,24 @@ def column_heads(lines: Sequence[str], layout: Layout) -> tuple[list[tuple[str, 
         while len(cells) > layout.width and (not cells[-1] or index == layout.header[-1]):
             cells.pop()  # of the line above the numbers also names of what no row has
         if len(cells) == layout.width and any(c and number(c) is None for c in cells):
-            candidates.append(cells)
+            above = [split(lines[i], layout.separator) for i in layout.header if i < index]
+            candidates += [cells, *_repeated(cells, above)]
     return headings(candidates, layout.width)
+
+
+def _repeated(cells: Sequence[str], above: Sequence[Sequence[str]]) -> list[list[str]]:
+    """Whole names of a header that says the same of each thing, "X Y Z X Y Z", by a line above that names as many.
+
+    Such a line begins with what it lists: "BODY_NAMES target slider".
+    """
+    for label, *things in above:
+        while things and not things[-1]:
+            things.pop()
+        own, rest = divmod(len(cells), len(things) or 1)
+        told = all(t and number(t) is None for t in things) and len(set(things)) == len(things) > 1
+        if label and told and own > 1 and not rest and [*cells] == [*cells[:own]] * len(things):
+            return [[f"{things[j // own]}.{cell}" for j, cell in enumerate(cells)]]
+    return []
 
 
 def headings(lines: Sequence[Sequence[str]], width: int) -> tuple[list[tuple[str, ...]], list[str | None]]:
