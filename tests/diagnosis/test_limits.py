@@ -70,7 +70,7 @@ def test_a_limit_is_where_the_decision_turns(shop: Workshop) -> None:
     key = alone[label].key("force_N")
     earned = {}
     for share in (0.5, 1.0, 2.0):
-        site = Task((label,), {key: share * limit}).sites()
+        site = Task((label,), {key: share * limit}).sites(model)
         made = hypothesis(model.believed, site, {key: share * limit})
         values = {**base.values(), key: share * limit}
         trials = []

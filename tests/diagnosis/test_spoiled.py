@@ -128,7 +128,7 @@ def test_as_it_is_stated_the_noise_would_have_been_too_much(whole: Study, tmp_pa
     study = spoiled(whole, tmp_path / "outliers", "outliers")
     trials = trial_data(study, readable(study))
     model = RigModel(study, trials)
-    sites = Task((("coulomb_friction", "wrist"),), {}).sites()
+    sites = Task((("coulomb_friction", "wrist"),), {}).sites(model)
     fit = fit_from(Fitter(model, trials), model.believed, sites, {FRICTION: 0.3})
     assert fit.chi2 > 3.0 * fit.samples
 
