@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.ndimage import median_filter
 
 from spacerobot.diagnosis.machines.mechanism_cache import MOST
 from spacerobot.diagnosis.machines.wrist_rig import LEAST, RigModel, readable
@@ -119,10 +120,11 @@ def of_model(study: Study, model: Machine) -> Iterator[InputError]:
 SHARE = 20
 """A wrist rests in the first of so many parts of a trial."""
 
-DEEP = 0.95
-"""Share of a trial's readings of the wrist that lie below its deepest ones: the target touches it then. Not the very
-deepest, which may be an outlier.
-"""
+DEEP = 0.8
+"""Share of the wrist's way beyond which the target is still at it."""
+
+GLITCH = 5
+"""Readings whose median is taken: one or two that are lost say nothing of where it went."""
 
 CLEARLY = 20.0
 """Sigmas by which it moves, if a zero is asked for: a wrist that nothing touched shows none."""
@@ -217,12 +219,16 @@ def misplaced(recording: Recording, where: str) -> Iterator[InputError]:
     hand = np.interp(time, *recording["hand.x"].good()) if "hand.x" in recording else np.zeros_like(place)
     pressed = place - hand
     rest = float(np.median(pressed[: max(LEAST, place.size // SHARE)]))
-    deep = pressed >= np.quantile(pressed, DEEP)
-    moved = float(np.median(pressed[deep])) - rest
+    smooth = median_filter(pressed, GLITCH)
+    moved = float(smooth.max()) - rest
     if moved < CLEARLY * wrist.sigma:
         return
-    apart = float(np.median(np.interp(time[deep], when, track) - place[deep]))
-    for series, by, at in ((wrist, rest, "at rest"), (target, rest + apart, "when it touches")):
+    told = [(wrist, rest, "at rest")]
+    if target.clock == wrist.clock:
+        deep = smooth >= rest + DEEP * moved
+        apart = float(np.median(np.interp(time[deep], when, track) - place[deep]))
+        told.append((target, rest + apart, "when it touches"))
+    for series, by, at in told:
         if abs(by) > moved:
             what = f"{series.name} reads {by:.4g} m {at}, the wrist moves by {moved:.3g} m: its zero is elsewhere"
             valid = f'0 m there: offset."{series.name}" = {-by:.4g} in the trial, or an offset on the channel'

@@ -42,6 +42,7 @@ def test_friction_left_open_is_told_with_the_trial_that_would_tell(tmp_path: Pat
     assert verdict["next_experiment"]["part"] == "S1"
 
 
+@pytest.mark.slow
 def test_what_is_sure_of_one_joint_stands_in_every_set_that_another_leaves_open(tmp_path: Path) -> None:
     verdict = said_of(tmp_path, OPEN, SURE)
     assert verdict["verdict"] == "ambiguous"
