@@ -1,31 +1,40 @@
-"""Bodies that move in the plane by themselves: what resists them acts against their velocity, not along axes."""
+"""Bodies that move in the plane or in space by themselves: what resists them acts against their velocity."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 from spacerobot.effects.effect import positions
 from spacerobot.effects.kernel import Kernel
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Force
 
-ACROSS = {"target": "target.y", "base": "base.y"}
-"""Coordinate of a body -> the other one of its motion in the plane."""
+ACROSS = {"target": ("target.y", "target.z"), "base": ("base.y",)}
+"""Coordinate of a body -> the others that its motion may have."""
 
 
-def across(mechanism: Mechanism, where: str) -> str | None:
-    """The other direction of a body in the plane; None where it moves along one, or something pushes along one."""
-    other = ACROSS.get(where)
-    return other if other in mechanism.ports and mechanism.contact is None else None
+def across(mechanism: Mechanism, where: str) -> tuple[str, ...]:
+    """The other directions of a body; none where it moves along one, or something pushes along one."""
+    if mechanism.contact is not None:
+        return ()
+    return tuple(n for n in ACROSS.get(where, ()) if n in mechanism.ports)
 
 
-def along_both(name: str, where: str, other: str, kernel: Kernel, p: tuple[float, ...]) -> tuple[Force, Force]:
-    """One law in the plane, each component at its own coordinate with the other's rate beside it."""
-    return (
-        Force(f"{name} at {where}", where, kernel, p, aux=other),
-        Force(f"{name} at {other}", other, kernel, p, aux=where),
-    )
+def in_space(mechanism: Mechanism) -> bool:
+    """Whether a body moves up and down as well as in the plane: nothing carries it."""
+    return "target.z" in mechanism.ports
+
+
+def along_all(name: str, directions: Sequence[str], kernel: Kernel, p: tuple[float, ...]) -> tuple[Force, ...]:
+    """One law for the whole velocity, each component at its own coordinate with the speed across beside it."""
+    found = []
+    for n in directions:
+        others = [other for other in directions if other != n]
+        found.append(Force(f"{name} at {n}", n, kernel, p, aux=others[0], aside=(*others, None)[1]))
+    return tuple(found)
 
 
 def bodies(mechanism: Mechanism, *names: str) -> tuple[str, ...]:
-    """Those of `names` that are ports, one for each body that moves in the plane."""
-    others = {across(mechanism, n) for n in names if n in mechanism.ports}
+    """Those of `names` that are ports, one for each body that moves in several directions."""
+    others = {other for n in names if n in mechanism.ports for other in across(mechanism, n)}
     return tuple(n for n in positions(mechanism, *names) if n not in others)

@@ -57,6 +57,7 @@ class Force:
         p: the law's parameters, SI.
         sense: port whose displacement and rate the law reads; `port` itself if None.
         aux: port whose rate, or input whose value, the law reads as `aux`; None for zero.
+        aside: a second port; `aux` is then the speed across both, which has no sign.
         role: what other effects may look for and replace: "spring", "damper", "contact" or "".
     """
 
@@ -67,6 +68,12 @@ class Force:
     sense: str | None = None
     aux: str | None = None
     role: str = ""
+    aside: str | None = None
+
+    @property
+    def beside(self) -> tuple[str, ...]:
+        """Ports that `aux` is read from."""
+        return tuple(p for p in (self.aux, self.aside) if p is not None)
 
     def __post_init__(self) -> None:
         _finite(f"parameter of {self.name}", *self.p)

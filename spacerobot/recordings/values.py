@@ -69,6 +69,7 @@ _JOINT: dict[str, Kind] = {
     "bias": _any("N"),
     "torque": _any("N"),
     "zero": _any("rad"),
+    "delay": _any("s"),
     "ratio": _any("1"),
     "kp": _not_negative("1"),
     "kv": _not_negative("1"),

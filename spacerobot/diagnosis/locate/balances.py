@@ -65,7 +65,7 @@ def _bodies(weak: WeakTrial, mechanism: Mechanism) -> list[Balance]:
     out = []
     for combination in _combinations(weak, mechanism):
         usable = all(
-            _seen(weak, mechanism, f.sense or f.port) and (f.aux is None or _seen(weak, mechanism, f.aux))
+            all(_seen(weak, mechanism, p) for p in (f.sense or f.port, *f.beside))
             for f in forces
             if any(mechanism.ports[f.port].get(c) for c in combination)
         )
@@ -143,8 +143,9 @@ def force_integral(weak: WeakTrial, mechanism: Mechanism, force: Force) -> Integ
         return total(parts, weak.windows.count)
     state = weak.port_state(row, weak.nodes)
     aux = None
-    if force.aux is not None:
-        aux = weak.port_state(dict(mechanism.ports[force.aux]), weak.nodes).v
+    if force.beside:
+        rates = [weak.port_state(dict(mechanism.ports[p]), weak.nodes).v for p in force.beside]
+        aux = np.hypot(*rates) if len(rates) > 1 else rates[0]
     f = values(force.kernel, force.p, state.d, state.v, aux)
     slope_d, slope_v = slopes(force.kernel, force.p, state.d, state.v, aux)
     rest = f - slope_d * state.d - slope_v * state.v

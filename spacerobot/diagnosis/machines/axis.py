@@ -21,7 +21,7 @@ from spacerobot.dynamics.joint_kinds import joint_axis
 from spacerobot.effects.catalogue.preload import KERNEL as CONSTANT
 from spacerobot.effects.laws import DAMPER, SPRING
 from spacerobot.effects.mechanism import Mechanism
-from spacerobot.effects.primitives import Coordinate, Force, Input, Readout
+from spacerobot.effects.primitives import ChannelMap, Coordinate, Force, Input, Readout
 from spacerobot.effects.registry import all_effects
 from spacerobot.effects.weight import WEIGHT
 from spacerobot.model.robot import Robot
@@ -84,11 +84,13 @@ def axis(
             forces.append(Force(f"{name}.bias", name, CONSTANT, (constant,)))
         if any(weight):
             forces.append(Force(f"{name}.weight", name, *((WEIGHT, weight) if angular else (CONSTANT, (-weight[1],)))))
+        late = torque_log.late(values, joint) if driven else 0.0
         return Mechanism(
             coordinates={name: Coordinate(name, values[f"{name}.mass"], angular=angular)},
             ports={name: {name: 1.0}},
             forces=tuple(forces),
             inputs=(Input("drive", name, f"{name}.torque", torque_log.gain(values, joint)),) if driven else (),
+            maps=(ChannelMap(f"{name}.torque", "delay", -late),) if late else (),
             readouts=readouts,
             sensors={sensor: tuple(c for c in readouts if c in trial.channels)},
         )
@@ -141,6 +143,10 @@ def axis_model(study: Study, trials: Sequence[Trial], joint: str, robot: Robot) 
         values.setdefault(f"{name}.mass", own + values.get(f"{name}.armature", 0.0))
     sigma = {n: s for n, s in study.sigma.items() if n in values and n not in unknown}
     absolute = {n: s for n, s in study.absolute.items() if n in values and n not in unknown}
+    if driven:
+        steps = [np.median(np.diff(study.recording(t)[f"{name}.torque"].good()[0])) for t in trials]
+        moment = torque_log.moment(absolute, values, joint, float(np.median(steps)))
+        absolute, values = absolute | moment, values | dict.fromkeys(moment, 0.0)
     fitted = {*unknown, *sigma, *absolute}
     sprung = f"{name}.stiffness" in values or f"{name}.stiffness" in unknown
     length = (OSCILLATIONS if sprung else RESTART) * (2.0 * math.pi if sprung else 1.0)

@@ -48,27 +48,74 @@ class Axis:
         ]
 
 
-def axes_of(study: Study, group: str) -> list[Axis]:
-    """The coordinates that a body of this study may have: along the approach, across it, and about the vertical."""
-    approach = np.array(study.baseline.approach)
-    along = int(np.argmax(np.abs(approach)))
+LETTERS = "xyz"
+
+
+def _directions(study: Study) -> tuple[int, int]:
+    """Which world axes the approach and gravity follow; z is up where nothing falls."""
     gravity = np.array(study.baseline.gravity)
-    up = int(np.argmax(np.abs(gravity))) if gravity.any() else 2
-    across = next((i for i in range(3) if i not in (along, up)), None)
-    letters = "xyz"
-    found = [Axis("target", group, letters[along], float(np.sign(approach[along])))]
-    if across is not None and along != up:
-        found.append(Axis("target.y", group, letters[across], 1.0))
+    along = int(np.argmax(np.abs(study.baseline.approach)))
+    return along, int(np.argmax(np.abs(gravity))) if gravity.any() else 2
+
+
+def axes_of(study: Study, group: str, flies: bool = False) -> list[Axis]:
+    """The coordinates that a body of this study may have: along the approach, across it, and about the vertical.
+
+    One that flies moves in the third direction too.
+    """
+    along, up = _directions(study)
+    across, third = [i for i in range(3) if i not in (along, up)] + ([up] if along != up else [])
+    found = [Axis("target", group, LETTERS[along], float(np.sign(study.baseline.approach[along])))]
+    if along != up or flies:
+        found.append(Axis("target.y", group, LETTERS[across], 1.0))
+    if flies:
+        found.append(Axis("target.z", group, LETTERS[third], 1.0))
+    if along != up:
         found.append(Axis("target.yaw", group, "yaw", 1.0, angular=True))
     return found
 
 
-def body(axes: Sequence[Axis], along: float, sensors: Mapping[str, tuple[str, ...]], driven: Sequence[str]) -> Build:
+PARTS = 4
+"""Into how many stretches of a track its curvature is read from; a bounce spoils one of them."""
+
+FREELY = 0.5
+"""Share of gravity with which a body moves that nothing carries: a table leaves none of it, free flight all."""
+
+
+def flies(study: Study, trials: Sequence[Trial], group: str) -> bool:
+    """Whether nothing carries a tracked body: it falls freely, is thrust up and down, or floats where nothing falls."""
+    along, up = _directions(study)
+    gravity = float(study.baseline.gravity[up])
+    upright = Axis("target.z", group, LETTERS[up], 1.0)
+    if along == up:
+        aside = [Axis("target.y", group, LETTERS[i], 1.0) for i in range(3) if i != up]
+        return all(all(a.shown(sorted(study.recording(t))) for a in aside) for t in trials)
+    falls: list[float] = []
+    for trial in trials:
+        recording = study.recording(trial)
+        shown = {kind: c for c, kind in upright.shown(sorted(recording))}
+        if not shown:
+            return False
+        if not gravity or upright.force in recording:
+            return True
+        kind = "position" if "position" in shown else "velocity"
+        time, value = recording[shown[kind]].good()
+        for part in np.array_split(np.arange(time.size), PARTS if time.size >= 5 * PARTS else 1):
+            degree = 2 if kind == "position" else 1
+            if part.size > degree + 1:
+                leading = np.polynomial.Polynomial.fit(time[part], value[part], degree).convert().coef[-1]
+                falls.append(float(degree * leading) / gravity)
+    return bool(falls) and float(np.median(falls)) > FREELY
+
+
+def body(
+    axes: Sequence[Axis], pull: Mapping[str, float], sensors: Mapping[str, tuple[str, ...]], driven: Sequence[str]
+) -> Build:
     """The mechanism of a free body.
 
     Args:
         axes: its coordinates.
-        along: gravity along the first of them [m/s^2].
+        pull: gravity along those that feel it [m/s^2].
         sensors: by name, their channels.
         driven: force channels that were recorded.
     """
@@ -90,7 +137,7 @@ def body(axes: Sequence[Axis], along: float, sensors: Mapping[str, tuple[str, ..
             coordinates=coordinates,
             ports=ports,
             forces=tuple(forces),
-            fields=(Field("target", along),) if along and "target" in coordinates else (),
+            fields=tuple(Field(n, g) for n, g in pull.items() if g and n in coordinates),
             inputs=tuple(inputs),
             readouts=readouts,
             sensors={s: tuple(c for c in names if c in readouts or c in driven) for s, names in sensors.items()},
@@ -111,10 +158,10 @@ def body_models(study: Study, trials: Sequence[Trial], group: str = "body") -> l
 
 
 def _model(study: Study, trials: Sequence[Trial], group: str, name: str) -> Simulated:
-    gravity, approach = np.array(study.baseline.gravity), np.array(study.baseline.approach)
     every = {c for t in trials for c in study.recording(t)}
     driven = sorted(c for c in every if c.startswith((f"{group}.force.", f"{group}.torque.")))
-    axes = [a for a in axes_of(study, group) if a.shown(sorted(every)) and (not driven or a.force in driven)]
+    free = flies(study, trials, group)
+    axes = [a for a in axes_of(study, group, free) if a.shown(sorted(every)) and (not driven or a.force in driven)]
     whole, drives, sizes = [], {}, _sizes(study, trials, axes, driven, group)
     for trial in trials:
         recording = study.recording(trial)
@@ -159,11 +206,11 @@ def _model(study: Study, trials: Sequence[Trial], group: str, name: str) -> Simu
     stand = {f"{place}.mass" for place, value in covers.items() if value in fitted}
     catalogue = all_effects().values()
     covered = {(e.name, place) for e in catalogue for place in covers if stood_for(e, place, stand)}
-    if _falls(study):
-        covered |= {(e.name, "target") for e in catalogue if e.carried}
+    if free or _falls(study):
+        covered |= {(e.name, a.name) for e in catalogue if e.carried for a in axes if not a.angular}
     made = Simulated(
         name,
-        body(axes, float(gravity @ approach), sensors, driven),
+        body(axes, _pull(study, free), sensors, driven),
         whole,
         drives,
         believed=Believed(values, sigma, {}, conditions_of(whole), unknown),
@@ -181,6 +228,16 @@ def _window(whole: Sequence[TrialData], pace: float, driven: bool) -> float:
     if driven:
         return RESTART * pace
     return math.inf if len(whole) > 1 else (whole[0].end - whole[0].start) / FOLDS
+
+
+def _pull(study: Study, free: bool) -> dict[str, float]:
+    """Gravity by coordinate [m/s^2]; a body that something carries feels it along the approach alone."""
+    gravity, approach = np.array(study.baseline.gravity), np.array(study.baseline.approach)
+    pull = {"target": float(gravity @ approach)}
+    if free:
+        along, up = _directions(study)
+        pull["target.z"] = float(gravity[up]) if along != up else 0.0
+    return pull
 
 
 def _falls(study: Study) -> bool:

@@ -78,6 +78,7 @@ class Motion:
     stride: int
     by_link: np.ndarray  # (K, T, J) of it, what each link of doubted mass asks for
     by_zero: np.ndarray  # (Z, T, J) how it changes with each encoder's doubted zero [per rad or m]
+    lens: Bump  # what motion and torque were seen through before
 
 
 class InverseDynamics(Machine):
@@ -188,6 +189,9 @@ class InverseDynamics(Machine):
             {n: self._mass[n[: -len(".mass")]] for n in sigma if n.endswith(".mass") and n not in self.base}
         )
         around = {n: s for n, s in (absolute or {}).items() if not n.endswith(".zero") or n in doubted}
+        step = float(np.median([g.step for g, _, _ in grids.values()]))
+        for joint in (j for j in self.compared if j not in idle):
+            around |= torque_log.moment(around, self.base, joint, step)
         self.base |= {n: 0.0 for n in around if n not in self.base}
         self.believed = Believed(self.base, sigma, {}, conditions_of(trials), centres, absolute=around)
         self.not_measured = self._silence(unknown)
@@ -252,7 +256,8 @@ class InverseDynamics(Machine):
             block = Block(self.sensor, channels, at, np.where(clean, seen, 0.0), weight)
             out.append(TrialData(name, condition, dict(overrides), (block,), float(at[0]), float(at[-1])))
             motion = (log.position[part], log.velocity[part], log.acceleration[part], log.rigid[part])
-            self._motion[name] = Motion(log.step, *motion, stride, log.by_link[:, part], log.by_zero[:, part])
+            own = log.by_link[:, part], log.by_zero[:, part], log.lens
+            self._motion[name] = Motion(log.step, *motion, stride, *own)
             self._bump[name] = bump
         return out
 
@@ -365,7 +370,7 @@ class InverseDynamics(Machine):
         for zero, change in zip(self._zeros, motion.by_zero, strict=True):
             off = sum(m.value for m in mechanism.maps if m.channel == _position(zero) and m.kind == "offset")
             asked = asked + off * change
-        acting = port_forces(mechanism, position, velocity, motion.step)
+        acting = port_forces(mechanism, position, velocity, motion.step, motion.lens)
         out = []
         for joint in self.compared:
             name = f"joint.{joint}"
@@ -409,6 +414,7 @@ class _Log:
     rigid: np.ndarray  # (T, J), empty before it is asked for
     by_link: np.ndarray  # (K, T, J), empty before it is asked for
     by_zero: np.ndarray  # (Z, T, J), empty before it is asked for
+    lens: Bump  # what all were seen through
 
     def turned(self, arm: Rigid, by: int = 1) -> np.ndarray | None:
         """Rate of a tracked base at every `by`-th sample, shape (T,) [rad/s]; None where it is not tracked.
@@ -437,7 +443,10 @@ class _Log:
             [(arm.torque(q - s, v, a, turn) - arm.torque(q + s, v, a, turn)) / (2.0 * STEP) for s in steps]
         )
         by_zero = by_zero.reshape(len(zeros), *rigid.shape)
-        return _Log(self.time[some], self.step * by, q, v, a, self.torque[some], good, turn, rigid, by_link, by_zero)
+        lens = Bump.of(self.lens.half // by, self.step * by)
+        return _Log(
+            self.time[some], self.step * by, q, v, a, self.torque[some], good, turn, rigid, by_link, by_zero, lens
+        )
 
 
 def _kinematics(grid: Grid, joints: Sequence[str], half: int) -> _Log:
@@ -456,7 +465,7 @@ def _kinematics(grid: Grid, joints: Sequence[str], half: int) -> _Log:
     time, empty = grid.time[half:-half], np.zeros((0, len(joints)))
     smooth = (sharp.smooth(position), velocity, acceleration, sharp.smooth(torque))
     turn = sharp.rate(grid.value[TURN]) if TURN in grid.value else None
-    return _Log(time, grid.step, *smooth, good, turn, empty, empty[None], empty[None])
+    return _Log(time, grid.step, *smooth, good, turn, empty, empty[None], empty[None], sharp)
 
 
 _LOGGED = ("position", "torque")

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from spacerobot.diagnosis.machines.test_functions import Bump
 from spacerobot.effects.filters import BOTH_WAYS, summed
 from spacerobot.effects.kernel import padded
 from spacerobot.effects.mechanism import Mechanism
@@ -52,7 +53,11 @@ def _remembering(
 
 
 def port_forces(
-    mechanism: Mechanism, position: Mapping[str, np.ndarray], velocity: Mapping[str, np.ndarray], step: float
+    mechanism: Mechanism,
+    position: Mapping[str, np.ndarray],
+    velocity: Mapping[str, np.ndarray],
+    step: float,
+    lens: Bump | None = None,
 ) -> dict[str, np.ndarray]:
     """What the mechanism's forces, frictions and laws with a memory exert at each port along a measured motion.
 
@@ -63,6 +68,8 @@ def port_forces(
         mechanism: what acts; at ports without a measured motion it is left out.
         position, velocity: by coordinate, shape (T,) each [m or rad, and per s].
         step: from sample to sample [s].
+        lens: what the motion, and the forces it is compared with, were seen through: where a law leaps with the sign of
+            a smoothed rate, the force itself leaps no faster than that shows.
 
     Returns:
         port -> force along it, shape (T,) [N or N m].
@@ -79,9 +86,10 @@ def port_forces(
     value = np.empty(count)
     for force in mechanism.forces:
         sense = force.sense or force.port
-        if force.port not in moving or sense not in moving or (force.aux is not None and force.aux not in moving):
+        if not {force.port, sense, *force.beside} <= set(moving):
             continue
-        aux = np.zeros(count) if force.aux is None else seen(force.aux, velocity)
+        rates = [seen(p, velocity) for p in force.beside]
+        aux = np.hypot(*rates) if len(rates) > 1 else rates[0] if rates else np.zeros(count)
         law = LAWS.index(force.kernel.force)
         _along(LAWS.laws, law, seen(sense, position), seen(sense, velocity), aux, padded(force.p), value)
         out[force.port] = out.get(force.port, 0.0) + value
@@ -90,7 +98,7 @@ def port_forces(
             continue
         law = LAWS.index(friction.level)
         _sliding(LAWS.laws, law, seen(friction.port, velocity), np.ones(count), padded(friction.p), value)
-        out[friction.port] = out.get(friction.port, 0.0) + value
+        out[friction.port] = out.get(friction.port, 0.0) + (value if lens is None else lens.blurred(value))
     for state in mechanism.states:
         if state.port not in moving or state.normal is not None:
             continue

@@ -56,6 +56,10 @@ class Bump:
         """The signal seen through the bump, shape (T - 2 n, ...) for a signal of shape (T, ...)."""
         return _apply(self.weight, x)
 
+    def blurred(self, x: np.ndarray) -> np.ndarray:
+        """The same of a signal that goes on at its ends as it is there, shape (T,) both."""
+        return self.smooth(np.pad(x, self.half, mode="edge"))
+
     def rate(self, x: np.ndarray) -> np.ndarray:
         """Its first derivative seen through the bump."""
         return _apply(self.slope, x)

@@ -27,9 +27,36 @@ def torque(values: Mapping[str, float], joint: str, reading: np.ndarray) -> np.n
     return gain(values, joint) * reading - bias(values, joint)
 
 
+WITHIN = 3.0**-0.5
+"""Standard deviation of a moment that lies anywhere within one sample to either side, in samples: whether a logged
+torque was read before its motion or after, or held until the next one, no log says."""
+
+
+def moment(stated: Mapping[str, float], values: Mapping[str, float], joint: str, step: float) -> dict[str, float]:
+    """What is believed of "joint.NAME.delay" where the study says nothing of it: name -> standard deviation [s].
+
+    Args:
+        stated: deviations of values believed to be zero that the study states.
+        values: those that it states.
+        joint: its name.
+        step: from sample to sample [s].
+    """
+    name = f"joint.{joint}.delay"
+    return {} if name in stated or name in values else {name: WITHIN * step}
+
+
+def late(values: Mapping[str, float], joint: str) -> float:
+    """By how much a joint's logged torque is late beside its motion [s]; 0 if nothing is said."""
+    return values.get(f"joint.{joint}.delay", 0.0)
+
+
 def logged(values: Mapping[str, float], joint: str) -> tuple[ChannelMap, ...]:
-    """From the joint's torque to its log: (torque + bias) / gain; nothing where the baseline says nothing."""
-    factor, zero = gain(values, joint), bias(values, joint)
+    """From the joint's torque to its log: (torque + bias) / gain, late; nothing where the baseline says nothing."""
+    factor, zero, delay = gain(values, joint), bias(values, joint), late(values, joint)
     channel = f"joint.{joint}.torque"
-    scaled = (ChannelMap(channel, "gain", 1.0 / factor),) if factor != 1.0 else ()
-    return (*scaled, ChannelMap(channel, "offset", zero / factor)) if zero else scaled
+    maps = (
+        (ChannelMap(channel, "delay", delay), delay != 0.0),
+        (ChannelMap(channel, "gain", 1.0 / factor), factor != 1.0),
+        (ChannelMap(channel, "offset", zero / factor), zero != 0.0),
+    )
+    return tuple(m for m, said in maps if said)

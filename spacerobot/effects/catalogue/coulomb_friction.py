@@ -9,7 +9,7 @@ from typing import Any
 from spacerobot.effects.effect import Effect, Parameter
 from spacerobot.effects.kernel import Kernel
 from spacerobot.effects.mechanism import Mechanism
-from spacerobot.effects.plane import across, along_both, bodies
+from spacerobot.effects.plane import across, along_all, bodies, in_space
 from spacerobot.effects.primitives import Friction
 
 
@@ -46,11 +46,12 @@ class CoulombFriction(Effect):
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:
         """Guides, joints, and a body that slides on a table."""
         bearing = ("target.yaw",) if mechanism.contact is None else ()
-        return bodies(mechanism, "wrist", "target", "target.y", *bearing, "base", "joint")
+        sliding = () if in_space(mechanism) else ("target", "target.y")
+        return bodies(mechanism, "wrist", *sliding, *bearing, "base", "joint")
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
         """Friction of constant level at the port; of a body in the plane against its velocity."""
-        p, other = (values["force_N"],), across(mechanism, where)
-        if other is not None:
-            return mechanism.with_force(*along_both(self.name, where, other, IN_PLANE, p))
+        p, others = (values["force_N"],), across(mechanism, where)
+        if others:
+            return mechanism.with_force(*along_all(self.name, (where, *others), IN_PLANE, p))
         return mechanism.with_friction(Friction(f"{self.name} at {where}", where, level, p, steady=True))

@@ -25,7 +25,7 @@ class ExternalImpulse(Effect):
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:
         """Bodies that float; one that nothing touches may be struck off its centre too."""
         turning = ("target.yaw",) if mechanism.contact is None else ()
-        return positions(mechanism, "target", "target.y", *turning, *BASE_PORTS)
+        return positions(mechanism, "target", "target.y", "target.z", *turning, *BASE_PORTS)
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
         """A kick at the port."""

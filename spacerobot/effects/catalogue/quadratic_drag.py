@@ -10,16 +10,16 @@ from spacerobot.effects.catalogue.quadratic_damping import QUADRATIC
 from spacerobot.effects.effect import Effect, Parameter, base_ports
 from spacerobot.effects.kernel import Kernel
 from spacerobot.effects.mechanism import Mechanism
-from spacerobot.effects.plane import across, along_both, bodies
+from spacerobot.effects.plane import across, along_all, bodies
 from spacerobot.effects.primitives import Force
 
 
-def in_plane(d: float, v: float, aux: float, p: Any) -> float:
-    """One component of -c |v| v; aux is the rate across, p = (coefficient,)."""
+def beside(d: float, v: float, aux: float, p: Any) -> float:
+    """One component of -c |v| v; aux is the speed across, p = (coefficient,)."""
     return -p[0] * math.hypot(v, aux) * v
 
 
-IN_PLANE = Kernel(in_plane)
+BESIDE = Kernel(beside)
 
 
 class QuadraticDrag(Effect):
@@ -36,8 +36,8 @@ class QuadraticDrag(Effect):
         return bodies(mechanism, "target", "target.y", "target.yaw", *base_ports(mechanism))
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
-        """A quadratic damper between the body and the world, against the velocity in the plane."""
-        p, other = (values["coefficient_Ns2_m2"],), across(mechanism, where)
-        if other is None:
+        """A quadratic damper between the body and the world, against the velocity in the plane or in space."""
+        p, others = (values["coefficient_Ns2_m2"],), across(mechanism, where)
+        if not others:
             return mechanism.with_force(Force(f"{self.name} at {where}", where, QUADRATIC, p))
-        return mechanism.with_force(*along_both(self.name, where, other, IN_PLANE, p))
+        return mechanism.with_force(*along_all(self.name, (where, *others), BESIDE, p))

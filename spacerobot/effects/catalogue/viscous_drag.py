@@ -25,7 +25,7 @@ class ViscousDrag(Effect):
         return bodies(mechanism, "target", "target.y", "target.yaw", *base_ports(mechanism))
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
-        """A damper between the body and the world, in every direction of the plane."""
+        """A damper between the body and the world, in every direction that it has."""
         p = (values["coefficient_Ns_m"],)
-        along = [n for n in (where, across(mechanism, where)) if n is not None]
+        along = (where, *across(mechanism, where))
         return mechanism.with_force(*(Force(f"{self.name} at {n}", n, DAMPER, p) for n in along))

@@ -122,7 +122,7 @@ def layout_of(assembly: Assembly, mechanism: Mechanism) -> tuple[Layout, list[st
         rows[p] = _port(mechanism.ports[port], mechanism, names)
     at_ports = (mechanism.frictions, mechanism.states, mechanism.impulses, mechanism.inputs)
     read = {element.port for some in at_ports for element in some}
-    read |= {p for f in mechanism.forces for p in (f.port, f.sense, f.aux) if p is not None}
+    read |= {p for f in mechanism.forces for p in (f.port, f.sense, *f.beside) if p is not None}
     used = np.array([p in read for p in mechanism.ports])
     coordinates = np.array([_coordinate(c, mechanism, names) for c in mechanism.coordinates])
     bodies = [0, assembly.hand[0], assembly.tip[0], assembly.base[0], assembly.target]

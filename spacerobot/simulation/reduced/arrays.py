@@ -26,6 +26,7 @@ class System(NamedTuple):
     force_port: np.ndarray  # (F,) int
     force_sense: np.ndarray  # (F,) int
     force_aux: np.ndarray  # (F,) int: port whose rate is aux, or NONE
+    force_aside: np.ndarray  # (F,) int: a second port across, or NONE
     force_law: np.ndarray  # (F,) int into the table of laws
     force_edge: np.ndarray  # (F,) int into the table of laws, or NONE
     force_slope: np.ndarray  # (F,) int into the table of laws, or NONE
@@ -56,13 +57,13 @@ class System(NamedTuple):
 N, PORTS, FORCES, FRICTIONS, STATES, INPUTS, KICKS, PRESS, SLIDE, YAW, CONTACT_FORCE = range(11)
 MASS, ROWS, GEOMETRY, PARAMETER, FRICTION_PARAMETER, STATE_PARAMETER, CONSTANT, GAIN, KICK_TIME, KICK = range(11, 21)
 LINEAR = 21
-PORT, SENSE, AUX, LAW, EDGE, SLOPE, FRICTION_PORT, FRICTION_LAW, FRICTION_NORMAL, FRICTION_STEADY = range(22, 32)
-FRICTION_MATE, STATE_PORT, STATE_RATE, STATE_FORCE, STATE_NORMAL, STATE_LINEAR, STATE_FIRST = range(32, 39)
-INPUT_PORT, FORCE_ORDER, PORT_ORDER = range(39, 42)
-D, V, BIAS, W_ROWS, TAU, RAW, FORCE, FRICTION, HEADING, MATRIX, VECTOR, STUCK = range(42, 54)
-Z, Z_RATE, REMEMBERED, REST, WORK_SIZE = range(54, 59)
-LIVE_FORCES, LIVE_PORTS = 59, 60
-HEADER = 61
+PORT, SENSE, AUX, ASIDE, LAW, EDGE, SLOPE, FRICTION_PORT, FRICTION_LAW, FRICTION_NORMAL = range(22, 32)
+FRICTION_STEADY, FRICTION_MATE, STATE_PORT, STATE_RATE, STATE_FORCE, STATE_NORMAL, STATE_LINEAR = range(32, 39)
+STATE_FIRST, INPUT_PORT, FORCE_ORDER, PORT_ORDER = range(39, 43)
+D, V, BIAS, W_ROWS, TAU, RAW, FORCE, FRICTION, HEADING, MATRIX, VECTOR, STUCK = range(43, 55)
+Z, Z_RATE, REMEMBERED, REST, WORK_SIZE = range(55, 60)
+LIVE_FORCES, LIVE_PORTS = 60, 61
+HEADER = 62
 
 
 class Packed(NamedTuple):
@@ -132,6 +133,7 @@ def packed_ints(s: System, order: Folding) -> np.ndarray:
         s.force_port,
         s.force_sense,
         s.force_aux,
+        s.force_aside,
         s.force_law,
         s.force_edge,
         s.force_slope,
@@ -182,9 +184,8 @@ def folding(s: System) -> Folding:
     live: list[int] = []
     folded: list[int] = []
     needed = {*turning, *s.friction_port.tolist(), *s.state_port.tolist()} - {NONE}
-    for j, (port, sensed, aux, law) in enumerate(
-        zip(s.force_port.tolist(), s.force_sense.tolist(), s.force_aux.tolist(), s.force_law.tolist(), strict=True)
-    ):
+    read = (s.force_port, s.force_sense, s.force_aux, s.force_aside, s.force_law)
+    for j, (port, sensed, aux, aside, law) in enumerate(zip(*(some.tolist() for some in read), strict=True)):
         if law in (NATIVE_SPRING, NATIVE_DAMPER) and port not in turning and sensed not in turning:
             first = 0 if law == NATIVE_SPRING else n
             unit = np.zeros((n, 2 * n))
@@ -193,7 +194,7 @@ def folding(s: System) -> Folding:
             folded.append(j)
         else:
             live.append(j)
-            needed |= {sensed} | ({aux} if aux >= 0 else set())
+            needed |= {p for p in (sensed, aux, aside) if p >= 0}
     rest = [p for p in range(ports) if p not in needed]
     return Folding(
         np.array(live + folded, dtype=np.int64),

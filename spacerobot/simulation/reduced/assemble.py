@@ -60,13 +60,24 @@ def _laws(kernel: Kernel) -> tuple[int, int, int]:
     return LAWS.index(kernel.force), edge, NONE if kernel.slope is None else LAWS.index(kernel.slope)
 
 
+class _Law(NamedTuple):
+    """A force without its numbers: which law reads which ports."""
+
+    name: str
+    port: str
+    sense: str
+    aux: str | None
+    aside: str | None
+    kernel: Kernel
+
+
 class Shape(NamedTuple):
     """What a mechanism consists of, without the numbers that a fit changes."""
 
     coordinates: tuple[str, ...]
     ports: tuple[tuple[str, tuple[tuple[str, float], ...]], ...]
     contact: tuple[str, Kernel] | None
-    forces: tuple[tuple[str, str, str, str | None, Kernel], ...]  # name, port, sensed port, aux port, law
+    forces: tuple[_Law, ...]
     frictions: tuple[tuple[str, str, Any, bool, bool], ...]  # name, port, law, pressed by the contact, steady
     states: tuple[tuple[str, str, Memory, bool, int], ...]  # name, port, law, pressed, how many parameters
     inputs: tuple[tuple[str, str], ...]  # name, port
@@ -90,7 +101,7 @@ def shape(m: Mechanism) -> Shape:
         tuple(m.coordinates),
         tuple((port, tuple(row.items())) for port, row in m.ports.items()),
         None if m.contact is None else (m.contact.name, m.contact.kernel),
-        tuple((f.name, f.port, f.sense or f.port, f.aux, f.kernel) for f in m.forces),
+        tuple(_Law(f.name, f.port, f.sense or f.port, f.aux, f.aside, f.kernel) for f in m.forces),
         tuple((f.name, f.port, f.level, f.normal is not None, f.steady) for f in m.frictions),
         tuple((s.name, s.port, s.law, s.normal is not None, len(s.p)) for s in m.states),
         tuple((i.name, i.port) for i in m.inputs),
@@ -117,18 +128,19 @@ def template(of: Shape) -> Template:
         if "target.y" in index:
             rows[special[1], index["target.y"]] = 1.0
     place = {port: i for i, port in enumerate(ports)}
-    laws: list[tuple[str, str, str, str | None, Kernel]] = [*of.forces]
+    laws = [*of.forces]
     if of.contact is not None:
-        laws.insert(0, (of.contact[0], "contact", "contact", None, of.contact[1]))
-    found = [_laws(kernel) for *_, kernel in laws]
+        laws.insert(0, _Law(of.contact[0], "contact", "contact", None, None, of.contact[1]))
+    found = [_laws(law.kernel) for law in laws]
     blank = System(
         inverse_mass=np.zeros(len(names)),
         rows=rows,
         geometry=np.zeros(2),
         special=special,
-        force_port=np.array([place[port] for _, port, *_ in laws], dtype=np.int64),
-        force_sense=np.array([place[sensed] for _, _, sensed, *_ in laws], dtype=np.int64),
-        force_aux=np.array([NONE if aux is None else place[aux] for *_, aux, _ in laws], dtype=np.int64),
+        force_port=np.array([place[law.port] for law in laws], dtype=np.int64),
+        force_sense=np.array([place[law.sense] for law in laws], dtype=np.int64),
+        force_aux=np.array([NONE if law.aux is None else place[law.aux] for law in laws], dtype=np.int64),
+        force_aside=np.array([NONE if law.aside is None else place[law.aside] for law in laws], dtype=np.int64),
         force_law=np.array([law for law, _, _ in found], dtype=np.int64),
         force_edge=np.array([edge for _, edge, _ in found], dtype=np.int64),
         force_slope=np.array([slope for _, _, slope in found], dtype=np.int64),

@@ -8,7 +8,6 @@ import numpy as np
 
 from spacerobot.effects.kernel import PARAMETERS
 from spacerobot.simulation.reduced.arrays import (
-    AUX,
     CONTACT_FORCE,
     EDGE,
     FORCE,
@@ -30,7 +29,7 @@ from spacerobot.simulation.reduced.arrays import (
     N,
     V,
 )
-from spacerobot.simulation.reduced.forces import APART, PRESSED, RELEASED, STICK, TINY, call_law, level
+from spacerobot.simulation.reduced.forces import APART, PRESSED, RELEASED, STICK, TINY, beside, call_law, level
 from spacerobot.simulation.reduced.guards import guards
 from spacerobot.simulation.reduced.motion import accelerate, sense
 from spacerobot.simulation.reduced.ports import kinematics
@@ -309,7 +308,7 @@ def fix_edges(x: Any, c: Any, laws: Any, modes: Any, w: Any) -> None:
     for j in range(c[FORCES]):
         if c[c[EDGE] + j] >= 0:
             sense = c[c[SENSE] + j]
-            aux = w[c[V] + c[c[AUX] + j]] if c[c[AUX] + j] >= 0 else 0.0
+            aux = beside(c, w, j)
             value = call_law(
                 laws[c[c[EDGE] + j]], w[c[D] + sense], w[c[V] + sense], aux, x, c[PARAMETER] + PARAMETERS * j
             )

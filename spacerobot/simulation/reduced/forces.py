@@ -9,6 +9,7 @@ import numpy as np
 from spacerobot.effects.kernel import PARAMETERS
 from spacerobot.effects.laws import contact_force
 from spacerobot.simulation.reduced.arrays import (
+    ASIDE,
     AUX,
     BIAS,
     CONTACT_FORCE,
@@ -80,6 +81,18 @@ def level(x: Any, c: Any, laws: Any, r: int, v: float, normal: float, d: float) 
 
 
 @inlined
+def beside(c: Any, w: Any, j: int) -> float:
+    """What law j reads beside its own port: the rate of another one, or the speed across two."""
+    if c[c[AUX] + j] < 0:
+        return 0.0
+    aux = w[c[V] + c[c[AUX] + j]]
+    if c[c[ASIDE] + j] < 0:
+        return aux
+    other = w[c[V] + c[c[ASIDE] + j]]
+    return np.sqrt(aux * aux + other * other)
+
+
+@inlined
 def say(x: Any, c: Any, laws: Any, modes: Any, w: Any, j: int) -> float:
     """What law j says at the present displacements and rates, kept in RAW; and what acts, kept in FORCE."""
     sense = c[c[SENSE] + j]
@@ -91,7 +104,7 @@ def say(x: Any, c: Any, laws: Any, modes: Any, w: Any, j: int) -> float:
     elif law == NATIVE_DAMPER:
         f = -x[first] * v
     else:
-        aux = w[c[V] + c[c[AUX] + j]] if c[c[AUX] + j] >= 0 else 0.0
+        aux = beside(c, w, j)
         if law == NATIVE_CONTACT:
             # a tuple: a view of x would cost more than the law, for its reference count
             f = native_contact(d, v, aux, (x[first], x[first + 1], x[first + 2], x[first + 3]))

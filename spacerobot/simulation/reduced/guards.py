@@ -8,7 +8,6 @@ import numpy as np
 
 from spacerobot.effects.kernel import PARAMETERS
 from spacerobot.simulation.reduced.arrays import (
-    AUX,
     CONTACT_FORCE,
     EDGE,
     FOLLOWS,
@@ -32,7 +31,7 @@ from spacerobot.simulation.reduced.arrays import (
     D,
     V,
 )
-from spacerobot.simulation.reduced.forces import APART, PRESSED, STICK, TINY, call_law, level
+from spacerobot.simulation.reduced.forces import APART, PRESSED, STICK, TINY, beside, call_law, level
 from spacerobot.support.jit import lean
 
 
@@ -70,7 +69,7 @@ def guards(x: Any, c: Any, laws: Any, modes: Any, w: Any, out: Any) -> None:
             out[1 + j] = 1.0
             continue
         sense = c[c[SENSE] + j]
-        aux = w[c[V] + c[c[AUX] + j]] if c[c[AUX] + j] >= 0 else 0.0
+        aux = beside(c, w, j)
         value = call_law(laws[e], w[c[D] + sense], w[c[V] + sense], aux, x, c[PARAMETER] + PARAMETERS * j)
         out[1 + j] = modes[1 + j] * value
     base = 1 + forces
