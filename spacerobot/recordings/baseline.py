@@ -82,10 +82,11 @@ def read_baseline(document: Document) -> Baseline:
     robot = table.get("robot")
     if robot is not None and (not isinstance(robot, str) or not robot.strip(" <") or set(robot) & set("\0\n<")):
         raise InputError("robot must be a name or a URDF path", given=robot, where=document.where("baseline", "robot"))
-    if robot is None and "body" not in table:
+    alone = "body" in table or ("target" in table and not {"wrist", "contact"} & set(table))
+    if robot is None and not alone:
         raise InputError(
             "the baseline names no robot",
-            valid="robot = NAME, or a [baseline.body] alone",
+            valid="robot = NAME, or a [baseline.body] (or [baseline.target]) alone",
             where=document.where("baseline"),
         )
     return Baseline(

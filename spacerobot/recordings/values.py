@@ -92,7 +92,7 @@ GROUPS: dict[str, dict[str, Kind]] = {
         "mu": _not_negative("1"),
     },
     "target": _RIGID,
-    "body": _RIGID,
+    "body": {**_RIGID, "delay": _any("s")},
     "hand": _RIGID,
     "platform": _RIGID,
     "joint.NAME": _JOINT,

@@ -10,13 +10,13 @@ import numpy as np
 from spacerobot.diagnosis.machines.contract import FIRST_NOISE, conditions_of
 from spacerobot.diagnosis.machines.simulated import Build, Simulated
 from spacerobot.diagnosis.machines.sizes import sizes_of
-from spacerobot.diagnosis.machines.windows import FOLDS, Drive, held
+from spacerobot.diagnosis.machines.windows import FOLDS, WITHIN, commanded
 from spacerobot.diagnosis.terms.candidates import stood_for
 from spacerobot.diagnosis.terms.data import Block, TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed
 from spacerobot.effects.laws import DAMPER
 from spacerobot.effects.mechanism import Mechanism
-from spacerobot.effects.primitives import Coordinate, Field, Force, Input, Readout
+from spacerobot.effects.primitives import ChannelMap, Coordinate, Field, Force, Input, Readout
 from spacerobot.effects.registry import all_effects
 from spacerobot.effects.sizes import Sizes
 from spacerobot.recordings.study import Study
@@ -122,6 +122,7 @@ def body(
 
     def build(values: Mapping[str, float], trial: TrialData) -> Mechanism:
         coordinates, ports, readouts, inputs, forces = {}, {}, {}, [], []
+        maps, late = [], values.get("body.delay", 0.0)
         for axis in axes:
             mass = values["body.yaw_inertia"] if axis.angular else values["body.mass"]
             coordinates[axis.name] = Coordinate(axis.name, mass, angular=axis.angular)
@@ -130,6 +131,8 @@ def body(
                 readouts[channel] = Readout(channel, kind, axis.name, axis.sign)
             if axis.force in driven:
                 inputs.append(Input(f"drive {axis.name}", axis.name, axis.force, axis.sign))
+            if axis.force in driven and late:
+                maps.append(ChannelMap(axis.force, "delay", -late))
             damping = values.get("body.yaw_damping" if axis.angular else "body.damping")
             if damping:
                 forces.append(Force(f"{axis.name}.damper", axis.name, DAMPER, (damping,), role="damper"))
@@ -139,6 +142,7 @@ def body(
             forces=tuple(forces),
             fields=tuple(Field(n, g) for n, g in pull.items() if g and n in coordinates),
             inputs=tuple(inputs),
+            maps=tuple(maps),
             readouts=readouts,
             sensors={s: tuple(c for c in names if c in readouts or c in driven) for s, names in sensors.items()},
         )
@@ -180,9 +184,7 @@ def _model(study: Study, trials: Sequence[Trial], group: str, name: str) -> Simu
         condition = study.condition(trial)
         whole.append(TrialData(trial.id, condition, overrides, tuple(blocks), float(start), float(end)))
         if driven:
-            grids = {c: held(*recording[c].good()) for c in driven}
-            corners = grids[driven[0]][0]
-            drives[trial.id] = Drive(corners, {c: g[1] for c, g in grids.items()}, corners)
+            drives[trial.id] = commanded({c: recording[c].good() for c in driven})
     values = {f"body.{n.split('.', 1)[1]}": v for n, v in study.values().items() if n.startswith(f"{group}.")}
     unknown, relative = {}, []
     for key, angular in (("body.mass", False), ("body.yaw_inertia", True)):
@@ -201,6 +203,11 @@ def _model(study: Study, trials: Sequence[Trial], group: str, name: str) -> Simu
     known = study.recording(trials[0])
     doubted = {f"body.{n.split('.', 1)[1]}": v for n, v in study.sigma.items() if n.startswith(f"{group}.")}
     sigma = {n: v for n, v in doubted.items() if n in ("body.mass", "body.yaw_inertia") and n not in unknown}
+    late: dict[str, float] = {}
+    if driven and "body.delay" not in values:
+        steps = [np.median(np.diff(study.recording(t)[c].good()[0])) for t in trials for c in driven]
+        late["body.delay"] = WITHIN * float(np.median(steps))
+        values["body.delay"] = 0.0
     fitted = {*sigma, *unknown, *relative}
     covers = {"target": "body.mass", "target.yaw": "body.yaw_inertia"}
     stand = {f"{place}.mass" for place, value in covers.items() if value in fitted}
@@ -213,7 +220,7 @@ def _model(study: Study, trials: Sequence[Trial], group: str, name: str) -> Simu
         body(axes, _pull(study, free), sensors, driven),
         whole,
         drives,
-        believed=Believed(values, sigma, {}, conditions_of(whole), unknown),
+        believed=Believed(values, sigma, {}, conditions_of(whole), unknown, absolute=late),
         sizes=sizes,
         window=study.horizon or _window(whole, sizes[""].time, bool(driven)),
         covered=frozenset(covered),

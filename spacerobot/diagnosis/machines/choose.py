@@ -68,7 +68,7 @@ def some_models_for(study: Study) -> tuple[Machine, ...]:
 
 def _tracked(study: Study, trial: Trial, group: str) -> bool:
     recording = study.recording(trial)
-    return any(a.shown(sorted(recording)) for a in axes_of(study, group))
+    return any(a.shown(sorted(recording)) for a in axes_of(study, group, flies=True))
 
 
 def _drives(study: Study, trial: Trial, group: str) -> list[str]:

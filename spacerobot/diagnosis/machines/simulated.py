@@ -11,7 +11,7 @@ import numpy as np
 
 from spacerobot.diagnosis.machines.contract import FACTORS, Machine, Nuisance, Predicted, Variant
 from spacerobot.diagnosis.machines.touch import Moment
-from spacerobot.diagnosis.machines.windows import FOLDS, Drive, cut, local, spread_over
+from spacerobot.diagnosis.machines.windows import CHANGED, FOLDS, Drive, cut, local, spread_over
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed, Site
 from spacerobot.effects.effect import Effect
@@ -33,9 +33,6 @@ TRIFLE = 1e-4
 
 LOOSEST = 1e-4
 """Relative tolerance of the integrator; drives that are joined by lines make it no better than this."""
-
-CHANGED = 0.05
-"""Share of an input's range by which it changes where it does: less is a sensor's noise, or slow control."""
 
 LONGER = 1.5
 """By how much another trial may be lengthened."""

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from spacerobot.diagnosis.machines.windows import WITHIN
 from spacerobot.effects.primitives import ChannelMap
 
 UNITS = {"gain": "1"}
@@ -25,11 +26,6 @@ def bias(values: Mapping[str, float], joint: str) -> float:
 def torque(values: Mapping[str, float], joint: str, reading: np.ndarray) -> np.ndarray:
     """The joint's torque or force [N m or N], from what is logged of it, shape (T,) both."""
     return gain(values, joint) * reading - bias(values, joint)
-
-
-WITHIN = 3.0**-0.5
-"""Standard deviation of a moment that lies anywhere within one sample to either side, in samples: whether a logged
-torque was read before its motion or after, or held until the next one, no log says."""
 
 
 def moment(stated: Mapping[str, float], values: Mapping[str, float], joint: str, step: float) -> dict[str, float]:

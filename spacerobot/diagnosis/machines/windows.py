@@ -46,8 +46,12 @@ class Drive:
         own = {c: tuple(m for m in maps if m.channel == c) for c in self.value}
         if not any(own.values()):
             return self
-        if all(m.kind in ("gain", "offset") for some in own.values() for m in some):
-            return replace(self, value={c: through_sensor(own[c], v, 1.0) for c, v in self.value.items()})
+        steady = {c: tuple(m for m in some if m.kind in ("gain", "offset")) for c, some in own.items()}
+        delays = {sum(m.value for m in some if m.kind == "delay") for some in own.values()}
+        if len(delays) == 1 and all(m.kind in ("gain", "offset", "delay") for some in own.values() for m in some):
+            (delay,) = delays  # all come out so much later, as they are
+            shown = {c: through_sensor(steady[c], v, 1.0) for c, v in self.value.items()}
+            return Drive(self.time + delay, shown, self.jumps + delay)
         late = sum(abs(m.value) for some in own.values() for m in some if m.kind == "delay")
         # points of its own between the corners: a grid that moved with `start` would leap from corner to corner
         fine = self.step / FINER
@@ -69,11 +73,34 @@ EDGE = 1e-6
 """Time [s] that a command takes to change."""
 
 
-def held(time: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """A command that holds until the next one, as corner points to be joined by lines: times and values, (2 T,)."""
-    step = float(np.median(np.diff(time)))
-    ends = np.append(time[1:], time[-1] + step)
-    return np.stack([time + EDGE, ends], axis=1).ravel(), np.repeat(value, 2)
+WITHIN = 3.0**-0.5
+"""Standard deviation of a moment that lies anywhere within one sample to either side, in samples: whether an input was
+logged before its motion or after, or held until the next one, no log says."""
+
+CHANGED = 0.05
+"""Share of an input's range by which it changes where it does: less is a sensor's noise, or slow control."""
+
+
+def commanded(channels: Mapping[str, tuple[np.ndarray, np.ndarray]]) -> Drive:
+    """Commands that each hold until their next one, by channel: times and values, shape (T,) each.
+
+    Where one leaps an integrator must stop; small changes are joined by lines from the middle of one command to that of
+    the next, which push as much.
+    """
+    times = np.unique(np.concatenate([t for t, _ in channels.values()]))
+    held = {
+        c: v[np.clip(np.searchsorted(t, times + EDGE, "right") - 1, 0, t.size - 1)] for c, (t, v) in channels.items()
+    }
+    ends = np.append(times[1:], times[-1] + float(np.median(np.diff(times))))
+    leaps = np.zeros(times.size - 1, dtype=bool)
+    for held_value in held.values():
+        leaps |= np.abs(np.diff(held_value)) > CHANGED * np.ptp(held_value)
+    begins, stops = np.append(True, leaps), np.append(leaps, True)
+    corners = np.stack([times + EDGE, 0.5 * (times + ends), ends], axis=1)
+    kept = np.stack([begins, np.ones(times.size, dtype=bool), stops], axis=1)
+    jumps = np.concatenate([times[begins] + EDGE, ends[stops]])
+    value = {c: np.repeat(v, 3)[kept.ravel()] for c, v in held.items()}
+    return Drive(corners.ravel()[kept.ravel()], value, np.sort(jumps))
 
 
 def band_limited(time: np.ndarray, value: np.ndarray, factor: int) -> tuple[np.ndarray, np.ndarray]:

@@ -13,10 +13,11 @@ from spacerobot.diagnosis.machines.axis import axis
 from spacerobot.diagnosis.machines.choose import models_for
 from spacerobot.diagnosis.machines.simulated import Simulated
 from spacerobot.diagnosis.machines.sizes import sizes_of
-from spacerobot.diagnosis.machines.windows import Drive, band_limited, cut, held, local, refinement
+from spacerobot.diagnosis.machines.windows import Drive, band_limited, commanded, cut, local, refinement
 from spacerobot.diagnosis.selection.held_out import folds, predict_held_out
 from spacerobot.diagnosis.terms.data import Block, TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed, hypothesis
+from spacerobot.effects.primitives import ChannelMap
 from spacerobot.effects.registry import effect
 from spacerobot.simulation.reduced.run import simulate
 from spacerobot.simulation.sensors import read_channels
@@ -130,9 +131,31 @@ def test_drives_between_their_readings() -> None:
     assert np.abs(value - np.sin(2.0 * np.pi * 2.0 * fine))[inner].max() < 0.02
     assert refinement(signal) > 1
     assert refinement(np.sin(0.05 * t)) == 1
-    corners, stairs = held(t, signal)
-    assert np.interp(0.199, corners, stairs) == signal[1]
-    assert np.interp(0.2, corners, stairs) == signal[1]
+
+
+def test_commands_hold_until_the_next_one() -> None:
+    t = np.arange(200) * 0.1
+    leaping = np.sign(np.sin(2.0 * np.pi * 0.26 * t + 0.1))
+    drive = commanded({"f": (t, leaping), "g": (t[::2], np.ones(100))})
+    leap = int(np.flatnonzero(np.diff(leaping))[0])
+    assert np.interp(t[leap] + 0.0999, drive.time, drive.value["f"]) == leaping[leap]
+    assert np.interp(t[leap] + 0.1001, drive.time, drive.value["f"]) == leaping[leap + 1]
+    assert np.count_nonzero(np.diff(leaping)) == (drive.jumps.size - 2) / 2
+    # a slow command pushes as much as its steps do, and no integrator has to stop for it
+    slow = np.sin(2.0 * np.pi * 0.02 * t)
+    smooth = commanded({"f": (t, slow)})
+    assert smooth.jumps.size == 2
+    pushed = np.trapezoid(smooth.value["f"], smooth.time)
+    assert pushed == pytest.approx(0.1 * slow.sum(), rel=1e-3)
+
+
+def test_a_late_command_is_the_same_command_later() -> None:
+    t = np.arange(50) * 0.1
+    drive = commanded({"f": (t, np.where(t > 2.0, 1.0, 0.0))})
+    late = drive.through((ChannelMap("f", "delay", 0.03), ChannelMap("f", "gain", 2.0)), 0.0, 5.0)
+    np.testing.assert_allclose(late.time - drive.time, 0.03, atol=1e-12)
+    np.testing.assert_allclose(late.jumps - drive.jumps, 0.03, atol=1e-12)
+    np.testing.assert_array_equal(late.value["f"], 2.0 * drive.value["f"])
 
 
 @pytest.mark.real

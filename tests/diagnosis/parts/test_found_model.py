@@ -57,7 +57,7 @@ def test_what_was_found_predicts_as_it_did() -> None:
     place = "joint.shoulder"
     found = Found("shoulder", {f"viscous_friction@{place}.coefficient_Ns_m": 0.5}, (("viscous_friction", place),))
     made, z = found.hypothesis(model)
-    assert made.values(z) == pytest.approx({f"viscous_friction@{place}.coefficient_Ns_m": 0.5})
+    assert made.values(z)[f"viscous_friction@{place}.coefficient_Ns_m"] == pytest.approx(0.5)
     with pytest.raises(NotFoundError):
         replace(found, effects=(("viscous_friction", "wrist"),)).hypothesis(model)
 

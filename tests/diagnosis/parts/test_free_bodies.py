@@ -7,7 +7,7 @@ import pytest
 
 from spacerobot.diagnosis.answer.part_verdict import of_turning, turning_unit
 from spacerobot.diagnosis.machines.impacts import _impulse
-from spacerobot.diagnosis.machines.windows import Drive, held
+from spacerobot.diagnosis.machines.windows import Drive, commanded
 from spacerobot.diagnosis.selection.model_choice import slack
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import ChannelMap, Coordinate, Readout
@@ -114,8 +114,7 @@ def test_slack_grows_with_the_baseline() -> None:
 
 def test_a_held_command_that_comes_out_sluggish_does_not_hang_on_where_a_run_begins() -> None:
     """Corners of the command lie on multiples of the step: points that moved with the start would leap over them."""
-    corners, value = held(np.arange(0.0, 20.0, 0.125), np.random.default_rng(3).normal(size=160))
-    drive = Drive(corners, {"f": value}, corners)
+    drive = commanded({"f": (np.arange(0.0, 20.0, 0.125), np.random.default_rng(3).normal(size=160))})
     maps = (ChannelMap("f", "low_pass", 2.0),)
     here, moved = (drive.through(maps, start, 15.0) for start in (10.0, 10.0 - 1e-9))
     at = np.linspace(10.0, 14.9, 500)
