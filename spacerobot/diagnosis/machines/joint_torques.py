@@ -377,9 +377,10 @@ class InverseDynamics(Machine):
             torque = asked[:, names.index(name)]
             for port, force in acting.items():  # drives that see two joints act at both
                 torque = torque - mechanism.ports[port].get(name, 0.0) * force
-            maps = tuple(m for m in mechanism.maps if m.channel == f"{name}.torque")
-            torque = through_sensor(maps, torque, motion.step)
-            out.append(bump.smooth(torque)[:: motion.stride])
+            maps = [m for m in mechanism.maps if m.channel == f"{name}.torque"]
+            late = sum(m.value for m in maps if m.kind == "delay")
+            torque = through_sensor(tuple(m for m in maps if m.kind != "delay"), torque, motion.step)
+            out.append(bump.late(torque, late)[:: motion.stride])
         return Predicted((np.array(out),))
 
 

@@ -31,12 +31,14 @@ class Bump:
         weight: smooths.
         slope: gives the smoothed first derivative, per second.
         curve: gives the smoothed second derivative, per second squared.
+        step: of the grid [s].
     """
 
     half: int
     weight: np.ndarray
     slope: np.ndarray
     curve: np.ndarray
+    step: float
 
     @classmethod
     def of(cls, half: int, step: float) -> Bump:
@@ -50,11 +52,25 @@ class Bump:
         inner = half - 2
         shape = (1.0 - (np.arange(-inner, inner + 1) / (inner + 1.0)) ** 2) ** POWER
         shape /= shape.sum()
-        return cls(half, np.pad(shape, 2), np.convolve(shape, RATE) / step, np.convolve(shape, CURVE) / step**2)
+        return cls(half, np.pad(shape, 2), np.convolve(shape, RATE) / step, np.convolve(shape, CURVE) / step**2, step)
 
     def smooth(self, x: np.ndarray) -> np.ndarray:
         """The signal seen through the bump, shape (T - 2 n, ...) for a signal of shape (T, ...)."""
         return _apply(self.weight, x)
+
+    def late(self, x: np.ndarray, delay: float) -> np.ndarray:
+        """What comes so much later [s], seen through the bump, shape (T - 2 n,) for (T,); its ends go on as they are.
+
+        Whole samples are moved, the rest is what the bump's derivatives make of it (Taylor, third order left out):
+        between samples lines would smooth the noise of x, and a fit would take that for a delay.
+        """
+        if delay == 0.0:
+            return self.smooth(x)
+        samples = int(np.clip(round(delay / self.step), -x.size + 1, x.size - 1))
+        rest = delay - samples * self.step
+        ends = (max(samples, 0), max(-samples, 0))
+        moved = np.pad(x, ends, mode="edge")[ends[1] : ends[1] + x.size]
+        return self.smooth(moved) - rest * self.rate(moved) + 0.5 * rest**2 * self.acceleration(moved)
 
     def blurred(self, x: np.ndarray) -> np.ndarray:
         """The same of a signal that goes on at its ends as it is there, shape (T,) both."""

@@ -39,3 +39,24 @@ def test_columns_are_seen_each_by_itself() -> None:
 def test_too_narrow_a_bump_is_refused() -> None:
     with pytest.raises(InputError, match="three samples"):
         Bump.of(2, 0.1)
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.004, -0.013, 0.05])
+def test_what_comes_late_is_the_same_signal_later(delay: float) -> None:
+    step = 0.01
+    bump = Bump.of(20, step)
+    t = np.arange(600) * step
+    signal, later = np.sin(3.0 * t) + 0.2 * np.cos(7.0 * t), np.sin(3.0 * (t - delay)) + 0.2 * np.cos(7.0 * (t - delay))
+    inside = slice(20, -20)
+    np.testing.assert_allclose(bump.late(signal, delay)[inside], bump.smooth(later)[inside], atol=2e-5)
+
+
+def test_noise_is_no_delay() -> None:
+    """Of a signal under noise no delay is likelier than none: the remainder does not shrink with the noise."""
+    bump = Bump.of(10, 0.01)
+    random = np.random.default_rng(5)
+    spread = []
+    for delay in (0.0, 0.0049, -0.0049):
+        some = [bump.late(random.standard_normal(400), delay) for _ in range(200)]
+        spread.append(float(np.std(some)))
+    assert spread == pytest.approx([spread[0]] * 3, rel=0.05)
