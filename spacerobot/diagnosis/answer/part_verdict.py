@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 from msgspec import UNSET
@@ -36,7 +36,7 @@ from spacerobot.diagnosis.selection.part_limits import PartLimits
 from spacerobot.diagnosis.selection.part_result import Part, balance
 from spacerobot.diagnosis.selection.stretches import Knock
 from spacerobot.diagnosis.terms.candidates import contains
-from spacerobot.diagnosis.terms.decision import LOCATED
+from spacerobot.diagnosis.terms.decision import LOCATED, MOVED
 from spacerobot.diagnosis.terms.kinds import (
     AMBIGUOUS,
     NAMED,
@@ -81,7 +81,7 @@ def verdict_of(study: Study, parts: Sequence[Part], *, seed: int, seconds: float
         alternatives=alternatives(speaking, verdict),
         parameters=_all_moved(parts),
         exact=held_exact(study, parts),
-        moved=furthest_moved(parts),
+        moved=furthest_moved(parts, [*study.sigma, *study.absolute, *study.values()]),
         located=[
             pattern(r, balance(p, r.balance, parts))
             for p in parts
@@ -215,11 +215,16 @@ def _all_moved(parts: Sequence[Part]) -> dict[str, Believed]:
     return out
 
 
-def furthest_moved(parts: Sequence[Part]) -> dict[str, Moved]:
-    """How far every believed value that was free moved; of one that several parts judge, the furthest."""
+def furthest_moved(parts: Sequence[Part], stated: Collection[str]) -> dict[str, Moved]:
+    """How far every believed value that was free moved; of one that several parts judge, the furthest.
+
+    What the study does not state, the moment of a log within its sample, is told where it is far off alone.
+    """
     out: dict[str, Moved] = {}
     for part in parts:
         for name, entry in all_moved(part.fit).items():
+            if name not in stated and name not in part.model.believed.unknown and _in_sigmas(entry) <= MOVED:
+                continue
             if name not in out or _in_sigmas(entry) > _in_sigmas(out[name]):
                 out[name] = entry
     return dict(sorted(out.items(), key=lambda item: -_in_sigmas(item[1])))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import cast
@@ -13,6 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from spacerobot.diagnosis.answer.part_verdict import furthest_moved
+from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.fitting.noise import floor_of, reweighted
 from spacerobot.diagnosis.machines import torque_log
@@ -37,7 +39,7 @@ def model_of(extra: dict[str, tuple[float, float, float]], joint: str) -> Invers
     return InverseDynamics(robot, GRAVITY, grids, ("shoulder", "elbow"), compared=[joint])
 
 
-def fitted(model: InverseDynamics, *labels: tuple[str, str]):  # type: ignore[no-untyped-def]
+def fitted(model: InverseDynamics, *labels: tuple[str, str]) -> Fit:
     by = {s.label: s for s in model.sites()}
     made = hypothesis(model.believed, [by[label] for label in labels])
     fit = Fitter(model, model.trials).fit(made)
@@ -45,12 +47,18 @@ def fitted(model: InverseDynamics, *labels: tuple[str, str]):  # type: ignore[no
     return Fitter(model, trials).fit(made, warm=fit.values())
 
 
+def errors(fit: Fit, keys: Sequence[str]) -> np.ndarray:
+    """Standard errors of these values."""
+    steps = np.array([f.slope(z) for f, z in zip(fit.hypothesis.free, fit.z, strict=True)])
+    every = np.sqrt(np.diag(fit.covariance)) * steps
+    return every[[fit.hypothesis.keys.index(key) for key in keys]]
+
+
 def test_planted_friction_comes_back_within_its_error() -> None:
     place = "joint.shoulder"
     fit = fitted(model_of(PLANTED, "shoulder"), ("coulomb_friction", place), ("viscous_friction", place))
     found = np.array([fit.values()[f"{e}@{place}.{p}"] for e, p in _NAMES])
-    steps = np.array([f.slope(z) for f, z in zip(fit.hypothesis.free, fit.z, strict=True)])
-    error = np.sqrt(np.diag(fit.covariance)) * steps
+    error = errors(fit, [f"{e}@{place}.{p}" for e, p in _NAMES])
     assert np.abs(found - [1.2, 0.4]) == pytest.approx([0.0, 0.0], abs=0.02)
     assert (np.abs(found - [1.2, 0.4]) < 4.0 * error).all()
 
@@ -186,11 +194,10 @@ def test_a_doubted_motor_constant_and_zero_come_back() -> None:
     model = misread(2.0, 0.8, **doubt)
     fit = fitted(model)
     found = np.array([fit.values()[n] for n in names])
-    steps = np.array([f.slope(z) for f, z in zip(fit.hypothesis.free, fit.z, strict=True)])
-    error = np.sqrt(np.diag(fit.covariance)) * steps
+    error = errors(fit, names)
     assert found == pytest.approx([2.0, 0.8], rel=0.01)
     assert (np.abs(found - [2.0, 0.8]) < 4.0 * error).all()
-    told = furthest_moved([cast(Part, SimpleNamespace(fit=fit))])
+    told = furthest_moved([cast(Part, SimpleNamespace(fit=fit, model=model))], names)
     assert list(told) == ["joint.shoulder.bias", "joint.shoulder.gain"]  # the furthest first
     assert [told[n].in_sigmas for n in names] == pytest.approx([-0.1 / 0.105, 0.3 / 0.25], rel=0.15)
     assert ("preload", "joint.shoulder") not in {s.label for s in model.sites()}
