@@ -30,10 +30,13 @@ class Drive:
     time: np.ndarray  # (T,) s
     value: Mapping[str, np.ndarray]  # channel -> (T,)
     jumps: np.ndarray = field(default_factory=lambda: np.zeros(0))  # times at which an integrator must stop
+    spacing: float = 0.0  # of which this is a part [s]; its own where zero
 
     @cached_property
     def step(self) -> float:
         """Typical spacing of the times [s]; where a command holds, of its changes."""
+        if self.spacing:
+            return self.spacing
         gaps = np.diff(self.time)
         return float(np.median(gaps[gaps > 2.0 * EDGE]))
 
@@ -50,8 +53,10 @@ class Drive:
         delays = {sum(m.value for m in some if m.kind == "delay") for some in own.values()}
         if len(delays) == 1 and all(m.kind in ("gain", "offset", "delay") for some in own.values() for m in some):
             (delay,) = delays  # all come out so much later, as they are
-            shown = {c: through_sensor(steady[c], v, 1.0) for c, v in self.value.items()}
-            return Drive(self.time + delay, shown, self.jumps + delay)
+            first, last = np.searchsorted(self.time, [start - delay, end - delay])
+            part = slice(max(int(first) - MARGIN, 0), int(last) + MARGIN)
+            shown = {c: through_sensor(steady[c], v[part], 1.0) for c, v in self.value.items()}
+            return Drive(self.time[part] + delay, shown, self.jumps + delay, self.step)
         late = sum(abs(m.value) for some in own.values() for m in some if m.kind == "delay")
         # points of its own between the corners: a grid that moved with `start` would leap from corner to corner
         fine = self.step / FINER
@@ -62,6 +67,9 @@ class Drive:
         }
         return Drive(grid, value)
 
+
+MARGIN = 4
+"""Times to either side of a window that its part of a command keeps."""
 
 FINER = 4
 """Points between two corners of a command that comes out late or sluggish."""
