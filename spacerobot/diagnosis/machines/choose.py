@@ -12,7 +12,8 @@ from spacerobot.diagnosis.machines.body import axes_of, body_models
 from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.machines.grid import Grid, even_grid
 from spacerobot.diagnosis.machines.impacts import impact_models
-from spacerobot.diagnosis.machines.joint_torques import TURN, InverseDynamics
+from spacerobot.diagnosis.machines.joint_log import TURN
+from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
 from spacerobot.diagnosis.machines.links import robot_of
 from spacerobot.diagnosis.machines.platform import platform_models
 from spacerobot.diagnosis.machines.prescribed import carried

@@ -8,17 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from spacerobot.diagnosis.machines import torque_log
 from spacerobot.diagnosis.machines.contract import FACTORS, FIRST_NOISE, Machine, Predicted, Variant, conditions_of
 from spacerobot.diagnosis.machines.grid import Grid
+from spacerobot.diagnosis.machines.joint_log import JointLog, Motion, kinematics, shifted, torque_sizes
 from spacerobot.diagnosis.machines.links import carried_links, mass_of, with_masses
 from spacerobot.diagnosis.machines.measured import port_forces, through_sensor
 from spacerobot.diagnosis.machines.rigid import Rigid
-from spacerobot.diagnosis.machines.sizes import sizes_of
 from spacerobot.diagnosis.machines.stated_noise import Lens, stated_noise, still_below
 from spacerobot.diagnosis.machines.test_functions import Bump
 from spacerobot.diagnosis.machines.touch import Moment, first_shock
@@ -31,7 +31,6 @@ from spacerobot.effects.effect import Effect
 from spacerobot.effects.laws import DAMPER, SPRING
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import ChannelMap, Coordinate, Force
-from spacerobot.effects.sizes import Sizes
 from spacerobot.model.robot import Robot
 
 SHARP = 5
@@ -43,9 +42,6 @@ POINTS = 20
 WIDTH = 0.1
 """Half width of the balance's test functions, as a share of the motion's own time (its length over its speed)."""
 
-STEP = 1e-4
-"""By which a joint is moved to either side for the torque's change with its place [rad or m]: error 1e-8 of it."""
-
 FEWEST = 4
 """Half widths of a test function that a piece holds at least."""
 
@@ -56,29 +52,12 @@ friction adds to it, nothing that a body can be takes nine tenths of it away."""
 REST = 0.002
 """Share of a joint's typical speed below which it may as well stand still, whatever its noise is."""
 
-TURN = "base.yaw"
-"""Channel of a floating base that its arm's joints feel."""
-
-SLOW = 2.0
-"""Span [s] over which what a base turns by itself is averaged: only outer moments change it."""
+STILL = 0.02
+"""Share of a joint's typical speed below which friction takes what is asked of it, up to its level: above what noise
+leaves of a smoothed rate. Where it slides that slowly, what is asked is the level itself: a generous share is free."""
 
 FEWEST_READINGS = 4
 """That a piece holds at least."""
-
-
-@dataclass(frozen=True, eq=False)
-class Motion:
-    """A stretch of measured motion. T samples, J joints."""
-
-    step: float  # s
-    position: np.ndarray  # (T, J)
-    velocity: np.ndarray  # (T, J)
-    acceleration: np.ndarray  # (T, J)
-    rigid: np.ndarray  # (T, J) torque that the rigid body asks for
-    stride: int
-    by_link: np.ndarray  # (K, T, J) of it, what each link of doubted mass asks for
-    by_zero: np.ndarray  # (Z, T, J) how it changes with each encoder's doubted zero [per rad or m]
-    lens: Bump  # what motion and torque were seen through before
 
 
 class InverseDynamics(Machine):
@@ -150,11 +129,13 @@ class InverseDynamics(Machine):
         sigma = {n: s for n, s in sigma.items() if not n.endswith(".zero") or n in doubted}
         believed_zeros = {j: (values or {}).get(f"joint.{j}.zero", 0.0) for j in self.joints}
         grids = {k: (shifted(g, believed_zeros), condition, own) for k, (g, condition, own) in grids.items()}
-        self._raw = raw = {k: _kinematics(g, self.joints, SHARP) for k, (g, _, _) in grids.items()}
+        self._raw = raw = {k: kinematics(g, self.joints, SHARP) for k, (g, _, _) in grids.items()}
         self._arm = arm = Rigid(robot, gravity, self.joints)
-        own = {j: _sizes(raw.values(), i, arm if j in idle else None) for i, j in enumerate(self.joints)}
+        own = {j: torque_sizes(raw.values(), i, arm if j in idle else None) for i, j in enumerate(self.joints)}
         self.sizes = {f"joint.{j}": s for j, s in own.items()} | {"": own[self.compared[0]]}
         self._level = np.array([own[j].force for j in self.compared])
+        self._slow = np.array([STILL * own[j].length / own[j].time for j in self.joints])
+        self._unread = frozenset(f"joint.{j}.torque" for j in idle)
         self._motion: dict[str, Motion] = {}
         self._bump: dict[str, Bump] = {}
         pace = WIDTH * min(own[j].time for j in self.compared)
@@ -164,7 +145,7 @@ class InverseDynamics(Machine):
             own_pace = min(pace, (grid.time[-1] - grid.time[0]) / PIECES / FEWEST / 2.0)
             thin = max(1, int(own_pace / grid.step / POINTS))
             sharp = max(SHARP, 3 * thin)  # or noise folds over
-            log = raw[key] if sharp == SHARP else _kinematics(grid, self.joints, sharp)
+            log = raw[key] if sharp == SHARP else kinematics(grid, self.joints, sharp)
             log = log.thinned(thin, arm, heavier, [self.joints.index(n.split(".")[1]) for n in self._zeros])
             half = max(SHARP, round(own_pace / log.step))
             narrow = Bump.of(sharp, grid.step)
@@ -221,7 +202,7 @@ class InverseDynamics(Machine):
     def _cut(
         self,
         key: str,
-        log: _Log,
+        log: JointLog,
         condition: str,
         overrides: Mapping[str, float],
         half: int,
@@ -256,8 +237,16 @@ class InverseDynamics(Machine):
             block = Block(self.sensor, channels, at, np.where(clean, seen, 0.0), weight)
             out.append(TrialData(name, condition, dict(overrides), (block,), float(at[0]), float(at[-1])))
             motion = (log.position[part], log.velocity[part], log.acceleration[part], log.rigid[part])
-            own = log.by_link[:, part], log.by_zero[:, part], log.lens
-            self._motion[name] = Motion(log.step, *motion, stride, *own)
+            self._motion[name] = Motion(
+                log.step,
+                *motion,
+                stride,
+                log.by_link[:, part],
+                log.by_zero[:, part],
+                torque=log.torque[part],
+                slow=self._slow,
+                lens=log.lens,
+            )
             self._bump[name] = bump
         return out
 
@@ -370,7 +359,15 @@ class InverseDynamics(Machine):
         for zero, change in zip(self._zeros, motion.by_zero, strict=True):
             off = sum(m.value for m in mechanism.maps if m.channel == _position(zero) and m.kind == "offset")
             asked = asked + off * change
-        acting = port_forces(mechanism, position, velocity, motion.step, motion.lens)
+        held = {
+            name: (
+                asked[:, i] - torque_log.inverse(mechanism.maps, name, motion.torque[:, i], motion.step),
+                motion.slow[i],
+            )
+            for i, name in enumerate(names)
+            if f"{name}.torque" not in self._unread
+        }
+        acting = port_forces(mechanism, position, velocity, motion.step, motion.lens, held)
         out = []
         for joint in self.compared:
             name = f"joint.{joint}"
@@ -389,104 +386,4 @@ def _position(zero: str) -> str:
     return zero.removesuffix("zero") + "position"
 
 
-def shifted(grid: Grid, zeros: Mapping[str, float]) -> Grid:
-    """The grid with its joints' positions counted from the model's zero [rad or m]."""
-    moved = {f"joint.{j}.position": z for j, z in zeros.items() if z}
-    if not moved:
-        return grid
-    return replace(grid, value={c: x - moved.get(c, 0.0) for c, x in grid.value.items()})
-
-
 _UNITS = {"mass": "kg", "armature": "kg", "damping": "N s/m", "stiffness": "N/m", "friction": "N"} | torque_log.UNITS
-
-
-@dataclass(frozen=True, eq=False)
-class _Log:
-    """Smoothed joint logs of one trial. T samples, J joints."""
-
-    time: np.ndarray  # (T,)
-    step: float
-    position: np.ndarray  # (T, J)
-    velocity: np.ndarray
-    acceleration: np.ndarray
-    torque: np.ndarray
-    good: np.ndarray  # (T,) bool
-    turn: np.ndarray | None  # (T,) of a tracked base that floats
-    rigid: np.ndarray  # (T, J), empty before it is asked for
-    by_link: np.ndarray  # (K, T, J), empty before it is asked for
-    by_zero: np.ndarray  # (Z, T, J), empty before it is asked for
-    lens: Bump  # what all were seen through
-
-    def turned(self, arm: Rigid, by: int = 1) -> np.ndarray | None:
-        """Rate of a tracked base at every `by`-th sample, shape (T,) [rad/s]; None where it is not tracked.
-
-        As its joints drive it, with the slow rest that the tracker shows.
-        """
-        if self.turn is None:
-            return None
-        driven, shown = arm.turning(self.position[::by], self.velocity[::by]), self.turn[::by]
-        even = np.ones(min(max(1, round(SLOW / (self.step * by))), shown.size))
-        return driven + np.convolve(shown - driven, even, "same") / np.convolve(np.ones(shown.size), even, "same")
-
-    def thinned(self, by: int, arm: Rigid, heavier: Sequence[Rigid], zeros: Sequence[int]) -> _Log:
-        """Every `by`-th sample, with the rigid body's torque, what of it each doubled link adds, and how it changes
-        with the zero of some joints' encoders."""
-        some = slice(None, None, by)
-        q, v, a = self.position[some], self.velocity[some], self.acceleration[some]
-        turn = self.turned(arm, by)
-        rigid = arm.torque(q, v, a, turn)
-        good = np.array([self.good[i : i + by].all() for i in range(0, self.time.size, by)])
-        by_link = np.array([other.torque(q, v, a, turn) - rigid for other in heavier]).reshape(
-            len(heavier), *rigid.shape
-        )
-        steps = (np.eye(q.shape[1])[j] * STEP for j in zeros)  # a later zero is an earlier place
-        by_zero = np.array(
-            [(arm.torque(q - s, v, a, turn) - arm.torque(q + s, v, a, turn)) / (2.0 * STEP) for s in steps]
-        )
-        by_zero = by_zero.reshape(len(zeros), *rigid.shape)
-        lens = Bump.of(self.lens.half // by, self.step * by)
-        return _Log(
-            self.time[some], self.step * by, q, v, a, self.torque[some], good, turn, rigid, by_link, by_zero, lens
-        )
-
-
-def _kinematics(grid: Grid, joints: Sequence[str], half: int) -> _Log:
-    """Position, velocity, acceleration and torque through one narrow test function.
-
-    Where the velocity was logged too it is used: a logger's late rows cost a position derived twice far more.
-    """
-    sharp = Bump.of(half, grid.step)
-    position, torque = (np.stack([grid.value[f"joint.{j}.{w}"] for j in joints], axis=1) for w in _LOGGED)
-    if all(f"joint.{j}.velocity" in grid.value for j in joints):
-        rates = np.stack([grid.value[f"joint.{j}.velocity"] for j in joints], axis=1)
-        velocity, acceleration = sharp.smooth(rates), sharp.rate(rates)
-    else:
-        velocity, acceleration = sharp.rate(position), sharp.acceleration(position)
-    good = np.convolve(~grid.good, np.ones(2 * half + 1), "valid") < 0.5
-    time, empty = grid.time[half:-half], np.zeros((0, len(joints)))
-    smooth = (sharp.smooth(position), velocity, acceleration, sharp.smooth(torque))
-    turn = sharp.rate(grid.value[TURN]) if TURN in grid.value else None
-    return _Log(time, grid.step, *smooth, good, turn, empty, empty[None], empty[None], sharp)
-
-
-_LOGGED = ("position", "torque")
-
-
-SOME = 50
-"""Samples of a trial that tell how much torque a joint's motion asks for."""
-
-
-def _sizes(logs: Iterable[_Log], index: int, arm: Rigid | None = None) -> Sizes:
-    """Of one joint; of one without a log of its torque by what the rigid body asks for."""
-    every = list(logs)
-    torque = np.concatenate([g.torque[:, index] for g in every])
-    if arm is not None:
-        step = [max(1, g.time.size // SOME) for g in every]
-        some = [(g.position[::n], g.velocity[::n], g.acceleration[::n]) for g, n in zip(every, step, strict=True)]
-        torque = np.concatenate([arm.torque(*motion)[:, index] for motion in some])
-    return sizes_of(
-        torque,
-        np.concatenate([g.position[:, index] for g in every]),
-        np.concatenate([g.velocity[:, index] for g in every]),
-        float(np.sqrt(np.mean(torque**2))),
-    )

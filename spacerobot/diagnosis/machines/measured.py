@@ -13,7 +13,7 @@ from spacerobot.effects.kernel import padded
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.memory import at_rest
 from spacerobot.effects.primitives import ChannelMap
-from spacerobot.simulation.reduced.forces import call_law, call_memory
+from spacerobot.simulation.reduced.forces import AT_REST, call_law, call_memory
 from spacerobot.simulation.reduced.law_table import LAWS
 from spacerobot.support.jit import jit
 
@@ -58,11 +58,12 @@ def port_forces(
     velocity: Mapping[str, np.ndarray],
     step: float,
     lens: Bump | None = None,
+    held: Mapping[str, tuple[np.ndarray, float]] | None = None,
 ) -> dict[str, np.ndarray]:
     """What the mechanism's forces, frictions and laws with a memory exert at each port along a measured motion.
 
-    Friction is read as sliding, and as nothing where the velocity is exactly zero: what holds a body at rest takes
-    whatever value the rest of the balance asks for, and a balance learns nothing from it.
+    Friction is read as sliding, and as nothing where the velocity is exactly zero. What holds a body at rest takes
+    whatever value the rest of the balance asks for, up to its level; where `held` tells what is asked, so it does.
 
     Args:
         mechanism: what acts; at ports without a measured motion it is left out.
@@ -70,6 +71,7 @@ def port_forces(
         step: from sample to sample [s].
         lens: what the motion, and the forces it is compared with, were seen through: where a law leaps with the sign of
             a smoothed rate, the force itself leaps no faster than that shows.
+        held: port -> what all forces at it together must be, shape (T,), and the rate below which it may stand still.
 
     Returns:
         port -> force along it, shape (T,) [N or N m].
@@ -83,7 +85,7 @@ def port_forces(
         return np.ascontiguousarray(sum(k * states[c] for c, k in moving[port].items()), dtype=float)
 
     out: dict[str, np.ndarray] = {}
-    value = np.empty(count)
+    value, held = np.empty(count), held or {}
     for force in mechanism.forces:
         sense = force.sense or force.port
         if not {force.port, sense, *force.beside} <= set(moving):
@@ -93,12 +95,6 @@ def port_forces(
         law = LAWS.index(force.kernel.force)
         _along(LAWS.laws, law, seen(sense, position), seen(sense, velocity), aux, padded(force.p), value)
         out[force.port] = out.get(force.port, 0.0) + value
-    for friction in mechanism.frictions:
-        if friction.port not in moving or friction.normal is not None:
-            continue
-        law = LAWS.index(friction.level)
-        _sliding(LAWS.laws, law, seen(friction.port, velocity), np.ones(count), padded(friction.p), value)
-        out[friction.port] = out.get(friction.port, 0.0) + (value if lens is None else lens.blurred(value))
     for state in mechanism.states:
         if state.port not in moving or state.normal is not None:
             continue
@@ -107,6 +103,19 @@ def port_forces(
         start = at_rest(state.law, float(places[0]), state.size, state.p)
         _remembering(LAWS.laws, rate, law, step, places, seen(state.port, velocity), p, start, 1e-6 * state.size, value)
         out[state.port] = out.get(state.port, 0.0) + value
+    for friction in mechanism.frictions:
+        if friction.port not in moving or friction.normal is not None:
+            continue
+        law, p, sliding = LAWS.index(friction.level), padded(friction.p), seen(friction.port, velocity)
+        _sliding(LAWS.laws, law, sliding, np.ones(count), p, value)
+        rubs = value.copy() if lens is None else lens.blurred(value)
+        if friction.port in held:
+            needed, slow = held[friction.port]
+            most = np.empty(2)
+            _sliding(LAWS.laws, law, np.array([AT_REST, -AT_REST]), np.ones(2), p, most)
+            rest = np.abs(sliding) < slow
+            rubs[rest] = np.clip(needed - out.get(friction.port, 0.0), *most)[rest]
+        out[friction.port] = out.get(friction.port, 0.0) + rubs
     return out
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -56,3 +56,23 @@ def logged(values: Mapping[str, float], joint: str) -> tuple[ChannelMap, ...]:
         (ChannelMap(channel, "offset", zero / factor), zero != 0.0),
     )
     return tuple(m for m, said in maps if said)
+
+
+def inverse(maps: Sequence[ChannelMap], joint: str, reading: np.ndarray, step: float) -> np.ndarray:
+    """A joint's torque from what is logged of it on an even grid, shape (T,) both: its scale, zero and delay undone.
+
+    Args:
+        maps: of all sensors.
+        joint: "joint.NAME".
+        reading: the log.
+        step: of the grid [s].
+    """
+    for m in sorted((m for m in maps if m.channel == f"{joint}.torque"), key=lambda m: -m.rank):
+        if m.kind == "gain" and m.value:
+            reading = reading / m.value
+        elif m.kind == "offset":
+            reading = reading - m.value
+        elif m.kind == "delay" and m.value:
+            grid = np.arange(reading.size) * step
+            reading = np.interp(grid + m.value, grid, reading)
+    return reading

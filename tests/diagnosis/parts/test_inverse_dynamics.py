@@ -20,12 +20,15 @@ from spacerobot.diagnosis.fitting.noise import floor_of, reweighted
 from spacerobot.diagnosis.machines import torque_log
 from spacerobot.diagnosis.machines.choose import models_for
 from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
-from spacerobot.diagnosis.machines.measured import through_sensor
+from spacerobot.diagnosis.machines.measured import port_forces, through_sensor
 from spacerobot.diagnosis.selection.forward_selection import grow
 from spacerobot.diagnosis.selection.held_out import folds
 from spacerobot.diagnosis.selection.part_result import Part
 from spacerobot.diagnosis.terms.candidates import plainest
 from spacerobot.diagnosis.terms.hypothesis import hypothesis
+from spacerobot.effects.catalogue.coulomb_friction import level as coulomb
+from spacerobot.effects.mechanism import Mechanism
+from spacerobot.effects.primitives import Coordinate, Friction
 from spacerobot.model.library import load
 from spacerobot.support.errors import NotFoundError
 
@@ -202,3 +205,26 @@ def test_a_doubted_motor_constant_and_zero_come_back() -> None:
     assert [told[n].in_sigmas for n in names] == pytest.approx([-0.1 / 0.105, 0.3 / 0.25], rel=0.15)
     assert ("preload", "joint.shoulder") not in {s.label for s in model.sites()}
     assert ("preload", "joint.shoulder") in {s.label for s in misread(2.0, 0.8).sites()}
+
+
+def test_what_sticks_takes_what_is_asked_of_it_up_to_its_level() -> None:
+    """A drive that winds up until its joint breaks away: friction follows the drive, and is no late or sluggish log."""
+    time = np.arange(400) * 0.01
+    drive = 2.0 * np.sin(1.5 * time)
+    level = 1.2
+    held = np.abs(drive) < level
+    rate = np.where(held, 1e-9, np.sign(drive) * 0.3)
+    mechanism = Mechanism(
+        coordinates={"joint.j": Coordinate("joint.j", 1.0, angular=True)},
+        ports={"joint.j": {"joint.j": 1.0}},
+        forces=(),
+        frictions=(Friction("friction", "joint.j", coulomb, (level,), steady=True),),
+    )
+    motion = {"joint.j": np.cumsum(rate) * 0.01}, {"joint.j": rate}
+    told = port_forces(mechanism, *motion, 0.01, None, {"joint.j": (-drive, 0.01)})["joint.j"]
+    np.testing.assert_allclose(told[held], -drive[held], atol=1e-12)
+    np.testing.assert_allclose(told[~held], -level * np.sign(drive[~held]))
+    blind = port_forces(mechanism, *motion, 0.01)["joint.j"]
+    assert np.abs(blind[held] + drive[held]).max() > level
+    asked = port_forces(mechanism, *motion, 0.01, None, {"joint.j": (-2.0 * drive, 0.01)})["joint.j"]
+    assert np.abs(asked).max() <= level

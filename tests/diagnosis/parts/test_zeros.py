@@ -10,7 +10,8 @@ from helpers_models import ARM, arm_log, in_own_unit
 
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.fitting.noise import floor_of, reweighted
-from spacerobot.diagnosis.machines.joint_torques import InverseDynamics, shifted
+from spacerobot.diagnosis.machines.joint_log import shifted
+from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
 from spacerobot.diagnosis.terms.hypothesis import Believed, hypothesis
 from spacerobot.model.library import load
 

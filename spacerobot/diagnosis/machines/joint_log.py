@@ -1,0 +1,138 @@
+"""Joint logs as torque balances read them: position, rates and torque through one narrow test function."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from spacerobot.diagnosis.machines.grid import Grid
+from spacerobot.diagnosis.machines.rigid import Rigid
+from spacerobot.diagnosis.machines.sizes import sizes_of
+from spacerobot.diagnosis.machines.test_functions import Bump
+from spacerobot.effects.sizes import Sizes
+
+STEP = 1e-4
+"""By which a joint is moved to either side for the torque's change with its place [rad or m]: error 1e-8 of it."""
+
+TURN = "base.yaw"
+"""Channel of a floating base that its arm's joints feel."""
+
+SLOW = 2.0
+"""Span [s] over which what a base turns by itself is averaged: only outer moments change it."""
+
+SOME = 50
+"""Samples of a trial that tell how much torque a joint's motion asks for."""
+
+_LOGGED = ("position", "torque")
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A stretch of measured motion. T samples, J joints."""
+
+    step: float  # s
+    position: np.ndarray  # (T, J)
+    velocity: np.ndarray  # (T, J)
+    acceleration: np.ndarray  # (T, J)
+    rigid: np.ndarray  # (T, J) torque that the rigid body asks for
+    stride: int
+    by_link: np.ndarray  # (K, T, J) of it, what each link of doubted mass asks for
+    by_zero: np.ndarray  # (Z, T, J) how it changes with each encoder's doubted zero [per rad or m]
+    torque: np.ndarray  # (T, J) as logged
+    slow: np.ndarray  # (J,) rate below which it may stand still
+    lens: Bump  # what motion and torque were seen through before
+
+
+@dataclass(frozen=True, eq=False)
+class JointLog:
+    """Smoothed joint logs of one trial. T samples, J joints."""
+
+    time: np.ndarray  # (T,)
+    step: float
+    position: np.ndarray  # (T, J)
+    velocity: np.ndarray
+    acceleration: np.ndarray
+    torque: np.ndarray
+    good: np.ndarray  # (T,) bool
+    turn: np.ndarray | None  # (T,) of a tracked base that floats
+    rigid: np.ndarray  # (T, J), empty before it is asked for
+    by_link: np.ndarray  # (K, T, J), empty before it is asked for
+    by_zero: np.ndarray  # (Z, T, J), empty before it is asked for
+    lens: Bump  # what all were seen through
+
+    def turned(self, arm: Rigid, by: int = 1) -> np.ndarray | None:
+        """Rate of a tracked base at every `by`-th sample, shape (T,) [rad/s]; None where it is not tracked.
+
+        As its joints drive it, with the slow rest that the tracker shows.
+        """
+        if self.turn is None:
+            return None
+        driven, shown = arm.turning(self.position[::by], self.velocity[::by]), self.turn[::by]
+        even = np.ones(min(max(1, round(SLOW / (self.step * by))), shown.size))
+        return driven + np.convolve(shown - driven, even, "same") / np.convolve(np.ones(shown.size), even, "same")
+
+    def thinned(self, by: int, arm: Rigid, heavier: Sequence[Rigid], zeros: Sequence[int]) -> JointLog:
+        """Every `by`-th sample, with the rigid body's torque, what of it each doubled link adds, and how it changes
+        with the zero of some joints' encoders."""
+        some = slice(None, None, by)
+        q, v, a = self.position[some], self.velocity[some], self.acceleration[some]
+        turn = self.turned(arm, by)
+        rigid = arm.torque(q, v, a, turn)
+        good = np.array([self.good[i : i + by].all() for i in range(0, self.time.size, by)])
+        by_link = np.array([other.torque(q, v, a, turn) - rigid for other in heavier]).reshape(
+            len(heavier), *rigid.shape
+        )
+        steps = (np.eye(q.shape[1])[j] * STEP for j in zeros)  # a later zero is an earlier place
+        by_zero = np.array(
+            [(arm.torque(q - s, v, a, turn) - arm.torque(q + s, v, a, turn)) / (2.0 * STEP) for s in steps]
+        )
+        by_zero = by_zero.reshape(len(zeros), *rigid.shape)
+        lens = Bump.of(self.lens.half // by, self.step * by)
+        return JointLog(
+            self.time[some], self.step * by, q, v, a, self.torque[some], good, turn, rigid, by_link, by_zero, lens
+        )
+
+
+def kinematics(grid: Grid, joints: Sequence[str], half: int) -> JointLog:
+    """Position, velocity, acceleration and torque through one narrow test function.
+
+    Where the velocity was logged too it is used: a logger's late rows cost a position derived twice far more.
+    """
+    sharp = Bump.of(half, grid.step)
+    position, torque = (np.stack([grid.value[f"joint.{j}.{w}"] for j in joints], axis=1) for w in _LOGGED)
+    if all(f"joint.{j}.velocity" in grid.value for j in joints):
+        rates = np.stack([grid.value[f"joint.{j}.velocity"] for j in joints], axis=1)
+        velocity, acceleration = sharp.smooth(rates), sharp.rate(rates)
+    else:
+        velocity, acceleration = sharp.rate(position), sharp.acceleration(position)
+    good = np.convolve(~grid.good, np.ones(2 * half + 1), "valid") < 0.5
+    time, empty = grid.time[half:-half], np.zeros((0, len(joints)))
+    smooth = (sharp.smooth(position), velocity, acceleration, sharp.smooth(torque))
+    turn = sharp.rate(grid.value[TURN]) if TURN in grid.value else None
+    return JointLog(time, grid.step, *smooth, good, turn, empty, empty[None], empty[None], sharp)
+
+
+def torque_sizes(logs: Iterable[JointLog], index: int, arm: Rigid | None = None) -> Sizes:
+    """Of one joint; of one without a log of its torque by what the rigid body asks for."""
+    every = list(logs)
+    torque = np.concatenate([g.torque[:, index] for g in every])
+    if arm is not None:
+        step = [max(1, g.time.size // SOME) for g in every]
+        some = [(g.position[::n], g.velocity[::n], g.acceleration[::n]) for g, n in zip(every, step, strict=True)]
+        torque = np.concatenate([arm.torque(*motion)[:, index] for motion in some])
+    return sizes_of(
+        torque,
+        np.concatenate([g.position[:, index] for g in every]),
+        np.concatenate([g.velocity[:, index] for g in every]),
+        float(np.sqrt(np.mean(torque**2))),
+    )
+
+
+def shifted(grid: Grid, zeros: Mapping[str, float]) -> Grid:
+    """The grid with its joints' positions counted from the model's zero [rad or m]."""
+    moved = {f"joint.{j}.position": z for j, z in zeros.items() if z}
+    if not moved:
+        return grid
+    return replace(grid, value={c: x - moved.get(c, 0.0) for c, x in grid.value.items()})
