@@ -20,6 +20,7 @@ from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.machines.touch import Moment
 from spacerobot.diagnosis.selection.checks import checks_of_part
 from spacerobot.diagnosis.selection.forward_selection import MOST, grow
+from spacerobot.diagnosis.selection.moment import with_free_moment
 from spacerobot.diagnosis.selection.part_fold import keep_aside
 from spacerobot.diagnosis.selection.part_result import Part
 from spacerobot.diagnosis.selection.search_state import Report
@@ -84,6 +85,10 @@ def _searched(
 ) -> Part:
     """One part's search; where single trials show that it was knocked, once more with these cut there."""
     growth = grow(model, effects=catalogue, threads=threads, reached=reached, kept=kept)
+    within = kept.within("with a free moment")
+    if (free := with_free_moment(growth, within)) is not None:
+        model, kept = free, within
+        growth = grow(model, effects=catalogue, threads=threads, reached=reached, kept=kept)
     places = momentary(catalogue, model)
     found = bends(growth, places) if places else {}
     if not found:

@@ -143,10 +143,11 @@ def axis_model(study: Study, trials: Sequence[Trial], joint: str, robot: Robot) 
         values.setdefault(f"{name}.mass", own + values.get(f"{name}.armature", 0.0))
     sigma = {n: s for n, s in study.sigma.items() if n in values and n not in unknown}
     absolute = {n: s for n, s in study.absolute.items() if n in values and n not in unknown}
+    moment: dict[str, float] = {}
     if driven:
         steps = [np.median(np.diff(study.recording(t)[f"{name}.torque"].good()[0])) for t in trials]
         moment = torque_log.moment(absolute, values, joint, float(np.median(steps)))
-        absolute, values = absolute | moment, values | dict.fromkeys(moment, 0.0)
+        values = values | dict.fromkeys(moment, 0.0)
     fitted = {*unknown, *sigma, *absolute}
     sprung = f"{name}.stiffness" in values or f"{name}.stiffness" in unknown
     length = (OSCILLATIONS if sprung else RESTART) * (2.0 * math.pi if sprung else 1.0)
@@ -160,5 +161,6 @@ def axis_model(study: Study, trials: Sequence[Trial], joint: str, robot: Robot) 
         covered=frozenset((e.name, name) for e in all_effects().values() if stood_for(e, name, fitted)),
         window=study.horizon or sizes.time * (length if driven or sprung else SWINGS * 2.0 * math.pi),
     )
+    made.moment = moment
     made.stated = frozenset(whole[0].channels if stated else ())
     return made

@@ -220,11 +220,12 @@ def _model(study: Study, trials: Sequence[Trial], group: str, name: str) -> Simu
         body(axes, _pull(study, free), sensors, driven),
         whole,
         drives,
-        believed=Believed(values, sigma, {}, conditions_of(whole), unknown, absolute=late),
+        believed=Believed(values, sigma, {}, conditions_of(whole), unknown),
         sizes=sizes,
         window=study.horizon or _window(whole, sizes[""].time, bool(driven)),
         covered=frozenset(covered),
     )
+    made.moment = late
     made.stated = frozenset(c for c in whole[0].channels if known[c].sigma_stated)
     made.relative_to = tuple(key.replace("body", group, 1) for key in relative)
     return made

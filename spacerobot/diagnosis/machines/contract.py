@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from types import MappingProxyType
 from typing import Protocol, Self
 
@@ -104,6 +104,9 @@ class Machine(ABC):
         given: channels that it takes as they were recorded: drives, motion that is followed.
         no_balance: why nothing can be located in its balance, where it has none.
         not_measured: why its readings tell nothing of it; the study's verdict does not hang on such a part.
+        predicts_readings: whether what is predicted are the sensors' own readings, not a balance of them.
+        moment: values, believed to be zero, of when its inputs acted within a sample, with their deviations [s]; held
+            there unless they are worth being free.
         metric: what the residual is, for tables, e.g. "torque balance" or "simulated motion".
     """
 
@@ -117,6 +120,8 @@ class Machine(ABC):
     relative_to: tuple[str, ...] = ()
     given: frozenset[str] = frozenset()
     no_balance: str = ""
+    predicts_readings: bool = False
+    moment: Mapping[str, float] = MappingProxyType({})
     not_measured: str = ""
     otherwise: Mapping[str, str] = MappingProxyType({})
     """What else could be measured where no other trial tells more."""
@@ -170,6 +175,15 @@ class Machine(ABC):
     def site(self, effect: Effect, where: str, trials: tuple[str, ...] = ()) -> Site:
         """An effect at a place, in all trials or in some, its parameters scaled to what is typical there."""
         return Site(scaled(effect, self.size_at(where)), where, trials)
+
+    def moment_free(self) -> Self | None:
+        """The same with its inputs' moment free within a sample; None where it has none."""
+        if not self.moment:
+            return None
+        other = copy(self)
+        other.moment = MappingProxyType({})
+        other.believed = replace(self.believed, absolute={**self.believed.absolute, **self.moment})
+        return other
 
     def but_for(self, out: Sequence[str]) -> Self:
         """The same with its other trials alone."""

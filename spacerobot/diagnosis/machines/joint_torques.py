@@ -135,7 +135,7 @@ class InverseDynamics(Machine):
         self.sizes = {f"joint.{j}": s for j, s in own.items()} | {"": own[self.compared[0]]}
         self._level = np.array([own[j].force for j in self.compared])
         self._slow = np.array([STILL * own[j].length / own[j].time for j in self.joints])
-        self._unread = frozenset(f"joint.{j}.torque" for j in idle)
+        self._idle = frozenset(idle)
         self._motion: dict[str, Motion] = {}
         self._bump: dict[str, Bump] = {}
         pace = WIDTH * min(own[j].time for j in self.compared)
@@ -171,9 +171,13 @@ class InverseDynamics(Machine):
         )
         around = {n: s for n, s in (absolute or {}).items() if not n.endswith(".zero") or n in doubted}
         step = float(np.median([g.step for g, _, _ in grids.values()]))
-        for joint in (j for j in self.compared if j not in idle):
-            around |= torque_log.moment(around, self.base, joint, step)
-        self.base |= {n: 0.0 for n in around if n not in self.base}
+        self.moment = {
+            name: size
+            for joint in self.compared
+            if joint not in idle
+            for name, size in torque_log.moment(around, self.base, joint, step).items()
+        }
+        self.base |= {n: 0.0 for n in (*around, *self.moment) if n not in self.base}
         self.believed = Believed(self.base, sigma, {}, conditions_of(trials), centres, absolute=around)
         self.not_measured = self._silence(unknown)
 
@@ -309,7 +313,7 @@ class InverseDynamics(Machine):
             still = self._arm.torque(m.position, np.zeros_like(m.velocity), np.zeros_like(m.velocity))
             rigid = still + factor**2 * (m.rigid - still)
             speed, growth = factor * m.velocity, factor**2 * m.acceleration
-            other._motion[name] = replace(m, velocity=speed, acceleration=growth, rigid=rigid)
+            other._motion[name] = replace(m, velocity=speed, acceleration=growth, rigid=rigid, torque=None)
         return other
 
     def variants(self, trial: TrialData) -> Iterator[Variant]:
@@ -337,6 +341,17 @@ class InverseDynamics(Machine):
             out[f"{name}.torque"] = self._stated.of(joint, row)
         return out
 
+    def _held(self, mechanism: Mechanism, motion: Motion, asked: np.ndarray) -> dict[str, tuple[np.ndarray, float]]:
+        """By joint whose drive was read, what must act at it beside the drive, and below which rate it may rest."""
+        if motion.torque is None:
+            return {}
+        out = {}
+        for i, joint in enumerate(self.joints):
+            if joint not in self._idle:
+                drive = torque_log.inverse(mechanism.maps, f"joint.{joint}", motion.torque[:, i], motion.step)
+                out[f"joint.{joint}"] = asked[:, i] - drive, float(motion.slow[i])
+        return out
+
     def bump(self, trial: TrialData) -> Bump:
         """The test function that a piece's balance is seen through."""
         return self._bump[trial.id]
@@ -359,14 +374,7 @@ class InverseDynamics(Machine):
         for zero, change in zip(self._zeros, motion.by_zero, strict=True):
             off = sum(m.value for m in mechanism.maps if m.channel == _position(zero) and m.kind == "offset")
             asked = asked + off * change
-        held = {
-            name: (
-                asked[:, i] - torque_log.inverse(mechanism.maps, name, motion.torque[:, i], motion.step),
-                motion.slow[i],
-            )
-            for i, name in enumerate(names)
-            if f"{name}.torque" not in self._unread
-        }
+        held = self._held(mechanism, motion, asked)
         acting = port_forces(mechanism, position, velocity, motion.step, motion.lens, held)
         out = []
         for joint in self.compared:

@@ -44,6 +44,7 @@ class Simulated(Machine):
     """Any mechanism of the reduced backend, with its recorded drives, window by window."""
 
     metric = "simulated motion"
+    predicts_readings = True
 
     def __init__(
         self,

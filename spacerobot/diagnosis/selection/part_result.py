@@ -7,8 +7,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from spacerobot.diagnosis.fitting.approach import lag1
 from spacerobot.diagnosis.fitting.fitted import Fit
-from spacerobot.diagnosis.fitting.noise import squares_of
+from spacerobot.diagnosis.fitting.noise import split, squares_of
 from spacerobot.diagnosis.locate.located import Located, Row
 from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.selection.candidate import Candidate, tried
@@ -20,7 +21,7 @@ from spacerobot.diagnosis.selection.kept_aside import Unseen
 from spacerobot.diagnosis.selection.model_choice import agreeing, ratio
 from spacerobot.diagnosis.selection.stretches import Knock
 from spacerobot.diagnosis.terms.data import TrialData
-from spacerobot.diagnosis.terms.decision import DOUBT, LOCATED, LOUD, REWORDED, STRIKING, TIE
+from spacerobot.diagnosis.terms.decision import DOUBT, LOCATED, LOUD, REWORDED, SIGNIFICANT, STRIKING, TIE
 from spacerobot.diagnosis.terms.kinds import (
     AMBIGUOUS,
     NAMED,
@@ -103,8 +104,24 @@ class Part:
         return moved(self.fit)
 
     @property
+    def shown(self) -> bool:
+        """Whether what the chosen model leaves of some channel goes on from one reading to the next."""
+        parts: dict[str, list[np.ndarray]] = {}
+        for trial in self.trials:
+            for channel, left in split(self.fit.trials[trial.id].residual, trial).items():
+                parts.setdefault(channel, []).append(left[left != 0.0])
+        found = [lag1(some) for some in parts.values()]
+        return any(lag > SIGNIFICANT / max(count, 1) ** 0.5 for lag, count in found)
+
+    @property
     def striking(self) -> tuple[Row, ...]:
-        """Patterns in its balances that are significant and large."""
+        """Patterns in its balances that are significant and large.
+
+        Where the readings themselves are predicted balances decide nothing: what leaves the readings white is no more
+        than their noise.
+        """
+        if self.model.predicts_readings and not self.shown:
+            return ()
         rows = self.located.rows if self.located is not None else ()
         return tuple(r for r in rows if r.p < LOCATED and r.share > STRIKING)
 
