@@ -17,7 +17,7 @@ from spacerobot.diagnosis.machines.contract import FACTORS, FIRST_NOISE, Machine
 from spacerobot.diagnosis.machines.grid import Grid
 from spacerobot.diagnosis.machines.joint_log import JointLog, Motion, kinematics, shifted, torque_sizes
 from spacerobot.diagnosis.machines.links import carried_links, mass_of, with_masses
-from spacerobot.diagnosis.machines.measured import port_forces, through_sensor
+from spacerobot.diagnosis.machines.measured import port_forces
 from spacerobot.diagnosis.machines.rigid import Rigid
 from spacerobot.diagnosis.machines.stated_noise import Lens, stated_noise, still_below
 from spacerobot.diagnosis.machines.test_functions import Bump
@@ -382,10 +382,9 @@ class InverseDynamics(Machine):
             torque = asked[:, names.index(name)]
             for port, force in acting.items():  # drives that see two joints act at both
                 torque = torque - mechanism.ports[port].get(name, 0.0) * force
-            maps = [m for m in mechanism.maps if m.channel == f"{name}.torque"]
-            late = sum(m.value for m in maps if m.kind == "delay")
-            torque = through_sensor(tuple(m for m in maps if m.kind != "delay"), torque, motion.step)
-            out.append(bump.late(torque, late)[:: motion.stride])
+            maps = tuple(m for m in mechanism.maps if m.channel == f"{name}.torque")
+            log = None if motion.torque is None else motion.torque[:, names.index(name)]
+            out.append(torque_log.seen(maps, torque, log, bump)[:: motion.stride])
         return Predicted((np.array(out),))
 
 

@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from spacerobot.diagnosis.machines.measured import through_sensor
+from spacerobot.diagnosis.machines.test_functions import Bump
 from spacerobot.diagnosis.machines.windows import WITHIN
 from spacerobot.effects.primitives import ChannelMap
 
@@ -76,3 +78,27 @@ def inverse(maps: Sequence[ChannelMap], joint: str, reading: np.ndarray, step: f
             grid = np.arange(reading.size) * step
             reading = np.interp(grid + m.value, grid, reading)
     return reading
+
+
+FIRST_ORDER = ChannelMap("", "low_pass", 1.0).form
+
+
+def seen(maps: Sequence[ChannelMap], torque: np.ndarray, log: np.ndarray | None, bump: Bump) -> np.ndarray:
+    """What a log shows of a joint's torque through a test function, shape (T - 2 n,) of (T,).
+
+    A sluggish log is asked how it changes, y = u - y' / (2 pi f): a filter on the torque that the motion asks for would
+    smooth the noise of the motion, and a fit would take that for a sensor's.
+
+    Args:
+        maps: of this joint's torque sensor.
+        torque: that the joint has.
+        log: what was logged of it; None of a motion that nobody made.
+        bump: the test function.
+    """
+    late = sum(m.value for m in maps if m.kind == "delay")
+    slow = [m for m in maps if m.kind == "low_pass" and m.form == FIRST_ORDER and log is not None]
+    rest = tuple(m for m in maps if m.kind != "delay" and m not in slow)
+    out = bump.late(through_sensor(rest, torque, bump.step), late)
+    if log is not None and slow:
+        out = out - sum(1.0 / m.value for m in slow) / (2.0 * np.pi) * bump.rate(log)
+    return out

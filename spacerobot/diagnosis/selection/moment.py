@@ -14,6 +14,7 @@ from spacerobot.diagnosis.selection.bench import Bench
 from spacerobot.diagnosis.selection.candidate import Candidate
 from spacerobot.diagnosis.selection.growth import Growth
 from spacerobot.diagnosis.selection.model_choice import as_good, pays
+from spacerobot.diagnosis.terms.decision import MOVED
 from spacerobot.diagnosis.terms.hypothesis import Site
 
 
@@ -27,7 +28,8 @@ def with_free_moment(growth: Growth, kept: Kept) -> Machine | None:
         growth: what a search with the moment held at nothing led to.
         kept: holds what an earlier run had found.
     """
-    free = growth.bench.model.moment_free()
+    model = growth.bench.model
+    free = model.moment_free()
     if free is None:
         return None
     bench, chosen = Bench(free, growth.bench.threads, kept), growth.after
@@ -35,7 +37,9 @@ def with_free_moment(growth: Growth, kept: Kept) -> Machine | None:
 
     def tried(sites: Sequence[Site]) -> Candidate | None:
         fit = bench.fitted_as(chosen.fit, sites, {})
-        return None if fit is None else Candidate(fit, bench.held_out(fit))
+        if fit is None or any(abs(fit.values()[n]) > MOVED * size for n, size in model.moment.items()):
+            return None  # later than that a sensor is late
+        return Candidate(fit, bench.held_out(fit))
 
     whole = tried(chosen.sites)
     if whole is not None and pays(whole, chosen, bench.trials):
