@@ -41,6 +41,7 @@ class Motion:
     by_link: np.ndarray  # (K, T, J) of it, what each link of doubted mass asks for
     by_zero: np.ndarray  # (Z, T, J) how it changes with each encoder's doubted zero [per rad or m]
     torque: np.ndarray | None  # (T, J) as logged; None of a motion that nobody made
+    run_up: np.ndarray  # (R, J) acceleration of the trial before it
     slow: np.ndarray  # (J,) rate below which it may stand still
     lens: Bump  # what motion and torque were seen through before
 

@@ -15,6 +15,7 @@ import numpy as np
 from spacerobot.diagnosis.machines import torque_log
 from spacerobot.diagnosis.machines.contract import FACTORS, FIRST_NOISE, Machine, Predicted, Variant, conditions_of
 from spacerobot.diagnosis.machines.grid import Grid
+from spacerobot.diagnosis.machines.hidden_motion import hidden
 from spacerobot.diagnosis.machines.joint_log import JointLog, Motion, kinematics, shifted, torque_sizes
 from spacerobot.diagnosis.machines.links import carried_links, mass_of, with_masses
 from spacerobot.diagnosis.machines.measured import port_forces
@@ -30,7 +31,7 @@ from spacerobot.dynamics.joint_kinds import joint_axis
 from spacerobot.effects.effect import Effect
 from spacerobot.effects.laws import DAMPER, SPRING
 from spacerobot.effects.mechanism import Mechanism
-from spacerobot.effects.primitives import ChannelMap, Coordinate, Force
+from spacerobot.effects.primitives import ChannelMap, Coordinate, Force, Readout
 from spacerobot.model.robot import Robot
 
 SHARP = 5
@@ -136,6 +137,9 @@ class InverseDynamics(Machine):
         self._level = np.array([own[j].force for j in self.compared])
         self._slow = np.array([STILL * own[j].length / own[j].time for j in self.joints])
         self._idle = frozenset(idle)
+        alone = self.joints if len(self.joints) == 1 else ()  # of several, what one hides behind it moves with all
+        shown = {_position(f"joint.{j}.zero"): f"joint.{j}" for j in alone}
+        self._followed = {c: Readout(c, "position", name) for c, name in shown.items()}
         self._motion: dict[str, Motion] = {}
         self._bump: dict[str, Bump] = {}
         pace = WIDTH * min(own[j].time for j in self.compared)
@@ -249,6 +253,7 @@ class InverseDynamics(Machine):
                 log.by_zero[:, part],
                 torque=log.torque[part],
                 slow=self._slow,
+                run_up=log.acceleration[: int(part[0])],
                 lens=log.lens,
             )
             self._bump[name] = bump
@@ -285,6 +290,7 @@ class InverseDynamics(Machine):
             coordinates=coordinates,
             ports={f"joint.{j}": {f"joint.{j}": 1.0} for j in self.joints},
             forces=tuple(forces),
+            readouts=self._followed,
             maps=(
                 *(m for j in self.compared for m in torque_log.logged(values, j)),
                 *(ChannelMap(_position(n), "offset", values[n] - self.base[n]) for n in self._zeros),
@@ -313,7 +319,9 @@ class InverseDynamics(Machine):
             still = self._arm.torque(m.position, np.zeros_like(m.velocity), np.zeros_like(m.velocity))
             rigid = still + factor**2 * (m.rigid - still)
             speed, growth = factor * m.velocity, factor**2 * m.acceleration
-            other._motion[name] = replace(m, velocity=speed, acceleration=growth, rigid=rigid, torque=None)
+            other._motion[name] = replace(
+                m, velocity=speed, acceleration=growth, rigid=rigid, torque=None, run_up=factor**2 * m.run_up
+            )
         return other
 
     def variants(self, trial: TrialData) -> Iterator[Variant]:
@@ -375,6 +383,14 @@ class InverseDynamics(Machine):
             off = sum(m.value for m in mechanism.maps if m.channel == _position(zero) and m.kind == "offset")
             asked = asked + off * change
         held = self._held(mechanism, motion, asked)
+        if len(mechanism.coordinates) > len(names) + len(self.links):
+            before = motion.run_up.shape[0]
+            whole = np.concatenate([motion.run_up, motion.acceleration])
+            shaken = {n: whole[:, i] for i, n in enumerate(names)}
+            for name, (x, rate) in hidden(mechanism, shaken, motion.step).items():
+                carrier = str(mechanism.coordinates[name].carrier)
+                position[name] = position[carrier] + x[before:]
+                velocity[name] = velocity[carrier] + rate[before:]
         acting = port_forces(mechanism, position, velocity, motion.step, motion.lens, held)
         out = []
         for joint in self.compared:

@@ -25,7 +25,7 @@ class JointFlexibility(Effect):
     )
 
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:
-        """Joints whose motion is simulated, so that what hides behind them can move by itself."""
+        """Joints whose motion is shown, so that what hides behind them can move by itself."""
         shown = {r.of for r in mechanism.readouts.values()}
         return tuple(n for n in mechanism.coordinates if n.startswith("joint.") and n in shown)
 

@@ -1,0 +1,66 @@
+"""What moves by itself on a measured coordinate, a link behind a spring: as the measured motion shakes it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from spacerobot.effects.laws import DAMPER, SPRING
+from spacerobot.effects.mechanism import Mechanism
+from spacerobot.support.errors import SimulationError
+from spacerobot.support.jit import jit
+
+Motion = tuple[np.ndarray, np.ndarray]
+"""Displacement and rate, shape (T,) each."""
+
+
+def hidden(mechanism: Mechanism, acceleration: Mapping[str, np.ndarray], step: float) -> dict[str, Motion]:
+    """Motion of every coordinate without a measured one, beside what carries it; by coordinate.
+
+    x'' + (c / m) x' + (k / m) x = -a, from where the first acceleration would hold it still. Between samples the
+    acceleration is joined by lines, and the motion is exact.
+
+    Args:
+        mechanism: whose coordinates ride on others by linear springs and dampers.
+        acceleration: measured, by coordinate, shape (T,) [m/s^2 or rad/s^2].
+        step: from sample to sample [s].
+
+    Raises:
+        SimulationError: one does not ride on a measured one, or not by linear springs and dampers.
+    """
+    found = {}
+    for name, coordinate in mechanism.coordinates.items():
+        if name in acceleration or name not in mechanism.ports:
+            continue
+        own = [f for f in mechanism.forces if name in mechanism.ports[f.port]]
+        linear = all(f.kernel in (SPRING, DAMPER) and (f.sense or f.port) == f.port == name for f in own)
+        if coordinate.carrier not in acceleration or not linear:
+            raise SimulationError(f"{name} has no measured motion")
+        stiffness, damping = (sum(f.p[0] for f in own if f.kernel is law) for law in (SPRING, DAMPER))
+        found[name] = _shaken(
+            stiffness / coordinate.mass, damping / coordinate.mass, acceleration[coordinate.carrier], step
+        )
+    return found
+
+
+def _shaken(spring: float, damper: float, acceleration: np.ndarray, step: float) -> Motion:
+    from scipy.linalg import expm
+
+    # the state, the acceleration and its slope within a step, as one linear system
+    system = np.zeros((4, 4))
+    system[:2] = [0.0, 1.0, 0.0, 0.0], [-spring, -damper, -1.0, 0.0]
+    system[2, 3] = 1.0
+    out = np.empty((acceleration.size, 2))
+    out[0] = -acceleration[0] / spring if spring else 0.0, 0.0
+    _stepped(expm(system * step), acceleration, step, out)
+    return out[:, 0].copy(), out[:, 1].copy()
+
+
+@jit
+def _stepped(over: Any, a: Any, step: float, out: Any) -> None:
+    for i in range(a.size - 1):
+        slope = (a[i + 1] - a[i]) / step
+        for k in range(2):
+            out[i + 1, k] = over[k, 0] * out[i, 0] + over[k, 1] * out[i, 1] + over[k, 2] * a[i] + over[k, 3] * slope
