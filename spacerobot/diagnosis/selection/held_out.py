@@ -130,9 +130,9 @@ def start_of(
         base, keep = fitter.residual(hypothesis, z, trial, start)
         columns = np.empty((base.size, scales.size))
         for n, scale in enumerate(scales):
-            moved = start.copy()
-            moved[n] += scale
-            columns[:, n] = fitter.residual(hypothesis, z, trial, moved)[0] - base
+            moved, by = start.copy(), max(1.0, nuisances[n].floor)
+            moved[n] += by * scale
+            columns[:, n] = (fitter.residual(hypothesis, z, trial, moved)[0] - base) / by
         j, r = columns[early & keep], base[early & keep]
         prior = (start - guess) / scales
         start = start - scales * np.linalg.solve(j.T @ j + trust * np.eye(scales.size), j.T @ r + trust * prior)
