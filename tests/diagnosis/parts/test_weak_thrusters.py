@@ -9,7 +9,11 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from spacerobot.diagnosis.diagnose import diagnose
+from spacerobot.diagnosis.fitting.gauss_newton import Fitter
+from spacerobot.diagnosis.fitting.noise import reweighted, split
 from spacerobot.diagnosis.machines.choose import models_for
+from spacerobot.diagnosis.selection import held_out
+from spacerobot.diagnosis.terms.hypothesis import hypothesis
 from spacerobot.recordings.study import Study, load_study
 
 MASS, INERTIA, NOISE, SHARE = 12.0, 0.2, 0.0005, 0.8
@@ -77,3 +81,21 @@ def test_forces_are_a_place_of_their_own_only_where_a_torque_is_beside_them(tmp_
     (tmp_path / "study.toml").write_text(alone)
     (model,) = models_for(load_study(tmp_path))
     assert not [s for s in model.sites() if s.where == "command.force"]
+
+
+@pytest.mark.parametrize("faintly", [held_out.FAINTLY, 1.0])
+def test_how_a_piece_starts_hangs_on_its_readings_and_not_on_what_they_weigh(
+    faintly: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where thrusters fire at once, the velocity of the first readings is not how the piece began."""
+    monkeypatch.setattr(held_out, "FAINTLY", faintly)
+    (model,) = models_for(air_bed(tmp_path, 1.0, 1.0))
+    made = hypothesis(model.believed, ())
+    worst = 0.0
+    for trial in reweighted(model.trials, dict.fromkeys(model.trials[0].channels, 30.0)):
+        fitter = Fitter(model, [trial])
+        start = held_out.start_of(fitter, model, made, made.start(), trial)
+        residual, _ = fitter.residual(made, made.start(), trial, start)
+        for part, weight in zip(split(residual, trial).values(), (b.weight for b in trial.blocks), strict=True):
+            worst = max(worst, float(np.sqrt(np.mean((part / weight[0]) ** 2))))
+    assert (worst < 2.0 * NOISE) == (faintly < 1.0)
