@@ -70,6 +70,7 @@ class Fitter:
         self._left = 0
         self._rows_of: tuple[object, dict[str, np.ndarray]] | None = None
         self._scales = {t.id: np.array([n.scale for n in model.nuisances(t)]) for t in trials}
+        self._starts_by = {t.id: [max(DIFFERENCE, n.floor) for n in model.nuisances(t)] for t in trials}
 
     def _map(self, work: Callable[[TrialData], Any]) -> dict[str, Any]:
         results = map(work, self.trials) if self._pool is None else self._pool.map(work, self.trials)
@@ -131,7 +132,7 @@ class Fitter:
             def with_start(by: float, n: int = n, scale: float = scale) -> np.ndarray:
                 return self.residual(hypothesis, z, trial, _moved(initial, n, by * scale))[0]
 
-            columns[:, z.size + n] = _slope(with_start, base, DIFFERENCE, True, self._careful)
+            columns[:, z.size + n] = _slope(with_start, base, self._starts_by[trial.id][n], True, self._careful)
         return columns
 
     def fit(

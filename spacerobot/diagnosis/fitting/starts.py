@@ -172,9 +172,13 @@ def fit_near(
     loose: bool = False,
     eager: bool = False,
 ) -> Fit:
-    """Fit that begins at another fit, with the new effects' strengths small: what the effect adds, and no more."""
+    """Fit that begins at another fit, with the new effects' strengths small: what the effect adds, and no more.
+
+    Values that the study leaves open begin where `start` has them, if it does.
+    """
     made = hypothesis(believed, sites, start)
-    warm = {**start, **near.values()}
+    opened = {k: v for k, v in start.items() if k in believed.unknown}
+    warm = {**start, **near.values(), **opened}
     return fitter.fit(
         made,
         warm=warm,
@@ -182,7 +186,7 @@ def fit_near(
         max_iterations=max_iterations,
         hopeless=hopeless,
         robust=False,
-        rows=known_rows(fitter, made, near),
+        rows=None if opened else known_rows(fitter, made, near),
         loose=loose,
         eager=eager,
     )

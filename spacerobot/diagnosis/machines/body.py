@@ -25,6 +25,9 @@ from spacerobot.recordings.trial import Trial
 COMMAND = "command"
 """What the sensors' effects call the recorded forces: thrust that comes out weaker, later or sluggish."""
 
+FORCES = "command.force"
+"""The same without a torque that something else may give: by how much they are weaker, a larger mass would say too."""
+
 RESTART = 1.5
 """Length of a window under recorded forces, in units of the motion's own time: simulations of a free body drift."""
 
@@ -200,6 +203,9 @@ def _model(study: Study, trials: Sequence[Trial], group: str, name: str) -> Simu
         sensors[block.stream] = (*sensors.get(block.stream, ()), *block.channels)
     if driven:
         sensors[COMMAND] = tuple(driven)
+        forces = tuple(c for c in driven if c.startswith(f"{group}.force."))
+        if 0 < len(forces) < len(driven):
+            sensors[FORCES] = forces
     known = study.recording(trials[0])
     doubted = {f"body.{n.split('.', 1)[1]}": v for n, v in study.sigma.items() if n.startswith(f"{group}.")}
     sigma = {n: v for n, v in doubted.items() if n in ("body.mass", "body.yaw_inertia") and n not in unknown}
@@ -213,6 +219,7 @@ def _model(study: Study, trials: Sequence[Trial], group: str, name: str) -> Simu
     stand = {f"{place}.mass" for place, value in covers.items() if value in fitted}
     catalogue = all_effects().values()
     covered = {(e.name, place) for e in catalogue for place in covers if stood_for(e, place, stand)}
+    covered |= {(e.name, FORCES) for e in catalogue if e.kind == "sensor" and e.name != "scale"}
     if free or _falls(study):
         covered |= {(e.name, a.name) for e in catalogue if e.carried for a in axes if not a.angular}
     made = Simulated(

@@ -30,12 +30,19 @@ class Nuisance:
         rate: whether it is the velocity.
         guess: first value.
         scale: step of one unit in a fit.
+        least: smallest difference that a derivative can be taken by: less is lost in an integrator's error.
     """
 
     coordinate: str
     rate: bool
     guess: float
     scale: float
+    least: float = 0.0
+
+    @property
+    def floor(self) -> float:
+        """That difference in units of a fit."""
+        return self.least / self.scale
 
 
 FIRST_NOISE = 0.02

@@ -36,12 +36,11 @@ def hidden(mechanism: Mechanism, acceleration: Mapping[str, np.ndarray], step: f
             continue
         own = [f for f in mechanism.forces if name in mechanism.ports[f.port]]
         linear = all(f.kernel in (SPRING, DAMPER) and (f.sense or f.port) == f.port == name for f in own)
-        if coordinate.carrier not in acceleration or not linear:
+        shakes = acceleration.get(coordinate.carrier or "")
+        if shakes is None or not linear:
             raise SimulationError(f"{name} has no measured motion")
-        stiffness, damping = (sum(f.p[0] for f in own if f.kernel is law) for law in (SPRING, DAMPER))
-        found[name] = _shaken(
-            stiffness / coordinate.mass, damping / coordinate.mass, acceleration[coordinate.carrier], step
-        )
+        spring, damper = (sum(f.p[0] for f in own if f.kernel is law) / coordinate.mass for law in (SPRING, DAMPER))
+        found[name] = _shaken(spring, damper, shakes, step)
     return found
 
 

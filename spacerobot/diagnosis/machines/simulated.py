@@ -34,6 +34,12 @@ TRIFLE = 1e-4
 LOOSEST = 1e-4
 """Relative tolerance of the integrator; drives that are joined by lines make it no better than this."""
 
+RESOLVED = 1e-3
+"""Share of what is typical of a coordinate by which derivatives tell how a window starts: ten times that tolerance."""
+
+PLACE, RATE = 1e-3, 0.1
+"""Lengths [m] and speeds [m/s] whose share of a tolerance is the integrator's own absolute error."""
+
 LONGER = 1.5
 """By how much another trial may be lengthened."""
 
@@ -89,6 +95,7 @@ class Simulated(Machine):
         if not windows:
             raise InputError(f"{name} has too few readings in every trial", valid="five or more of a channel in one")
         self.trials = tuple(spread_over(windows, budget))
+        self._absolute = min(min(s.length / PLACE, s.length / s.time / RATE) for s in sizes.values())
         self._hidden: tuple[TrialData, ...] = ()
         self._starts: dict[str, tuple[Nuisance, ...]] = {}
 
@@ -174,17 +181,19 @@ class Simulated(Machine):
             known = [r for r in mechanism.readouts.values() if r.of == coordinate and r.channel in whole.channels]
             shown = {r.kind: r for r in known}
             size = self.sizes.get(coordinate, self.sizes[""])
-            least = TRIFLE * size.length  # a counter at rest has no scatter at all
+            trifle, least = TRIFLE * size.length, RESOLVED * size.length  # a counter at rest has no scatter at all
             if "position" in shown:
                 time, value = self._seen(whole, shown["position"], trial)
                 near = local(time, value, trial.start, reach)
-                found.append(Nuisance(coordinate, False, near.value, max(near.value_sigma, least)))
+                found.append(Nuisance(coordinate, False, near.value, max(near.value_sigma, trifle), least))
                 if not (self.at_rest and trial.start <= whole.start) and "velocity" not in shown:
-                    found.append(Nuisance(coordinate, True, near.slope, max(near.slope_sigma, least / size.time)))
+                    scale = max(near.slope_sigma, trifle / size.time)
+                    found.append(Nuisance(coordinate, True, near.slope, scale, least / size.time))
             if "velocity" in shown:
                 time, value = self._seen(whole, shown["velocity"], trial)
                 near = local(time, value, trial.start, reach)
-                found.append(Nuisance(coordinate, True, near.value, max(near.value_sigma, least / size.time)))
+                scale = max(near.value_sigma, trifle / size.time)
+                found.append(Nuisance(coordinate, True, near.value, scale, least / size.time))
         return found
 
     def _seen(self, whole: TrialData, readout: Readout, trial: TrialData) -> tuple[np.ndarray, np.ndarray]:
@@ -234,6 +243,7 @@ class Simulated(Machine):
             tolerance=LOOSEST,
             inputs=inputs,
             max_step=step,
+            scale=self._absolute,
         )
         return Predicted(
             tuple(np.array(list(read_channels(run, mechanism, b.channels, b.time).values())) for b in trial.blocks)

@@ -35,8 +35,8 @@ Row = tuple[tuple[str, str], dict[str, float], float]
 FEW_STEPS = 6
 """Of a fit that only shows what an effect may come to."""
 
-BEGUN = 2
-"""Starts of such an effect from which these steps are taken, those that are best after the first."""
+BEGUN, FIRST = 2, 2
+"""Starts of such an effect from which these steps are taken, those that are best after so many first steps."""
 
 PROMISING = 40
 """Pairs of effects that are kept for the search to choose among, those that promise most."""
@@ -183,9 +183,11 @@ class Bench:
         """Of effects that let something move by itself, what a few steps of a fit from the best of some starts come to.
 
         A resonance is nothing like a faint one, nor is the rest of a fit that had to do without it. Which starts are
-        best a first step tells, on the derivatives of the fit that it begins at.
+        best the first steps tell. What the study leaves open begins as that fit has it and, since it may have settled
+        to make up for the effect (a motor whose link rides on a spring moves like a light one), at its typical size.
         """
-        plain, fitter, out = self.model.plain(), self.fitter(), []
+        plain, out = self.model.plain(), []
+        opened = self.model.believed.unknown
         for site in sites:
             full = {p.name: p.starts[0] for p in site.effect.parameters}
             try:
@@ -193,17 +195,24 @@ class Bench:
                     continue
             except InputError:
                 continue
-            begun: list[tuple[Fit, dict[str, float]]] = []
-            for start in _whole_starts(site):
-                with contextlib.suppress(SimulationError):
-                    made = (*fit.hypothesis.sites, site)
-                    begun.append((fit_near(fitter, self.model.believed, made, fit, start, max_iterations=1), start))
-            for first, start in sorted(begun, key=lambda one: one[0].cost)[:BEGUN]:
-                with contextlib.suppress(SimulationError):
-                    on = fit_near(
-                        fitter, self.model.believed, first.hypothesis.sites, first, {}, FEW_STEPS, hopeless=fit.cost
-                    )
-                    out.append(Promise(site, start, on.cost))
+            starts = _whole_starts(site)
+            out += self._begun_whole(fit, site, starts)
+            if opened:
+                out += self._begun_whole(fit, site, [{**start, **opened} for start in starts])
+        return out
+
+    def _begun_whole(self, fit: Fit, site: Site, starts: Sequence[Mapping[str, float]]) -> list[Promise]:
+        """From the best of these starts of one effect more; none where no start can be simulated."""
+        fitter, believed, out = self.fitter(), self.model.believed, []
+        made = (*fit.hypothesis.sites, site)
+        begun: list[tuple[Fit, Mapping[str, float]]] = []
+        for start in starts:
+            with contextlib.suppress(SimulationError):
+                begun.append((fit_near(fitter, believed, made, fit, start, max_iterations=FIRST), start))
+        for first, start in sorted(begun, key=lambda one: one[0].cost)[:BEGUN]:
+            with contextlib.suppress(SimulationError):
+                on = fit_near(fitter, believed, made, first, {}, FEW_STEPS, hopeless=fit.cost)
+                out.append(Promise(site, start, on.cost))
         return out
 
     def fitted(self, near: Fit, promise: Promise) -> Fit | None:

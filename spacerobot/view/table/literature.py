@@ -21,9 +21,6 @@ from spacerobot.support.errors import InputError
 FILE = "quick_fits.toml"
 """Beside study.toml; the diagnosis never reads it."""
 
-FAINTLY = 1e-6
-"""How much the readings at a piece's start count beside all of it, where its start is what fits it best."""
-
 
 @dataclass(frozen=True)
 class Figure:
@@ -136,7 +133,7 @@ def _predicted(figure: Figure, part: Part, candidate: Candidate) -> tuple[tuple[
         pieces = tuple(t for t in model.trials if _among(figure, t))
         left_out = _folds(figure, part, pieces)
         head = 0.0 if figure.read_start else HEAD
-        return pieces, predict_held_out(model, pieces, fit.hypothesis, fit.values(), left_out, head=head, trust=FAINTLY)
+        return pieces, predict_held_out(model, pieces, fit.hypothesis, fit.values(), left_out, head=head)
     return model.trials, predict_held_out(
         part.model,
         part.trials,
@@ -146,7 +143,6 @@ def _predicted(figure: Figure, part: Part, candidate: Candidate) -> tuple[tuple[
         fit.initials(),
         shown=model,
         head=0.0 if figure.read_start else HEAD,
-        trust=FAINTLY,
     )
 
 

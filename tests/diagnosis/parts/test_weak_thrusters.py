@@ -1,0 +1,101 @@
+"""Thrusters weaker than their command on a body of known mass: only the ratio of force to mass is known."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from spacerobot.diagnosis.diagnose import diagnose
+from spacerobot.diagnosis.fitting.gauss_newton import Fitter
+from spacerobot.diagnosis.fitting.noise import reweighted, split
+from spacerobot.diagnosis.machines.choose import models_for
+from spacerobot.diagnosis.selection import held_out
+from spacerobot.diagnosis.terms.hypothesis import hypothesis
+from spacerobot.recordings.study import Study, load_study
+
+MASS, INERTIA, NOISE, SHARE = 12.0, 0.2, 0.0005, 0.8
+STUDY = f"""format = 1
+title = "An air bed with thrusters and a wheel"
+[baseline]
+base = "free"
+gravity = [0, 0, -9.80665]
+[baseline.body]
+mass = {MASS}
+yaw_inertia = {INERTIA}
+[streams.log]
+time = "t"
+[streams.log.channels]
+x = {{ is = "body.position.x" }}
+y = {{ is = "body.position.y" }}
+yaw = {{ is = "body.yaw" }}
+fx = {{ is = "body.force.x", use = "input" }}
+fy = {{ is = "body.force.y", use = "input" }}
+tz = {{ is = "body.torque.yaw", use = "input" }}
+"""
+
+
+def air_bed(folder: Path, forces: float, torque: float) -> Study:
+    """Three runs under commands that hold for half a second, of which these shares come out."""
+    random, text = np.random.default_rng(5), [STUDY]
+    time = np.arange(0.0, 8.0, 0.05)
+    share = np.array([forces, forces, torque]) / np.array([MASS, MASS, INERTIA])
+    for run in range(3):
+        level = random.choice([-1.0, 0.0, 1.0], (17, 3)) * np.array([0.4, 0.4, 0.02])
+
+        def rate(t: float, y: np.ndarray, level: np.ndarray = level) -> np.ndarray:
+            return np.concatenate([y[3:], share * level[int(t / 0.5 + 1e-9)]])
+
+        start = [0.0, 0.0, 0.0, *(random.standard_normal(3) * [0.03, 0.03, 0.05])]
+        moved = solve_ivp(rate, (0.0, 8.0), start, t_eval=time, max_step=0.05, rtol=1e-8, atol=1e-10).y[:3].T
+        moved = moved + NOISE * random.standard_normal(moved.shape)
+        rows = np.column_stack([time, moved, level[(time / 0.5 + 1e-9).astype(int)]])
+        np.savetxt(folder / f"{run}.csv", rows, "%.7g", ",", header="t,x,y,yaw,fx,fy,tz", comments="")
+        text.append(f'[[trials]]\nid = "r{run}"\nlog = "{run}.csv"\n')
+    (folder / "study.toml").write_text("".join(text))
+    return load_study(folder)
+
+
+@pytest.mark.parametrize("torque", [1.0, SHARE])
+def test_weak_thrusters_are_never_a_payload_for_sure(torque: float, tmp_path: Path) -> None:
+    """Forces alone: the same as a larger mass, and both are said. With their torque: what the command is worth."""
+    verdict = diagnose(air_bed(tmp_path, SHARE, torque), jobs=1).verdict
+    said = {tuple((e["effect"], e["where"]) for e in a["effects"]) for a in verdict["alternatives"]}
+    if torque == SHARE:
+        assert verdict["verdict"] == "named"
+        (found,) = verdict["effects"]
+        assert (found["effect"], found["where"]) == ("scale", "command")
+        assert found["parameters"]["factor"]["value"] == pytest.approx(SHARE, rel=0.03)
+    else:
+        assert verdict["verdict"] == "ambiguous"
+        assert {(("payload", "target"),), (("scale", "command.force"),)} <= said
+
+
+def test_forces_are_a_place_of_their_own_only_where_a_torque_is_beside_them(tmp_path: Path) -> None:
+    (model,) = models_for(air_bed(tmp_path, 1.0, 1.0))
+    assert {s.effect.name for s in model.sites() if s.where == "command.force"} == {"scale"}
+    text = (tmp_path / "study.toml").read_text()
+    alone = "\n".join(line for line in text.splitlines() if "torque" not in line and "yaw" not in line)
+    (tmp_path / "study.toml").write_text(alone)
+    (model,) = models_for(load_study(tmp_path))
+    assert not [s for s in model.sites() if s.where == "command.force"]
+
+
+@pytest.mark.parametrize("faintly", [held_out.FAINTLY, 1.0])
+def test_how_a_piece_starts_hangs_on_its_readings_and_not_on_what_they_weigh(
+    faintly: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where thrusters fire at once, the velocity of the first readings is not how the piece began."""
+    monkeypatch.setattr(held_out, "FAINTLY", faintly)
+    (model,) = models_for(air_bed(tmp_path, 1.0, 1.0))
+    made = hypothesis(model.believed, ())
+    worst = 0.0
+    for trial in reweighted(model.trials, dict.fromkeys(model.trials[0].channels, 30.0)):
+        fitter = Fitter(model, [trial])
+        start = held_out.start_of(fitter, model, made, made.start(), trial)
+        residual, _ = fitter.residual(made, made.start(), trial, start)
+        for part, weight in zip(split(residual, trial).values(), (b.weight for b in trial.blocks), strict=True):
+            worst = max(worst, float(np.sqrt(np.mean((part / weight[0]) ** 2))))
+    assert (worst < 2.0 * NOISE) == (faintly < 1.0)
