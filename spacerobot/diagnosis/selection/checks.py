@@ -180,7 +180,11 @@ def checks_of_part(model: Machine, trials: Sequence[TrialData], base: Fit, chose
 
 
 def _on_copy_of_part(model: Machine, trials: Sequence[TrialData], chosen: Fit, seed: int) -> list[Check]:
-    """As `_on_copy`, of a part, whose fits begin once: from afar."""
+    """As `_on_copy`, of a part, whose fits begin from afar.
+
+    Where that ends in another minimum, as with a resonance, they begin at the true values too: a search that found
+    these began at many places.
+    """
     trials = copied(model, trials, chosen, seed)
     fitter = Fitter(model, trials)
     truth = cost_of(chosen, fitter)
@@ -192,6 +196,8 @@ def _on_copy_of_part(model: Machine, trials: Sequence[TrialData], chosen: Fit, s
         again = more if more is not None and more.cost < again.cost else again
     if again.cost > truth + SLACK:
         again = _to_the_last_digit(model, trials, again)
+    if again.cost > truth + SLACK:
+        again = _on(fitter, chosen, chosen.values()) or again
     sizes = calibration(chosen, again)
     if not sizes.passed:
         sizes = calibration(chosen, _to_the_last_digit(model, trials, again))
