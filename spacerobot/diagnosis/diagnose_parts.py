@@ -20,6 +20,7 @@ from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.machines.touch import Moment
 from spacerobot.diagnosis.selection.checks import checks_of_part
 from spacerobot.diagnosis.selection.forward_selection import MOST, grow
+from spacerobot.diagnosis.selection.meetings import meetings
 from spacerobot.diagnosis.selection.moment import with_free_moment
 from spacerobot.diagnosis.selection.part_fold import keep_aside
 from spacerobot.diagnosis.selection.part_result import Part
@@ -84,6 +85,8 @@ def _searched(
     model: Machine, catalogue: Sequence[Effect], threads: int, reached: Callable[[int], None], kept: Kept
 ) -> Part:
     """One part's search; where single trials show that it was knocked, once more with these cut there."""
+    if met := meetings(model):
+        model = model.apart(met)
     growth = grow(model, effects=catalogue, threads=threads, reached=reached, kept=kept)
     within = kept.within("with a free moment")
     if (free := with_free_moment(growth, within)) is not None:

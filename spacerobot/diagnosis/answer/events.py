@@ -14,27 +14,32 @@ from spacerobot.recordings.recording import Recording
 from spacerobot.recordings.series import Series
 from spacerobot.recordings.study import Study
 
+BALANCE, TRACK = "torque balance", "track"
+"""What shows a touch: of an arm, and of a body that flies."""
+
 
 @dataclass(frozen=True)
 class Touch:
-    """A moment at which something touched the arm, in one trial.
+    """A moment at which something touched the arm, or was touched by a body, in one trial.
 
     Attributes:
         trial: its id.
         stream: whose clock the moment is told on.
         moment: when.
+        seen_in: what shows it.
     """
 
     trial: str
     stream: str
     moment: Moment
+    seen_in: str = BALANCE
 
     def entry(self) -> Event:
         """As in the verdict."""
         return Event(
             event="touch",
             trial=self.trial,
-            seen_in="torque balance",
+            seen_in=self.seen_in,
             clock=self.stream,
             time_s=_value(self.moment.time, self.moment.low, self.moment.high),
         )
@@ -51,6 +56,16 @@ def touches(models: Sequence[Machine]) -> list[Touch]:
             stream = model.trials[0].blocks[0].stream
             found |= {trial: Touch(trial, stream, moment) for trial, moment in model.shocks().items()}
     return list(found.values())
+
+
+def meetings(models: Sequence[Machine]) -> list[Touch]:
+    """When bodies that fly met what the baseline does not know."""
+    return [
+        Touch(trial, model.trials[0].blocks[0].stream, moment, TRACK)
+        for model in models
+        for trial, some in model.met.items()
+        for moment in some
+    ]
 
 
 def clocks(study: Study, seen: Sequence[Touch]) -> list[ClockOffset]:

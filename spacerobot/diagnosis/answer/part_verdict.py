@@ -12,7 +12,7 @@ from msgspec.structs import replace
 from spacerobot import __version__
 from spacerobot.diagnosis.answer import record
 from spacerobot.diagnosis.answer.alternatives import alternatives
-from spacerobot.diagnosis.answer.events import clocks, touches
+from spacerobot.diagnosis.answer.events import clocks, meetings, touches
 from spacerobot.diagnosis.answer.held_out import of_parts
 from spacerobot.diagnosis.answer.mended_model import FILE, RUNS
 from spacerobot.diagnosis.answer.next_trial import WHY_PART, next_trial
@@ -95,7 +95,7 @@ def verdict_of(study: Study, parts: Sequence[Part], *, seed: int, seconds: float
         detectable=_detectable(parts),
         next_experiment=next((n for n in further if n is not None), None),
         model=FoundModel(file=FILE, run=RUNS),
-        events=[t.entry() for t in seen],
+        events=[t.entry() for t in (*seen, *meetings([p.model for p in parts]))],
         clocks=clocks(study, seen),
         parts=[_alone(p, v) for p, v in zip(parts, own, strict=True)],
     )

@@ -78,8 +78,11 @@ def axes_of(study: Study, group: str, flies: bool = False) -> list[Axis]:
     return found
 
 
-PARTS = 4
-"""Into how many stretches of a track its curvature is read from; a bounce spoils one of them."""
+PARTS = (4, 16, 64)
+"""Into how many stretches a track is cut to read its curvature; between bounces only short ones fall freely."""
+
+LEAST = 5
+"""Readings that a stretch has at least."""
 
 FREELY = 0.5
 """Share of gravity with which a body moves that nothing carries: a table leaves none of it, free flight all."""
@@ -93,7 +96,7 @@ def flies(study: Study, trials: Sequence[Trial], group: str) -> bool:
     if along == up:
         aside = [Axis("target.y", group, LETTERS[i], 1.0) for i in range(3) if i != up]
         return all(all(a.shown(sorted(study.recording(t))) for a in aside) for t in trials)
-    falls: list[float] = []
+    tracks: list[tuple[np.ndarray, np.ndarray, int]] = []
     for trial in trials:
         recording = study.recording(trial)
         shown = {kind: c for c, kind in upright.shown(sorted(recording))}
@@ -102,13 +105,32 @@ def flies(study: Study, trials: Sequence[Trial], group: str) -> bool:
         if not gravity or upright.force in recording:
             return True
         kind = "position" if "position" in shown else "velocity"
-        time, value = recording[shown[kind]].good()
-        for part in np.array_split(np.arange(time.size), PARTS if time.size >= 5 * PARTS else 1):
-            degree = 2 if kind == "position" else 1
-            if part.size > degree + 1:
-                leading = np.polynomial.Polynomial.fit(time[part], value[part], degree).convert().coef[-1]
-                falls.append(float(degree * leading) / gravity)
-    return bool(falls) and float(np.median(falls)) > FREELY
+        tracks.append((*recording[shown[kind]].good(), 2 if kind == "position" else 1))
+    return any(_falling([_accelerations(*t, parts) for t in tracks], gravity) for parts in PARTS)
+
+
+def _accelerations(time: np.ndarray, value: np.ndarray, degree: int, parts: int) -> list[float]:
+    """Of a track of places (degree 2) or rates (1), over so many stretches of it or the whole of a short one."""
+    out = []
+    for part in np.array_split(np.arange(time.size), parts if time.size >= LEAST * parts else 1):
+        if part.size > degree + 1:
+            leading = np.polynomial.Polynomial.fit(time[part], value[part], degree).convert().coef[-1]
+            out.append(float(degree * leading))
+    return out
+
+
+def _falling(accelerations: Sequence[Sequence[float]], gravity: float) -> bool:
+    """Whether most stretches fall as freely as that, and their scatter does not make it chance."""
+    every = np.concatenate([np.array(a) for a in accelerations]) / gravity
+    if not every.size:
+        return False
+    middle = float(np.median(every))
+    error = float(np.median(np.abs(every - middle))) / every.size**0.5
+    return bool(middle - CLEAR * error > FREELY)
+
+
+CLEAR = 2.0
+"""Standard errors of a median by which it must lie beyond what it is compared with."""
 
 
 def body(
@@ -232,7 +254,7 @@ def _model(study: Study, trials: Sequence[Trial], group: str, name: str) -> Simu
         window=study.horizon or _window(whole, sizes[""].time, bool(driven)),
         covered=frozenset(covered),
     )
-    made.moment = late
+    made.moment, made.flies = late, free
     made.stated = frozenset(c for c in whole[0].channels if known[c].sigma_stated)
     made.relative_to = tuple(key.replace("body", group, 1) for key in relative)
     return made

@@ -112,6 +112,7 @@ class Machine(ABC):
         no_balance: why nothing can be located in its balance, where it has none.
         not_measured: why its readings tell nothing of it; the study's verdict does not hang on such a part.
         predicts_readings: whether what is predicted are the sensors' own readings, not a balance of them.
+        met: by recorded trial, when it met something, a floor or a hand, that the baseline does not know; cut there.
         moment: values, believed to be zero, of when its inputs acted within a sample, with their deviations [s]; held
             there unless they are worth being free.
         metric: what the residual is, for tables, e.g. "torque balance" or "simulated motion".
@@ -129,6 +130,7 @@ class Machine(ABC):
     no_balance: str = ""
     predicts_readings: bool = False
     moment: Mapping[str, float] = MappingProxyType({})
+    met: Mapping[str, tuple[Moment, ...]] = MappingProxyType({})
     not_measured: str = ""
     otherwise: Mapping[str, str] = MappingProxyType({})
     """What else could be measured where no other trial tells more."""
@@ -209,6 +211,12 @@ class Machine(ABC):
     def cut_at(self, moments: Mapping[str, Sequence[Moment]]) -> Self:
         """The same with recorded trials cut at moments: each stretch has a start of its own; here none has one."""
         return self
+
+    def apart(self, met: Mapping[str, Sequence[Moment]]) -> Self:
+        """The same cut wherever it met something."""
+        other = self.cut_at(met)
+        other.met = {trial: tuple(some) for trial, some in met.items()}
+        return other
 
     def steady(self, trial: TrialData, start: float, end: float) -> bool:
         """Whether what drives it did not change between two moments [s]; so where nothing does."""

@@ -50,6 +50,8 @@ class Simulated(Machine):
     """Any mechanism of the reduced backend, with its recorded drives, window by window."""
 
     metric = "simulated motion"
+    flies = False
+    """Whether nothing carries it, so that what bends its track at once met it."""
     predicts_readings = True
 
     def __init__(
@@ -108,10 +110,10 @@ class Simulated(Machine):
         return other
 
     def cut_at(self, moments: Mapping[str, Sequence[Moment]]) -> Self:
-        """No window goes over one of these moments."""
+        """No window goes over one of these moments, nor over one at which it met something."""
         other = copy(self)
-        other._cuts = moments
-        windows = [w for t in self.recorded.values() for w in cut(t, self._window, moments.get(t.id, ()))]
+        other._cuts = {t: (*self.met.get(t, ()), *moments.get(t, ())) for t in (*self.met, *moments)}
+        windows = [w for t in self.recorded.values() for w in cut(t, self._window, other._cuts.get(t.id, ()))]
         other.trials, other._starts = tuple(spread_over(windows, self._budget)), {}
         return other
 

@@ -9,7 +9,16 @@ from typing import Any
 def happened(verdict: Mapping[str, Any]) -> tuple[str, ...]:
     """A sentence for each touch and each clock; none where nothing was found."""
     out = []
-    for event in verdict.get("events") or ():
+    events = verdict.get("events") or ()
+    met = [e for e in events if e["seen_in"] == "track"]
+    if met:
+        first, trials = met[0], len({e["trial"] for e in met})
+        moments = ", ".join(f"{e['time_s']['value']:.3f}" for e in met if e["trial"] == first["trial"])
+        out.append(
+            f"The body met something that the baseline does not know in {trials} trials "
+            f"(in {first['trial']} at {moments} s): there its track bends at once. It is taken as free in between."
+        )
+    for event in (e for e in events if e not in met):
         out.append(
             f"Something touched the arm in trial {event['trial']} at {_seconds(event['time_s'])} on the clock of "
             f"{event['clock']}: there the {event['seen_in']} is first shaken."

@@ -12,6 +12,8 @@ from scipy.spatial.transform import Rotation
 
 from spacerobot.diagnosis.diagnose import diagnose
 from spacerobot.diagnosis.machines.body import flies
+from spacerobot.diagnosis.machines.choose import models_for
+from spacerobot.diagnosis.selection.meetings import meetings
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Coordinate
 from spacerobot.effects.registry import effect
@@ -93,3 +95,46 @@ def test_no_direction_is_special(name: str) -> None:
     start = np.array([1.0, -0.4, 0.2])
     for turn in turned():
         np.testing.assert_allclose(end(turn @ start), turn @ end(start), atol=1e-7)
+
+
+def bouncing(folder: Path, gives_back: float, drag: float = 0.0) -> Study:
+    """Five drops on a floor, with a drift sideways; a camera at 120 Hz."""
+    random, text = np.random.default_rng(11), ""
+    step, fine = 1.0 / 120.0, 40
+    for n in range(5):
+        place, rate = np.array([0.0, 0.0, random.uniform(0.8, 1.2)]), np.append(random.normal(0.0, 0.5, 2), 0.0)
+        rows = []
+        for k in range(170):
+            rows.append([k * step, *(place + CAMERA * random.standard_normal(3))])
+            for _ in range(fine):
+                pull = DOWN - drag / MASS * float(np.linalg.norm(rate)) * rate
+                rate = rate + pull * step / fine
+                place = place + rate * step / fine
+                if place[2] < 0.0 and rate[2] < 0.0:
+                    rate[2] *= -gives_back
+        np.savetxt(folder / f"{n}.csv", rows, delimiter=",", header="t,x,y,z", comments="")
+        text += f'[[trials]]\nid = "{n}"\ncondition = "{n}"\ncamera = "{n}.csv"\n'
+    head = (folder.parent / "throws" / "study.toml").read_text().split("[[trials]]")[0]
+    (folder / "study.toml").write_text(head + text)
+    return load_study(folder)
+
+
+@pytest.fixture
+def bounced(tmp_path: Path) -> Path:
+    for name in ("throws", "bounced"):
+        (tmp_path / name).mkdir()
+    thrown(tmp_path / "throws", np.zeros_like)
+    return tmp_path / "bounced"
+
+
+def test_a_floor_is_met_and_no_physics_is_missing_in_between(bounced: Path) -> None:
+    verdict = diagnose(bouncing(bounced, 0.75), jobs=1).verdict
+    assert verdict["verdict"] == "nothing_missing"
+    met = {e["trial"] for e in verdict["events"] if e["seen_in"] == "track"}
+    assert met == {"0", "1", "2", "3", "4"}
+
+
+def test_free_flight_meets_nothing(bounced: Path) -> None:
+    study = thrown(bounced.parent / "throws", lambda v: -0.004 * float(np.linalg.norm(v)) * v)
+    (model,) = models_for(study)
+    assert not meetings(model)
