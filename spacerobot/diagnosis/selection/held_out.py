@@ -26,8 +26,8 @@ HEAD = 1.0
 """Share of a held-out trial that tells how it starts; how it starts is not what is tested."""
 
 FAINTLY = 1e-6
-"""What a start's first estimate counts, which is from a few readings about it, beside all that tell it: it settles what
-they leave open. Counted whole it would overrule them under weights that count independent samples (an air bed's
+"""What a start's first estimate counts, which is from a few readings about it, where a start is what fits its piece
+best. Counted whole, under weights that count independent samples, it would overrule all the others (an air bed's
 velocity, from a second of readings while thrusters fire, is off by ten of its standard deviations)."""
 
 FIT_STEPS = 12
@@ -115,10 +115,12 @@ def start_of(
     z: np.ndarray,
     trial: TrialData,
     head: float = HEAD,
+    trust: float = 1.0,
 ) -> np.ndarray:
     """How an unseen trial starts, shape (N,), given everything else: found from the trial itself.
 
-    Gauss-Newton steps of the head's residual, with the reading at its start as a prior that counts faintly.
+    Gauss-Newton steps of the head's residual, with the reading at its start as a prior of its own standard deviation,
+    which counts `trust` times.
     """
     nuisances = model.nuisances(trial)
     guess = np.array([n.guess for n in nuisances])
@@ -138,7 +140,7 @@ def start_of(
             columns[:, n] = (fitter.residual(hypothesis, z, trial, moved)[0] - base) / by
         j, r = columns[early & keep], base[early & keep]
         prior = (start - guess) / scales
-        start = start - scales * np.linalg.solve(j.T @ j + FAINTLY * np.eye(scales.size), j.T @ r + FAINTLY * prior)
+        start = start - scales * np.linalg.solve(j.T @ j + trust * np.eye(scales.size), j.T @ r + trust * prior)
     return start
 
 
@@ -152,6 +154,7 @@ def predict_held_out(
     *,
     shown: Machine | None = None,
     head: float = HEAD,
+    trust: float = 1.0,
 ) -> HeldOut:
     """Every trial predicted by a fit that has not seen its fold.
 
@@ -162,7 +165,7 @@ def predict_held_out(
         warm, initials: where each fit begins.
         left_out: folds, each a name and ids of trials.
         shown: the same model cut into other pieces, which are predicted instead of the fold's own trials.
-        head: share of an unseen trial that tells how it starts.
+        head, trust: how an unseen trial's start is found, see `start_of`.
 
     Raises:
         SimulationError: a fold cannot be fitted, or a trial not be predicted.
@@ -182,7 +185,7 @@ def predict_held_out(
             teller, unseen = shown, [t for t in shown.trials if t.recorded in whole]
         fitter = Fitter(teller, unseen)
         for trial in unseen:
-            start = start_of(fitter, teller, made, fit.z, trial, head)
+            start = start_of(fitter, teller, made, fit.z, trial, head, trust)
             r, keep = fitter.residual(made, fit.z, trial, start)
             residual[trial.id], counted[trial.id] = np.where(keep, r, 0.0), keep
     return HeldOut(residual, counted)

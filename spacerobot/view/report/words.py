@@ -17,6 +17,7 @@ _PLACES = {
     "base": "on the base",
     "body": "on the body",
     "command": "in the commanded force",
+    "command.force": "in the commanded force, not in the torque",
     "arm_motion": "in the arm's known motion",
     "force_sensor": "in the force sensor",
     "mocap": "in the position measurement",

@@ -12,7 +12,7 @@ import numpy as np
 from spacerobot.diagnosis.fitting.noise import split
 from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.selection.candidate import Candidate, tried
-from spacerobot.diagnosis.selection.held_out import HEAD, HeldOut, predict_held_out
+from spacerobot.diagnosis.selection.held_out import FAINTLY, HEAD, HeldOut, predict_held_out
 from spacerobot.diagnosis.selection.part_result import Part
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.recordings.document import read_document
@@ -133,7 +133,7 @@ def _predicted(figure: Figure, part: Part, candidate: Candidate) -> tuple[tuple[
         pieces = tuple(t for t in model.trials if _among(figure, t))
         left_out = _folds(figure, part, pieces)
         head = 0.0 if figure.read_start else HEAD
-        return pieces, predict_held_out(model, pieces, fit.hypothesis, fit.values(), left_out, head=head)
+        return pieces, predict_held_out(model, pieces, fit.hypothesis, fit.values(), left_out, head=head, trust=FAINTLY)
     return model.trials, predict_held_out(
         part.model,
         part.trials,
@@ -143,6 +143,7 @@ def _predicted(figure: Figure, part: Part, candidate: Candidate) -> tuple[tuple[
         fit.initials(),
         shown=model,
         head=0.0 if figure.read_start else HEAD,
+        trust=FAINTLY,
     )
 
 
