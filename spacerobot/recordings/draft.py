@@ -25,6 +25,7 @@ from spacerobot.recordings.drafting.heads import head
 from spacerobot.recordings.drafting.lines import Line, comment, toml
 from spacerobot.recordings.drafting.machines import AXIS, draft_machine, kind_of
 from spacerobot.recordings.drafting.names import ENDINGS
+from spacerobot.recordings.drafting.own_rates import by_rate
 from spacerobot.recordings.drafting.pendulum import hang, pendulum_urdf, swing_of
 from spacerobot.recordings.drafting.robots import joints_of
 from spacerobot.recordings.drafting.run_list import RunList, run_lists, sheet_list
@@ -149,7 +150,8 @@ def draft(folder: Path, robot: str | None = None) -> Draft:
         raise InputError("the folder holds no recording that can be read", given=str(folder), valid=listed)
     files = with_lists(files, column_lists(folder))
     runs = _list_of_runs(folder, files)
-    files = with_times([t for f in files if runs is None or f.relative != runs.file for t in trials_in(f)])
+    apart = [t for f in files if runs is None or f.label != runs.file for t in trials_in(f)]
+    files = with_times([part for file in apart for part in by_rate(file)])
     robot, joints = joints_of(robots_in(folder), folder, [f.relative for f in files], robot)
     groups = groups_of(files)
     placed = joints_by_place({g.name: g.leanest for g in groups})
@@ -218,7 +220,7 @@ def _source(file: Found) -> str:
 def _list_of_runs(folder: Path, files: Sequence[Found]) -> RunList | None:
     """The lab's own list of the trials that the other files make."""
     for runs in [*run_lists(folder), *(sheet for f in files if (sheet := sheet_list(f)) is not None)]:
-        others = [f for f in files if f.relative != runs.file]
+        others = [f for f in files if f.label != runs.file]
         if others and runs.masses(trials_of(groups_of(others))):
             return runs
     return None

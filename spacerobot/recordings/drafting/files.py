@@ -10,7 +10,7 @@ from pathlib import Path, PurePath
 import numpy as np
 
 from spacerobot.recordings.drafting.masses import above_table, scalars, with_masses
-from spacerobot.recordings.drafting.names import ENDINGS, Named, named
+from spacerobot.recordings.drafting.names import ENDINGS, Named, named, without_ending
 from spacerobot.recordings.drafting.stated_rate import stated_rate
 from spacerobot.recordings.guess import find_time
 from spacerobot.recordings.readers import read_table, reader_for
@@ -19,6 +19,9 @@ from spacerobot.recordings.table import Floats, Options, RawTable
 from spacerobot.support.errors import InputError
 
 MOST_FILES = 2000
+
+MOST_PARTS = 100
+"""Sheets or topics of one file that are read."""
 
 FAR = 5.0
 """How many spans, and sizes, of all other readings away what stands for none is: no sensor jumps so, and back."""
@@ -41,7 +44,7 @@ class Found:
         named: what its name says.
         missing: readings that stand for none: the same again and again, far from all others.
         fault: what is wrong with some cell of a usable column, None where nothing is.
-        variable: the one array of a file of several trials that this is, None for a file that is one.
+        variable: the one array, sheet or topic of a file of several that this is, None for a file that is one.
         rate: readings a second of a file or array without a clock of its own [Hz], None where nothing says it.
         times: the file that holds its times alone, their column and these [s]; None where it has none.
         labels: what a list beside the file calls its columns, "" where it says nothing of one; none without a list.
@@ -60,6 +63,11 @@ class Found:
     times: tuple[str, str, Floats] | None = None
     labels: tuple[str, ...] = ()
     labelled_by: str = ""
+
+    @property
+    def label(self) -> str:
+        """The file, and which part of it."""
+        return self.relative if self.variable is None else f"{self.relative}, {self.variable}"
 
     @functools.cached_property
     def clock(self) -> int | None:
@@ -100,9 +108,16 @@ def recordings_in(folder: Path) -> tuple[list[Found], list[str]]:
     for path in files:
         relative = path.relative_to(folder)
         try:
-            found.append(_read(path, relative))
+            parts = reader_for(path).parts(path)
         except InputError as error:
             refused.append(str(error).replace(str(path), str(relative)))
+            continue
+        for part in parts[:MOST_PARTS] if len(parts) > 1 else (None,):
+            try:
+                found.append(_read(path, relative, part))
+            except InputError as error:
+                inside = f" ({part})" if part else ""
+                refused.append(str(error).replace(str(path), f"{relative}{inside}"))
     return found, refused
 
 
@@ -112,8 +127,8 @@ def robots_in(folder: Path) -> list[Path]:
     return [p.relative_to(folder) for p in files if _writable(p)]
 
 
-def _read(path: Path, relative: PurePath) -> Found:
-    table = read_table(path, Options(wanted=frozenset()))
+def _read(path: Path, relative: PurePath, part: str | None) -> Found:
+    table = read_table(path, Options(variable=part, wanted=frozenset()))
     usable = tuple(
         j
         for j, column in enumerate(table.columns)
@@ -125,7 +140,7 @@ def _read(path: Path, relative: PurePath) -> Found:
         raise InputError("too short for a recording", valid=f"at least {SHORTEST} rows", where=str(path))
     fault = None
     try:
-        read_table(path, Options(wanted=frozenset(map(str, usable))))
+        read_table(path, Options(variable=part, wanted=frozenset(map(str, usable))))
     except InputError as error:
         fault = str(error).replace(str(path), str(relative))
     stands_for_none = {j: value for j in usable if (value := sentinel(table.columns[j].values)) is not None}
@@ -136,9 +151,10 @@ def _read(path: Path, relative: PurePath) -> Found:
     table = replace(table, columns=tuple(columns))
     form = reader_for(path).name
     masses = scalars(table) + (above_table(path) if form in ("csv", "text") else [])
-    said = with_masses(named(relative), masses)
+    name = relative if part is None else relative.with_name(f"{without_ending(relative.name)}_{part.replace('/', '_')}")
+    said = with_masses(named(name), masses)
     rate = stated_rate(path) if form in ("csv", "text") else None
-    return Found(str(relative), form, table, usable, said, missing, fault, rate=rate)
+    return Found(str(relative), form, table, usable, said, missing, fault, variable=part, rate=rate)
 
 
 def sentinel(values: Floats) -> float | None:
