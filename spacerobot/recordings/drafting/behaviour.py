@@ -14,6 +14,7 @@ import numpy as np
 from spacerobot.recordings.drafting.approach import CLEAR, Rest, Track, drift, rest
 from spacerobot.recordings.drafting.columns import Reading
 from spacerobot.recordings.drafting.groups import Trial
+from spacerobot.recordings.drafting.shapes import in_steps, turn_of
 from spacerobot.recordings.drafting.tracks import track
 from spacerobot.recordings.series import estimate_noise
 from spacerobot.recordings.units import UNITS
@@ -71,6 +72,8 @@ def _roles(readings: Mapping[str, Sequence[Reading]], trial: Trial) -> dict[tupl
             own = track(trial.files[stream], reading.column)
             if reading.command or reading.thing not in ("", "target") or own is None:
                 continue
+            if in_steps(own.value) or turn_of(own.value):
+                continue  # a status, or an angle that starts anew
             if reading.unit and UNITS[reading.unit].dimension == "length":
                 metres[stream, reading.column] = UNITS[reading.unit].factor
             if reading.thing:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import re
 from dataclasses import dataclass, replace
+from fnmatch import fnmatch
 from pathlib import Path, PurePath
 
 import numpy as np
@@ -92,15 +93,24 @@ class Found:
         return tuple(c.names[0] if c.names else "" for c in self.table.columns)
 
 
-def recordings_in(folder: Path) -> tuple[list[Found], list[str]]:
+def recordings_in(folder: Path, pattern: str = "*") -> tuple[list[Found], list[str]]:
     """The recordings beneath `folder`, and remarks on files that cannot be read.
 
+    Args:
+        folder: that holds them.
+        pattern: of their names, or of their paths relative to the folder.
+
     Raises:
-        InputError: no such folder, or too many files in it.
+        InputError: no such folder, none of such a name in it, or too many.
     """
     if not folder.is_dir():
         raise InputError("no such folder", given=str(folder))
     files = sorted(p for p in folder.rglob("*") if _considered(p, folder))
+    every = files
+    files = [p for p in files if fnmatch(p.name, pattern) or fnmatch(str(p.relative_to(folder)), pattern)]
+    if every and not files:
+        names = ", ".join(str(p.relative_to(folder)) for p in every[:12])
+        raise InputError("no file of the folder has such a name", given=pattern, valid=names)
     if len(files) > MOST_FILES:
         raise InputError("the folder holds too many files", given=len(files), valid=f"at most {MOST_FILES}")
     found: list[Found] = []

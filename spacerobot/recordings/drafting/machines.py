@@ -84,7 +84,7 @@ def draft_machine(
             if angle and float(np.nanmax(np.abs(np.diff(values)))) > math.pi:
                 line.unwrap = True
             found.setdefault(stream, []).append(line)
-    if kind == "axis" and driven and not any(x.use == "input" for lines in found.values() for x in lines):
+    if kind == "axis" and driven and found and not any(x.use == "input" for lines in found.values() for x in lines):
         first = next(iter(found.values()))[0]
         first.question = 'which column drives the axis: joint.axis.torque or .voltage, with use = "input"'
     return {stream: sorted(lines, key=lambda x: x.reading.index) for stream, lines in found.items()}
