@@ -29,6 +29,13 @@ from spacerobot.recordings.drafting.machines import AXIS, draft_machine, kind_of
 from spacerobot.recordings.drafting.names import ENDINGS
 from spacerobot.recordings.drafting.own_rates import by_rate
 from spacerobot.recordings.drafting.pendulum import hang, pendulum_urdf, swing_of
+from spacerobot.recordings.drafting.remarks import (
+    ask_what_no_name_says,
+    say_who_names,
+    second,
+    settle_by_all,
+    unrecognised,
+)
 from spacerobot.recordings.drafting.robots import joints_of
 from spacerobot.recordings.drafting.run_list import RunList, run_lists, sheet_list
 from spacerobot.recordings.drafting.time_files import with_times
@@ -197,15 +204,16 @@ def draft(folder: Path, robot: str | None = None, *, rig: str = "", pattern: str
     if swinging is not None:
         kind = "pendulum"
         hang(next(x for x in drafted.lines[swinging[0]] if x.channel.endswith(".position")), swinging[1])
-    _ask_what_no_name_says(drafted, named, "does in a hit" if kind == "wrist" else "does")
+    ask_what_no_name_says(drafted, named, "does in a hit" if kind == "wrist" else "does")
     told = [g for g in groups if drafted.lines.get(g.name)] or groups
     if len(told) < len(groups):  # files of which nothing was recognised would only part what belongs together
         trials = trials_of(told)
-        refused += [_second(g, kind, seen[g.name]) or _unrecognised(g) for g in groups if g not in told]
+        refused += [second(g, kind, seen[g.name]) or unrecognised(g) for g in groups if g not in told]
     taken: set[str] = set()
     lines = {g.name: drafted.lines.get(g.name) or loose(seen[g.name], g.leanest, kind, taken) for g in told}
-    refused += [_unrecognised(g) for g in told if not lines[g.name]]
-    _say_who_names(lines, representative)
+    refused += [unrecognised(g) for g in told if not lines[g.name]]
+    say_who_names(lines, representative)
+    settle_by_all(lines, told)
     made = Draft(
         title=folder.resolve().name or "study",
         kind=kind,
@@ -264,41 +272,6 @@ def _no_plane(seen: Mapping[str, Sequence[Reading]]) -> bool:
     """Whether all that is called a position is one number, or a target's: no body's place in the plane."""
     every = [r for found in seen.values() for r in found if r.quantity == "position" and not r.command]
     return len(every) == 1 or all(r.thing == "target" for r in every)
-
-
-def _ask_what_no_name_says(drafted: Drafted, named: Mapping[str, Sequence[Reading]], does: str) -> None:
-    """A question at each channel that its column's name does not bear out, but for events: those ask for all."""
-    for stream, lines in drafted.lines.items():
-        said = {r.column: (r.thing, r.quantity) for r in named[stream]}
-        for line in lines:
-            if said[line.reading.column] != (line.reading.thing, line.reading.quantity):
-                asked = f"{line.channel} by what it {does}, not by its name: is it?"
-                line.question = "; ".join(q for q in (asked, line.question) if q)
-
-
-def _second(group: Group, kind: str, found: Sequence[Reading]) -> str:
-    """Why nothing is left to tell of a second body's or machine's log; "" where it is none."""
-    if kind not in ("body", "platform", "arm") or kind_of({group.name: found}) != kind:
-        return ""
-    like = f" and {len(group.files) - 1} like it" if len(group.files) > 1 else ""
-    return f"{group.files[0].relative}{like}: its channels are another file's already; is it a second machine's log"
-
-
-def _say_who_names(lines: Mapping[str, Sequence[Line]], files: Mapping[str, Found]) -> None:
-    """A remark at each channel whose column a list beside the file names."""
-    for stream, found in lines.items():
-        file = files[stream]
-        for line in found if file.labels else ():
-            label = f"{file.labels[line.reading.index]}, by {file.labelled_by}"
-            line.remark = "; ".join(filter(None, (label, line.remark)))
-
-
-def _unrecognised(group: Group) -> str:
-    """Why a group became no stream."""
-    fault = next((f.fault for f in group.files if f.fault), None)
-    like = f" and {len(group.files) - 1} like it" if len(group.files) > 1 else ""
-    names = ", ".join(group.files[0].table.names()[:12])
-    return fault or f"{group.files[0].relative}{like}: no column was recognised among {names}"
 
 
 def _left(found: Sequence[Reading], lines: Sequence[Line]) -> list[str]:

@@ -132,6 +132,22 @@ def test_the_rig_and_a_list_of_some_columns(tmp_path: Path) -> None:
     assert len(study.streams) == 1
 
 
+def test_a_track_lost_at_zero_and_a_turn_that_one_file_shows(tmp_path: Path) -> None:
+    """A force that rests at 0 is no such track, and is read as it stands."""
+    x = 1.0 + 0.02 * T + RNG.normal(0, 1e-4, len(T))
+    for n, spin in enumerate((0.1, 1.0)):
+        lost = np.where((T < 0.5) | ((T > 4) & (T < 4.2)), 0.0, x)
+        turn = np.mod(spin * T + np.pi, 2 * np.pi) - np.pi
+        force = np.where(T < 6, 0.0, 0.4 * np.sin(T))
+        head = "t,x [m],y [m],yaw [rad],fx cmd [N]"
+        rows = np.column_stack([T, lost, x, turn, force])
+        np.savetxt(tmp_path / f"run_{n}.csv", rows, delimiter=",", header=head, comments="")
+    text = draft_study(tmp_path)
+    assert '"x [m]" = { is = "body.position.x", missing = 0.0 }' in text
+    assert text.count("missing") == 1
+    assert '"yaw [rad]" = { is = "body.yaw", unwrap = true }' in text
+
+
 def test_each_kind_of_rig_makes_a_draft_that_loads(tmp_path: Path) -> None:
     for rig in RIGS:
         folder = tmp_path / rig

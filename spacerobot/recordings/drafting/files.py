@@ -44,6 +44,7 @@ class Found:
         usable: indices of the columns that hold numbers a sensor may have given.
         named: what its name says.
         missing: readings that stand for none: the same again and again, far from all others.
+        lost: columns that read exactly 0 where a tracker had lost what it follows.
         fault: what is wrong with some cell of a usable column, None where nothing is.
         variable: the one array, sheet or topic of a file of several that this is, None for a file that is one.
         rate: readings a second of a file or array without a clock of its own [Hz], None where nothing says it.
@@ -64,6 +65,7 @@ class Found:
     times: tuple[str, str, Floats] | None = None
     labels: tuple[str, ...] = ()
     labelled_by: str = ""
+    lost: frozenset[int] = frozenset()
 
     @property
     def label(self) -> str:
@@ -154,8 +156,9 @@ def _read(path: Path, relative: PurePath, part: str | None) -> Found:
     except InputError as error:
         fault = str(error).replace(str(path), str(relative))
     stands_for_none = {j: value for j in usable if (value := sentinel(table.columns[j].values)) is not None}
+    lost = frozenset(j for j in usable if j not in stands_for_none and is_lost_at_zero(table.columns[j].values))
     columns = list(table.columns)
-    for j, value in stands_for_none.items():
+    for j, value in [*stands_for_none.items(), *((j, 0.0) for j in lost)]:
         columns[j] = replace(columns[j], values=np.where(columns[j].values == value, np.nan, columns[j].values))
     missing = tuple(sorted(set(stands_for_none.values())))
     table = replace(table, columns=tuple(columns))
@@ -164,7 +167,7 @@ def _read(path: Path, relative: PurePath, part: str | None) -> Found:
     name = relative if part is None else relative.with_name(f"{without_ending(relative.name)}_{part.replace('/', '_')}")
     said = with_masses(named(name), masses)
     rate = stated_rate(path) if form in ("csv", "text") else None
-    return Found(str(relative), form, table, usable, said, missing, fault, variable=part, rate=rate)
+    return Found(str(relative), form, table, usable, said, missing, fault, variable=part, rate=rate, lost=lost)
 
 
 def sentinel(values: Floats) -> float | None:
@@ -178,6 +181,23 @@ def sentinel(values: Floats) -> float | None:
         if max(low - value, value - high) > FAR * max(high - low, abs(low), abs(high)) > 0.0:
             return float(value)
     return None
+
+
+def is_lost_at_zero(values: Floats) -> bool:
+    """Whether a column jumps to or from exactly 0 where all else that it reads is on one side, and far from it.
+
+    A tracker's position does where it has lost its body, or has not begun: further than FAR times its largest step. A
+    force that rests at 0 comes back to it, or passes it.
+    """
+    zero = values == 0.0
+    steps = np.abs(np.diff(values))
+    jumps, inside = steps[zero[1:] != zero[:-1]], steps[~zero[1:] & ~zero[:-1]]
+    inside = inside[np.isfinite(inside)]
+    if zero.sum() < 2 or len(inside) < 2 or not len(jumps) or not np.isfinite(jumps).all():
+        return False
+    nearest = float(np.nanmin(np.abs(values[~zero])))
+    aside = np.nanmin(values[~zero]) > 0.0 or np.nanmax(values[~zero]) < 0.0
+    return bool(aside and min(nearest, jumps.min()) > FAR * inside.max() > 0.0)
 
 
 def _considered(path: Path, folder: Path) -> bool:
