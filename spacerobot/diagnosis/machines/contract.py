@@ -189,6 +189,10 @@ class Machine(ABC):
         """The same with recorded trials cut at moments: each stretch has a start of its own; here none has one."""
         return self
 
+    def contradiction(self) -> tuple[str, str]:
+        """How its recordings contradict each other whatever the values are, and what would mend it; "" if not."""
+        return "", ""
+
     def steady(self, trial: TrialData, start: float, end: float) -> bool:
         """Whether what drives it did not change between two moments [s]; so where nothing does."""
         return True
