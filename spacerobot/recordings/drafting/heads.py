@@ -55,6 +55,11 @@ gravity = [0, 0, -9.80665] # across a level table; turn it where another axis po
 # mass =                   # kg
 # yaw_inertia =            # kg m2, or inertia = [x, y, z]
 # restitution =            # where it hits something: speed after over speed before
+
+# How well you know them: one standard deviation, relative.
+[baseline.sigma]
+# body.mass =
+# body.yaw_inertia =
 """
 
 _AXIS = """[baseline]                 # one driven axis
@@ -78,6 +83,12 @@ gravity = [0, 0, -9.80665]
 [baseline.joint.axis]
 damping = 0.0              # N m s/rad
 torque = 0                 # nothing drives it
+
+# How well you know them: one standard deviation, relative. The mass of what turns is its inertia; without a line
+# here it counts as exact, and a wrong one as a payload.
+[baseline.sigma]
+# joint.axis.mass =
+# joint.axis.damping =
 """
 
 _UNTOLD = """# No column was recognised. Below, each says what it does and what it could be. Say which rig it is, and
