@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import argparse
+import itertools
 import math
 import os
 import sys
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from spacerobot.support.errors import InputError
 from spacerobot.support.files import may_write, write_text
 from spacerobot.support.jsonio import dumps
+
+if TYPE_CHECKING:
+    from spacerobot.recordings.draft import Draft
+    from spacerobot.recordings.drafting.groups import Group
 
 _MOST_SHOWN = 60
 """Channels that the table of a check has room for."""
@@ -19,6 +24,7 @@ _MOST_SHOWN = 60
 _EPILOG = """examples:
   spacerobot study new my_recordings        writes my_recordings/study.toml, to be completed by you
   spacerobot study new joint_logs --robot panda
+  spacerobot study new my_recordings --rig body --files 'run_*.csv'    no names in the files: say what they are of
   spacerobot study check my_recordings      trials, channels, rates, gaps and what is odd
   spacerobot study check guide-friction     the bundled study
   spacerobot study check emps/study.toml --data ~/emps --json
@@ -45,6 +51,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     new.add_argument("folder", type=Path, metavar="FOLDER", help="folder that holds the recordings")
     new.add_argument("--out", type=Path, metavar="FILE", help="where to write it (default: FOLDER/study.toml)")
     new.add_argument("--robot", metavar="NAME", help="the arm that was logged (default: the URDF among the files)")
+    rigs = [kind for kind in _KINDS if kind]
+    new.add_argument("--rig", choices=rigs, default="", help="kind of rig (default: by what the columns are called)")
+    new.add_argument("--files", default="*", metavar="PATTERN", help="read only files of such names, as 'run_*'")
     new.add_argument("--overwrite", action="store_true", help="replace a study that is there")
     new.add_argument("--json", action="store_true", help="one JSON object on stdout")
     check = actions.add_parser("check", help="read a study and all its files, and say what they hold")
@@ -77,7 +86,7 @@ def _new(args: argparse.Namespace) -> int:
     if path.is_dir():
         path = path / "study.toml"
     may_write(path, "a study", args.overwrite)
-    made = draft(args.folder, args.robot)
+    made = draft(args.folder, args.robot, rig=args.rig, pattern=args.files)
     try:
         for name, content in made.files.items():
             if not os.path.lexists(path.parent / name):
@@ -105,10 +114,40 @@ def _new(args: argparse.Namespace) -> int:
         print(f"  not read: {remark}")
     if len(made.remarks) > 5:
         print(f"  and {len(made.remarks) - 5} more, listed at the end of the file")
+    if advice := _advice(made):
+        print(advice)
     print(f"Next: {lacks(study)}.\nThen run `spacerobot study check {args.folder}`.")
     if path.resolve().parent != args.folder.resolve():
         print(f"The recordings are elsewhere: give --data {args.folder} with the study.")
     return 0
+
+
+def _advice(made: Draft) -> str:
+    """What to do where columns could not be told: the ways to say what they are, the shortest first."""
+    silent = [name for name, lines in made.lines.items() if all(x.channel.startswith("aux.") for x in lines)]
+    if not silent:
+        return ""
+    group = made.groups[silent[0]]
+    said = []
+    if len(made.groups) > 1:
+        said.append(f"files of one rig alone: --files '{_pattern(group)}'")
+    if not made.kind:
+        said.append(f"the rig, whose beliefs the draft then has: --rig {', '.join(k for k in _KINDS if k)}")
+    number = made.lines[silent[0]][0].reading.index
+    said.append(
+        "the columns, in the study, where each line says what it does and could be;\n"
+        f'    or in columns.csv beside the files, a line for each that counts, as "{number},target x [mm]"\n'
+        "    (then time [s], wrist x [mm], force [N], x [m], y [m], rotation [deg], q1 [rad], tau1 [Nm])"
+    )
+    return "What no name tells can be said:\n" + "\n".join(f"  {line}" for line in said)
+
+
+def _pattern(group: Group) -> str:
+    """A pattern that the names of a group's files share."""
+    names = [Path(f.relative).name for f in group.files]
+    alike = itertools.takewhile(lambda letters: len(set(letters)) == 1, zip(*names, strict=False))
+    start = "".join(letters[0] for letters in alike)
+    return names[0] if len(set(names)) == 1 else f"{start}*"
 
 
 def _check(args: argparse.Namespace) -> int:

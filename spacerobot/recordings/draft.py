@@ -18,26 +18,36 @@ from spacerobot.recordings.drafting.behaviour import by_behaviour
 from spacerobot.recordings.drafting.cells import trials_in
 from spacerobot.recordings.drafting.column_lists import column_lists, with_lists
 from spacerobot.recordings.drafting.columns import Reading, joints_by_place, readings
+from spacerobot.recordings.drafting.events import event_lines
 from spacerobot.recordings.drafting.files import Found, recordings_in, robots_in
 from spacerobot.recordings.drafting.gearing import gearing
-from spacerobot.recordings.drafting.groups import Group, Trial, groups_of, trials_of, unused
+from spacerobot.recordings.drafting.groups import Group, Trial, groups_of, trials_of
 from spacerobot.recordings.drafting.heads import head
+from spacerobot.recordings.drafting.hints import loose
 from spacerobot.recordings.drafting.lines import Line, comment, toml
 from spacerobot.recordings.drafting.machines import AXIS, draft_machine, kind_of
 from spacerobot.recordings.drafting.names import ENDINGS
+from spacerobot.recordings.drafting.own_rates import by_rate
 from spacerobot.recordings.drafting.pendulum import hang, pendulum_urdf, swing_of
+from spacerobot.recordings.drafting.remarks import (
+    ask_what_no_name_says,
+    say_who_names,
+    second,
+    settle_by_all,
+    unrecognised,
+)
 from spacerobot.recordings.drafting.robots import joints_of
 from spacerobot.recordings.drafting.run_list import RunList, run_lists, sheet_list
 from spacerobot.recordings.drafting.time_files import with_times
+from spacerobot.recordings.drafting.unnamed import by_each_other
 from spacerobot.recordings.drafting.wrist import Drafted, draft_wrist, is_wrist
 from spacerobot.recordings.guess import UNTIMED, time_unit, unsaid_unit
 from spacerobot.recordings.recording import load_trial
 from spacerobot.recordings.study import load_study
 from spacerobot.recordings.table import Column
 from spacerobot.recordings.units import UNITS
-from spacerobot.support.errors import InputError
+from spacerobot.support.errors import InputError, NotFoundError
 
-_MOST_CHANNELS = 40
 _MOST_REMARKS = 40
 
 _MOST_ROUNDS = 60
@@ -120,68 +130,90 @@ class Draft:
         return "\n".join(lines) + "\n"
 
 
-def draft_study(folder: str | Path, robot: str | None = None) -> str:
+RIGS = ("wrist", "arm", "platform", "body", "axis", "pendulum")
+"""Kinds of rig that a draft may be of."""
+
+
+def draft_study(folder: str | Path, robot: str | None = None, *, rig: str = "", files: str = "*") -> str:
     """The text of a first study.toml for the recordings in `folder`, as `spacerobot study new` writes it.
 
     Args:
         folder: with the recordings, and perhaps a URDF.
         robot: name of the arm that was logged; the URDF among the files if None.
+        rig: one of RIGS, "" to find out.
+        files: pattern of the recordings' names; others are not read.
 
     Raises:
         InputError: the folder holds no recordings.
+        NotFoundError: no such kind of rig.
     """
-    return draft(Path(folder), robot).text()
+    return draft(Path(folder), robot, rig=rig, pattern=files).text()
 
 
-def draft(folder: Path, robot: str | None = None) -> Draft:
+def draft(folder: Path, robot: str | None = None, *, rig: str = "", pattern: str = "*") -> Draft:
     """A first study for the recordings in `folder`.
 
     Args:
         folder: of the recordings.
         robot: a bundled robot or one of example-robot-data; None for the URDF beside the files, if there is one.
+        rig: one of RIGS, "" to find out.
+        pattern: of the names of files, or of paths relative to the folder, that are read.
 
     Raises:
         InputError: no folder, no file in it that can be read, or no such robot.
+        NotFoundError: no such kind of rig.
     """
-    files, refused = recordings_in(folder)
+    if rig and rig not in RIGS:
+        raise NotFoundError("kind of rig", rig, RIGS)
+    files, refused = recordings_in(folder, pattern)
     if not files:
         listed = "; ".join(refused[:5]) or "it holds none of " + ", ".join(ENDINGS)
         raise InputError("the folder holds no recording that can be read", given=str(folder), valid=listed)
     files = with_lists(files, column_lists(folder))
     runs = _list_of_runs(folder, files)
-    files = with_times([t for f in files if runs is None or f.relative != runs.file for t in trials_in(f)])
+    apart = [t for f in files if runs is None or f.label != runs.file for t in trials_in(f)]
+    files = with_times([part for file in apart for part in by_rate(file)])
     robot, joints = joints_of(robots_in(folder), folder, [f.relative for f in files], robot)
     groups = groups_of(files)
     placed = joints_by_place({g.name: g.leanest for g in groups})
     seen = {g.name: readings(g.leanest, joints or placed.get(g.name, ())) for g in groups}
     trials = trials_of(groups)
-    kind = "wrist" if is_wrist(seen) else kind_of(seen)
+    kind = rig or ("wrist" if is_wrist(seen) else kind_of(seen))
     named = seen
-    if not joints and kind in ("", "axis", "body"):
+    if not joints and (kind in ("", "axis", "body") if not rig else rig == "wrist"):
         plane = kind == "body" and not _no_plane(seen)
         seen = by_behaviour(seen, trials, slider=plane) or seen
         kind = "wrist" if is_wrist(seen) else kind
+    events = {
+        g.name: own for g in groups if kind in ("", "body", "axis") and (own := event_lines(seen[g.name], g.leanest))
+    }
+    if events:
+        kind = "body"
+    elif kind == "" or rig:
+        seen = by_each_other(seen, trials, rig)
+        kind = rig or kind_of(seen)
     if kind == "wrist" and not any(r.thing == "wrist" for found in seen.values() for r in found):
         seen = _with_slider(seen, trials)
-    swinging = swing_of(seen, trials) if kind == "axis" else None
+    swinging = swing_of(seen, trials, named) if kind in ("axis", "pendulum") else None
+    kind = "axis" if kind == "pendulum" else kind
     representative = {g.name: g.leanest for g in groups}
-    drafted = (
-        draft_wrist(seen, trials)
-        if kind == "wrist"
-        else Drafted(draft_machine(kind, seen, representative, driven=swinging is None))
-    )
+    if kind == "wrist":
+        drafted = draft_wrist(seen, trials) if is_wrist(seen) else Drafted({})
+    else:
+        drafted = Drafted(events or draft_machine(kind, seen, representative, driven=swinging is None))
     if swinging is not None:
         kind = "pendulum"
         hang(next(x for x in drafted.lines[swinging[0]] if x.channel.endswith(".position")), swinging[1])
-    _ask_what_no_name_says(drafted, named)
+    ask_what_no_name_says(drafted, named, "does in a hit" if kind == "wrist" else "does")
     told = [g for g in groups if drafted.lines.get(g.name)] or groups
     if len(told) < len(groups):  # files of which nothing was recognised would only part what belongs together
         trials = trials_of(told)
-        refused += [_second(g, kind, seen[g.name]) or _unrecognised(g) for g in groups if g not in told]
+        refused += [second(g, kind, seen[g.name]) or unrecognised(g) for g in groups if g not in told]
     taken: set[str] = set()
-    lines = {g.name: drafted.lines.get(g.name) or _loose(seen[g.name], taken) for g in told}
-    refused += [_unrecognised(g) for g in told if not lines[g.name]]
-    _say_who_names(lines, representative)
+    lines = {g.name: drafted.lines.get(g.name) or loose(seen[g.name], g.leanest, kind, taken) for g in told}
+    refused += [unrecognised(g) for g in told if not lines[g.name]]
+    say_who_names(lines, representative)
+    settle_by_all(lines, told)
     made = Draft(
         title=folder.resolve().name or "study",
         kind=kind,
@@ -189,7 +221,7 @@ def draft(folder: Path, robot: str | None = None) -> Draft:
         joints=joints,
         groups={g.name: g for g in told},
         lines={name: found for name, found in lines.items() if found},
-        settings={g.name: _settings(g, drafted.own_clock.get(g.name)) for g in told},
+        settings={g.name: _settings(g, drafted.own_clock.get(g.name), events=g.name in events) for g in told},
         left={g.name: _left(seen[g.name], lines[g.name]) for g in told},
         trials=trials,
         remarks=refused,
@@ -218,7 +250,7 @@ def _source(file: Found) -> str:
 def _list_of_runs(folder: Path, files: Sequence[Found]) -> RunList | None:
     """The lab's own list of the trials that the other files make."""
     for runs in [*run_lists(folder), *(sheet for f in files if (sheet := sheet_list(f)) is not None)]:
-        others = [f for f in files if f.relative != runs.file]
+        others = [f for f in files if f.label != runs.file]
         if others and runs.masses(trials_of(groups_of(others))):
             return runs
     return None
@@ -242,64 +274,20 @@ def _no_plane(seen: Mapping[str, Sequence[Reading]]) -> bool:
     return len(every) == 1 or all(r.thing == "target" for r in every)
 
 
-def _ask_what_no_name_says(drafted: Drafted, named: Mapping[str, Sequence[Reading]]) -> None:
-    """A question at each channel that its column's name does not bear out."""
-    for stream, lines in drafted.lines.items():
-        said = {r.column: (r.thing, r.quantity) for r in named[stream]}
-        for line in lines:
-            if said[line.reading.column] != (line.reading.thing, line.reading.quantity):
-                asked = f"{line.channel} by what it does in a hit, not by its name: is it?"
-                line.question = "; ".join(q for q in (asked, line.question) if q)
-
-
-def _second(group: Group, kind: str, found: Sequence[Reading]) -> str:
-    """Why nothing is left to tell of a second body's or machine's log; "" where it is none."""
-    if kind not in ("body", "platform", "arm") or kind_of({group.name: found}) != kind:
-        return ""
-    like = f" and {len(group.files) - 1} like it" if len(group.files) > 1 else ""
-    return f"{group.files[0].relative}{like}: its channels are another file's already; is it a second machine's log"
-
-
-def _say_who_names(lines: Mapping[str, Sequence[Line]], files: Mapping[str, Found]) -> None:
-    """A remark at each channel whose column a list beside the file names."""
-    for stream, found in lines.items():
-        file = files[stream]
-        for line in found if file.labels else ():
-            label = f"{file.labels[line.reading.index]}, by {file.labelled_by}"
-            line.remark = "; ".join(filter(None, (label, line.remark)))
-
-
-def _unrecognised(group: Group) -> str:
-    """Why a group became no stream."""
-    fault = next((f.fault for f in group.files if f.fault), None)
-    like = f" and {len(group.files) - 1} like it" if len(group.files) > 1 else ""
-    names = ", ".join(group.files[0].table.names()[:12])
-    return fault or f"{group.files[0].relative}{like}: no column was recognised among {names}"
-
-
-def _loose(found: Sequence[Reading], taken: set[str]) -> list[Line]:
-    """Columns that could not be told, kept under names of their own."""
-    lines: list[Line] = []
-    for reading in found[:_MOST_CHANNELS]:
-        plain = reading.plain.channel
-        channel = unused(plain if plain.startswith("aux.") else f"aux.{reading.index}", taken)
-        taken.add(channel)
-        lines.append(Line(reading, channel))
-    return lines
-
-
 def _left(found: Sequence[Reading], lines: Sequence[Line]) -> list[str]:
     used = {line.reading.column for line in lines} | {c for line in lines for c in line.plus}
     left = [r.column for r in found if r.column not in used]
     return [*left[:24], *([f"and {len(left) - 24} more"] if len(left) > 24 else [])]
 
 
-def _settings(group: Group, own_clock: str | None) -> list[str]:
+def _settings(group: Group, own_clock: str | None, *, events: bool) -> list[str]:
     """Format, times, clock and missing readings of a stream."""
     file = group.leanest
     lines = [] if file.format in ("csv", "text") else [f"format = {toml(file.format)}"]
     clock = file.clock
-    if file.times is not None:
+    if events:
+        lines.append('kind = "events"')
+    elif file.times is not None:
         lines.append(f"time = {toml(file.times[1])}   # of the file that each trial names")
     elif clock is None and file.rate is not None:
         beside = "by the clock beside it" if file.variable else "as it says above its table"

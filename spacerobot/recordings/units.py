@@ -43,6 +43,7 @@ _TABLE: dict[str, dict[str, float]] = {
     "length": {
         "m": 1.0,
         "km": 1e3,
+        "dm": 1e-1,
         "cm": 1e-2,
         "mm": 1e-3,
         "um": 1e-6,
@@ -82,8 +83,12 @@ _TABLE: dict[str, dict[str, float]] = {
     "force": {
         "N": 1.0,
         "mN": 1e-3,
+        "cN": 1e-2,
+        "daN": 10.0,
         "kN": 1e3,
+        "MN": 1e6,
         "kgf": _GRAVITY,
+        "kp": _GRAVITY,
         "gf": 1e-3 * _GRAVITY,
         "lbf": _POUND * _GRAVITY,
         "ozf": _POUND * _GRAVITY / 16,

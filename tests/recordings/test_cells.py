@@ -36,7 +36,8 @@ def test_each_matrix_of_a_cell_array_is_a_trial_at_the_rate_of_its_clock(tmp_pat
     savemat(tmp_path / "swing.mat", {**clocks, "Y_a": _cells(*train), "Y_b": _cells(*check), "dt": 0.005})
     made = draft(tmp_path, None)
     assert len(made.trials) == 5
-    assert "position" not in made.text(), "a letter of its own says no more than that this is some output"
+    asked = made.text().count("by what it does, not by its name: is it?")
+    assert asked == 2, "a letter of its own says no more than that this is some output"
     (tmp_path / "study.toml").write_text(made.text(), encoding="utf-8")
     study = load_study(tmp_path)
     for trial, wanted in zip(study.trials, [*train, *check], strict=True):

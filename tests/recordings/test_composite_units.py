@@ -17,18 +17,20 @@ BASES = {
     "rad": 1.0, "deg": math.pi / 180, "°": math.pi / 180, "rev": 2 * math.pi, "turn": 2 * math.pi,
     "g": 1e-3, "t": 1e3, "lb": 0.45359237, "oz": 0.45359237 / 16,
     # named ones
-    "N": 1.0, "gf": 1e-3 * GRAVITY, "lbf": 0.45359237 * GRAVITY, "ozf": 0.45359237 / 16 * GRAVITY, "g0": GRAVITY,
+    "N": 1.0, "gf": 1e-3 * GRAVITY, "kp": GRAVITY, "lbf": 0.45359237 * GRAVITY, "ozf": 0.45359237 / 16 * GRAVITY,
+    "g0": GRAVITY,
     "V": 1.0, "A": 1.0, "rpm": 2 * math.pi / 60, "Hz": 2 * math.pi, "1": 1.0, "-": 1.0, "%": 0.01,
 }  # fmt: skip
-PREFIXES = {"n": 1e-9, "u": 1e-6, "µ": 1e-6, "m": 1e-3, "c": 1e-2, "k": 1e3}
+PREFIXES = {"n": 1e-9, "u": 1e-6, "µ": 1e-6, "m": 1e-3, "c": 1e-2, "d": 0.1, "da": 10.0, "k": 1e3, "M": 1e6}
 
 
 def simple(name: str) -> float | None:
     """A base, with a prefix or without."""
     if name in BASES:
         return BASES[name]
-    if name[:1] in PREFIXES and name[1:] in BASES:
-        return PREFIXES[name[0]] * BASES[name[1:]]
+    for prefix, factor in PREFIXES.items():
+        if name.startswith(prefix) and name.removeprefix(prefix) in BASES:
+            return factor * BASES[name.removeprefix(prefix)]
     return None
 
 

@@ -170,6 +170,9 @@ def test_a_channel_s_own_unit_is_looked_up() -> None:
     channels = {"joint.axis.torque": {"unit": "N m", "stream": "drive"}}
     drive, force = with_own_units(verdict, channels)["detectable"]
     assert (drive["unit"], force["unit"]) == ("N m", "N")
+    pushed = {"effect": "bias", "where": "command", "parameters": {"value": {"value": 0.1, "unit": "channel unit"}}}
+    (part,) = with_own_units({**verdict, "parts": [{"part": "body", "effects": [pushed]}]}, {})["parts"]
+    assert part["effects"][0]["parameters"]["value"]["unit"] == "N"
     assert "channel" not in quantity(0.2, with_own_units(verdict, {})["detectable"][0]["unit"])
 
 

@@ -218,6 +218,10 @@ class Machine(ABC):
         other.met = {trial: tuple(some) for trial, some in met.items()}
         return other
 
+    def contradiction(self) -> tuple[str, str]:
+        """How its recordings contradict each other whatever the values are, and what would mend it; "" if not."""
+        return "", ""
+
     def steady(self, trial: TrialData, start: float, end: float) -> bool:
         """Whether what drives it did not change between two moments [s]; so where nothing does."""
         return True

@@ -36,6 +36,13 @@ HALF = 0.5
 """Restitution to begin with where it is not stated."""
 
 
+OUTSIDE = 0.1
+"""Share of what changes in impacts that may lie beside every impulse: velocities are good to some percent."""
+
+MUCH = 4.0
+"""How many times less a turned sign must leave to be the right one."""
+
+
 class Impacts(Machine):
     """Velocities after planar impacts, from those before and the contact's geometry."""
 
@@ -73,6 +80,28 @@ class Impacts(Machine):
         sigma = {n: s for n, s in study.sigma.items() if n in self.base}
         self.believed = Believed(self.base, sigma, {}, conditions_of(cut), unknown)
 
+    def contradiction(self) -> tuple[str, str]:
+        """Whether impulses along the rows account for what changes far better with a yaw counted the other way."""
+        masses = [self.base[f"body.{n}"] for n in ("mass", "mass", "yaw_inertia")]
+        inverse = np.sqrt(1.0 / np.array(masses))[:, None]
+        blocks = [[np.where(b.weight[0] > 0.0, b.value[0], np.nan) for b in t.blocks] for t in self.trials]
+        rows = [[np.array([self._rows[t.id][c] for c in n]) for n in (BEFORE, NORMAL, TANGENT)] for t in self.trials]
+        before, normal, tangent = (np.concatenate(own, axis=1) for own in zip(*rows, strict=True))
+        change = (np.concatenate(blocks, axis=1) - before) / inverse
+        normal, tangent = inverse * normal, inverse * tangent
+        turned = np.array([[1.0], [1.0], [-1.0]])
+        left = _outside(change, normal, tangent)
+        ways = {
+            "aux.tangent_yaw": _outside(change, normal, turned * tangent),
+            "aux.normal_yaw": _outside(change, turned * normal, tangent),
+            "body.velocity.yaw, before and after": _outside(turned * change, normal, tangent),
+        }
+        best = min(ways, key=lambda name: ways[name])
+        if not left > max(OUTSIDE, MUCH * ways[best]):
+            return "", ""
+        shares = f"{left:.1%} of what changes is left, {ways[best]:.1%} with {best} turned round"
+        return f"no impulses along aux.normal and aux.tangent make these impacts: {shares}", f"scale = -1.0 at {best}"
+
     def sites(self, effects: Iterable[Effect] | None = None) -> list[Site]:
         """Those that an impulse shows."""
         return [s for s in super().sites(effects) if s.effect.instant]
@@ -107,6 +136,16 @@ class Impacts(Machine):
             maps = tuple(m for m in mechanism.maps if m.channel == channel)
             out.append(through_sensor(maps, after[k], 1.0)[None])
         return Predicted(tuple(out))
+
+
+def _outside(change: np.ndarray, normal: np.ndarray, tangent: np.ndarray) -> float:
+    """Share of the changes that no impulses along the rows make, all (3, T) in roots of energy; 0 without any."""
+    across = np.cross(normal, tangent, axis=0)
+    size = np.linalg.norm(across, axis=0)
+    told = np.isfinite(size) & (size > 0.0) & np.isfinite(change).all(axis=0)
+    whole = float(np.sum(change[:, told] ** 2))
+    beside = float(np.sum(np.sum(change * across, axis=0)[told] ** 2 / size[told] ** 2))
+    return float(np.sqrt(beside / whole)) if whole > 0.0 else 0.0
 
 
 def _impulse(

@@ -97,7 +97,7 @@ def moving(study: Study) -> None:
 
 
 def of_model(study: Study, model: Machine) -> Iterator[InputError]:
-    """Why a machine's model cannot be fitted and tried: but one piece of data, a channel that has no weight."""
+    """Why a machine's model cannot be fitted and tried: one piece of data, no weight, a sign against all others."""
     from spacerobot.diagnosis.selection.held_out import folds
 
     for piece in model.trials:
@@ -110,6 +110,9 @@ def of_model(study: Study, model: Machine) -> Iterator[InputError]:
                     valid = f"its sigma in [streams.{block.stream if series is None else series.stream}]"
                     yield InputError(what, valid=valid, where=trial.where or str(study.path))
                     return
+    what, mended = model.contradiction()
+    if what:
+        yield InputError(what, valid=mended, where=str(study.path))
     if len(folds(model.trials)) < 2:
         trial = study.trial(model.trials[0].recorded)
         what = f"{model.name} was recorded once, in one piece: nothing is left to try a fit on"

@@ -165,6 +165,8 @@ def contact_zero(target: Track, wrist: Track, wrist_rest: Rest, sign: int) -> tu
         if kept.all():
             break
         x, y = x[kept], y[kept]
+    if len(x) < FEWEST:
+        return None
     covariance = np.linalg.inv(np.array([[x @ x, x.sum()], [x.sum(), len(x)]]))
     scatter = float(np.std(y - slope * x - zero, ddof=2))
     return sign * float(zero), scatter * float(np.sqrt(covariance[1, 1]))

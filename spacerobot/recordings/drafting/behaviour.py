@@ -14,8 +14,10 @@ import numpy as np
 from spacerobot.recordings.drafting.approach import CLEAR, Rest, Track, drift, rest
 from spacerobot.recordings.drafting.columns import Reading
 from spacerobot.recordings.drafting.groups import Trial
+from spacerobot.recordings.drafting.shapes import in_steps, turn_of
 from spacerobot.recordings.drafting.tracks import track
 from spacerobot.recordings.series import estimate_noise
+from spacerobot.recordings.units import UNITS
 
 FEW = 4
 """Trials that are looked at; a thing is told where it is told alike in most of them."""
@@ -62,26 +64,35 @@ def by_behaviour(
 
 def _roles(readings: Mapping[str, Sequence[Reading]], trial: Trial) -> dict[tuple[str, str], Role]:
     """(stream, column) -> its role in one trial."""
-    moving: dict[tuple[str, str], tuple[float, Track]] = {}
+    moving: dict[tuple[str, str], tuple[tuple[bool, float], Track]] = {}
     pushed: dict[tuple[str, str], tuple[Track, Rest]] = {}
+    metres: dict[tuple[str, str], float] = {}
     for stream, found in readings.items():
         for reading in found if stream in trial.files else ():
             own = track(trial.files[stream], reading.column)
             if reading.command or reading.thing not in ("", "target") or own is None:
                 continue
+            if in_steps(own.value) or turn_of(own.value):
+                continue  # a status, or an angle that starts anew
+            if reading.unit and UNITS[reading.unit].dimension == "length":
+                metres[stream, reading.column] = UNITS[reading.unit].factor
             if reading.thing:
-                moving[stream, reading.column] = np.inf, own
+                if reading.quantity == "position":
+                    moving[stream, reading.column] = (True, _turned_back(own)), own
                 continue
             still = rest(own)
             if still is not None and still.leaves is not None and _strength(own, still) > 2 * CLEAR:
                 pushed[stream, reading.column] = own, still
             elif still is None and (bent := _turned_back(own)) > 0.0:
-                moving[stream, reading.column] = bent, own
+                moving[stream, reading.column] = (False, bent), own
     if not moving or not pushed:
         return {}
     place = max(moving, key=lambda p: moving[p][0])
     target = moving[place][1]
-    further = {p: _share(target, own, still) for p, (own, still) in pushed.items()}
+    same = metres.get(place, 1.0)
+    further = {  # what states no unit is taken to be in the target's
+        p: _share(target, own, still) * same / metres.get(p, same) for p, (own, still) in pushed.items()
+    }
     slider = min(further, key=lambda p: abs(further[p] - 1.0))
     out = {place: "target"}
     if abs(further[slider] - 1.0) < ALIKE:

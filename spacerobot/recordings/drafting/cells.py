@@ -26,6 +26,8 @@ _IN_MATRIX = re.compile(r"(?P<matrix>[^\W\d_]{2,}[^\W\d]*\d+)\[\d+\]")
 
 def trials_in(file: Found) -> list[Found]:
     """The file's trials as files of their own, where it holds several that are alike; else the file."""
+    if file.variable is not None:
+        return [file]
     return _structs(file) or _cells(file) or _matrices(file) or [file]
 
 

@@ -22,6 +22,9 @@ _NUMBERED = re.compile(
 )
 """A line that gives a number a name: "0,Univ_Time", "| 3 | x [mm] |", "2) target position [mm]"."""
 
+_SOME = re.compile(r"columns?\b", re.I)
+"""What a list that names only some columns is called; any lines with numbers may look like one."""
+
 _IN_ARRAY = re.compile(r"(.+)\[(\d+)\]")
 
 
@@ -31,11 +34,13 @@ class ColumnList:
 
     Attributes:
         file: that says them, relative to the folder.
-        names: one for each column.
+        names: one for each column, "" for those that it leaves out.
+        whole: whether it names all; else it may be of any file that has as many.
     """
 
     file: str
     names: tuple[str, ...]
+    whole: bool = True
 
 
 def column_lists(folder: Path) -> list[ColumnList]:
@@ -48,8 +53,20 @@ def column_lists(folder: Path) -> list[ColumnList]:
             lines = read_lines(path)
         except InputError:
             continue
-        found += [ColumnList(str(path.relative_to(folder)), names) for names in _runs(lines)]
+        file = str(path.relative_to(folder))
+        runs = [ColumnList(file, names) for names in _runs(lines)]
+        some = _some(lines) if not runs and _SOME.match(path.name) else ()
+        found += [ColumnList(file, some, whole=False)] if some else runs
     return found
+
+
+def _some(lines: Sequence[str]) -> tuple[str, ...]:
+    """The names of lines that are numbered from 0 with gaps; none where a line is not, but for the first."""
+    said = [_NUMBERED.fullmatch(line) for line in lines if line.strip()]
+    named = {int(match[1]): match[2] for match in said if match}
+    if not named or None in said[1:] or len(set(named.values())) < len(named):
+        return ()
+    return tuple(named.get(n, "") for n in range(max(named) + 1))
 
 
 def _runs(lines: Sequence[str]) -> list[tuple[str, ...]]:
@@ -72,9 +89,9 @@ def _runs(lines: Sequence[str]) -> list[tuple[str, ...]]:
 
 
 def with_lists(files: Sequence[Found], lists: Sequence[ColumnList]) -> list[Found]:
-    """The files but for the lists; columns without names carry those of the one list that is as long."""
+    """The files but for the lists; columns without names carry those of the one list that is as long, or of some."""
     named = [_labelled(file, lists) for file in files]
-    used = {file.labelled_by for file in named}
+    used = {file.labelled_by for file in named} | {names.file for names in lists if not names.whole}
     return [file for file in named if file.relative not in used]
 
 
@@ -88,9 +105,10 @@ def _labelled(file: Found, lists: Sequence[ColumnList]) -> Found:
             if column.names and (inside := _IN_ARRAY.fullmatch(column.names[0])):
                 places.setdefault(inside[1], []).append(j)
     for own in places.values():
-        fitting = {names.names: names for names in lists if len(names.names) == len(own)}
+        whole = {names.names: names for names in lists if names.whole and len(names.names) == len(own)}
+        fitting = whole or {names.names: names for names in lists if not names.whole and len(names.names) <= len(own)}
         if len(fitting) == 1:
             said = next(iter(fitting.values()))
-            labels = dict(zip(own, said.names, strict=True))
+            labels = dict(zip(own, said.names, strict=False))
             return replace(file, labels=tuple(labels.get(j, "") for j in range(len(columns))), labelled_by=said.file)
     return file

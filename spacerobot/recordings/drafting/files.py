@@ -5,12 +5,13 @@ from __future__ import annotations
 import functools
 import re
 from dataclasses import dataclass, replace
+from fnmatch import fnmatch
 from pathlib import Path, PurePath
 
 import numpy as np
 
 from spacerobot.recordings.drafting.masses import above_table, scalars, with_masses
-from spacerobot.recordings.drafting.names import ENDINGS, Named, named
+from spacerobot.recordings.drafting.names import ENDINGS, Named, named, without_ending
 from spacerobot.recordings.drafting.stated_rate import stated_rate
 from spacerobot.recordings.guess import find_time
 from spacerobot.recordings.readers import read_table, reader_for
@@ -19,6 +20,9 @@ from spacerobot.recordings.table import Floats, Options, RawTable
 from spacerobot.support.errors import InputError
 
 MOST_FILES = 2000
+
+MOST_PARTS = 100
+"""Sheets or topics of one file that are read."""
 
 FAR = 5.0
 """How many spans, and sizes, of all other readings away what stands for none is: no sensor jumps so, and back."""
@@ -40,8 +44,9 @@ class Found:
         usable: indices of the columns that hold numbers a sensor may have given.
         named: what its name says.
         missing: readings that stand for none: the same again and again, far from all others.
+        lost: columns that read exactly 0 where a tracker had lost what it follows.
         fault: what is wrong with some cell of a usable column, None where nothing is.
-        variable: the one array of a file of several trials that this is, None for a file that is one.
+        variable: the one array, sheet or topic of a file of several that this is, None for a file that is one.
         rate: readings a second of a file or array without a clock of its own [Hz], None where nothing says it.
         times: the file that holds its times alone, their column and these [s]; None where it has none.
         labels: what a list beside the file calls its columns, "" where it says nothing of one; none without a list.
@@ -60,6 +65,12 @@ class Found:
     times: tuple[str, str, Floats] | None = None
     labels: tuple[str, ...] = ()
     labelled_by: str = ""
+    lost: frozenset[int] = frozenset()
+
+    @property
+    def label(self) -> str:
+        """The file, and which part of it."""
+        return self.relative if self.variable is None else f"{self.relative}, {self.variable}"
 
     @functools.cached_property
     def clock(self) -> int | None:
@@ -84,15 +95,24 @@ class Found:
         return tuple(c.names[0] if c.names else "" for c in self.table.columns)
 
 
-def recordings_in(folder: Path) -> tuple[list[Found], list[str]]:
+def recordings_in(folder: Path, pattern: str = "*") -> tuple[list[Found], list[str]]:
     """The recordings beneath `folder`, and remarks on files that cannot be read.
 
+    Args:
+        folder: that holds them.
+        pattern: of their names, or of their paths relative to the folder.
+
     Raises:
-        InputError: no such folder, or too many files in it.
+        InputError: no such folder, none of such a name in it, or too many.
     """
     if not folder.is_dir():
         raise InputError("no such folder", given=str(folder))
     files = sorted(p for p in folder.rglob("*") if _considered(p, folder))
+    every = files
+    files = [p for p in files if fnmatch(p.name, pattern) or fnmatch(str(p.relative_to(folder)), pattern)]
+    if every and not files:
+        names = ", ".join(str(p.relative_to(folder)) for p in every[:12])
+        raise InputError("no file of the folder has such a name", given=pattern, valid=names)
     if len(files) > MOST_FILES:
         raise InputError("the folder holds too many files", given=len(files), valid=f"at most {MOST_FILES}")
     found: list[Found] = []
@@ -100,9 +120,16 @@ def recordings_in(folder: Path) -> tuple[list[Found], list[str]]:
     for path in files:
         relative = path.relative_to(folder)
         try:
-            found.append(_read(path, relative))
+            parts = reader_for(path).parts(path)
         except InputError as error:
             refused.append(str(error).replace(str(path), str(relative)))
+            continue
+        for part in parts[:MOST_PARTS] if len(parts) > 1 else (None,):
+            try:
+                found.append(_read(path, relative, part))
+            except InputError as error:
+                inside = f" ({part})" if part else ""
+                refused.append(str(error).replace(str(path), f"{relative}{inside}"))
     return found, refused
 
 
@@ -112,8 +139,8 @@ def robots_in(folder: Path) -> list[Path]:
     return [p.relative_to(folder) for p in files if _writable(p)]
 
 
-def _read(path: Path, relative: PurePath) -> Found:
-    table = read_table(path, Options(wanted=frozenset()))
+def _read(path: Path, relative: PurePath, part: str | None) -> Found:
+    table = read_table(path, Options(variable=part, wanted=frozenset()))
     usable = tuple(
         j
         for j, column in enumerate(table.columns)
@@ -125,20 +152,22 @@ def _read(path: Path, relative: PurePath) -> Found:
         raise InputError("too short for a recording", valid=f"at least {SHORTEST} rows", where=str(path))
     fault = None
     try:
-        read_table(path, Options(wanted=frozenset(map(str, usable))))
+        read_table(path, Options(variable=part, wanted=frozenset(map(str, usable))))
     except InputError as error:
         fault = str(error).replace(str(path), str(relative))
     stands_for_none = {j: value for j in usable if (value := sentinel(table.columns[j].values)) is not None}
+    lost = frozenset(j for j in usable if j not in stands_for_none and is_lost_at_zero(table.columns[j].values))
     columns = list(table.columns)
-    for j, value in stands_for_none.items():
+    for j, value in [*stands_for_none.items(), *((j, 0.0) for j in lost)]:
         columns[j] = replace(columns[j], values=np.where(columns[j].values == value, np.nan, columns[j].values))
     missing = tuple(sorted(set(stands_for_none.values())))
     table = replace(table, columns=tuple(columns))
     form = reader_for(path).name
     masses = scalars(table) + (above_table(path) if form in ("csv", "text") else [])
-    said = with_masses(named(relative), masses)
+    name = relative if part is None else relative.with_name(f"{without_ending(relative.name)}_{part.replace('/', '_')}")
+    said = with_masses(named(name), masses)
     rate = stated_rate(path) if form in ("csv", "text") else None
-    return Found(str(relative), form, table, usable, said, missing, fault, rate=rate)
+    return Found(str(relative), form, table, usable, said, missing, fault, variable=part, rate=rate, lost=lost)
 
 
 def sentinel(values: Floats) -> float | None:
@@ -152,6 +181,23 @@ def sentinel(values: Floats) -> float | None:
         if max(low - value, value - high) > FAR * max(high - low, abs(low), abs(high)) > 0.0:
             return float(value)
     return None
+
+
+def is_lost_at_zero(values: Floats) -> bool:
+    """Whether a column jumps to or from exactly 0 where all else that it reads is on one side, and far from it.
+
+    A tracker's position does where it has lost its body, or has not begun: further than FAR times its largest step. A
+    force that rests at 0 comes back to it, or passes it.
+    """
+    zero = values == 0.0
+    steps = np.abs(np.diff(values))
+    jumps, inside = steps[zero[1:] != zero[:-1]], steps[~zero[1:] & ~zero[:-1]]
+    inside = inside[np.isfinite(inside)]
+    if zero.sum() < 2 or len(inside) < 2 or not len(jumps) or not np.isfinite(jumps).all():
+        return False
+    nearest = float(np.nanmin(np.abs(values[~zero])))
+    aside = np.nanmin(values[~zero]) > 0.0 or np.nanmax(values[~zero]) < 0.0
+    return bool(aside and min(nearest, jumps.min()) > FAR * inside.max() > 0.0)
 
 
 def _considered(path: Path, folder: Path) -> bool:

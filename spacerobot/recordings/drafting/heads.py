@@ -54,6 +54,12 @@ gravity = [0, 0, -9.80665] # across a level table; turn it where another axis po
 [baseline.body]
 # mass =                   # kg
 # yaw_inertia =            # kg m2, or inertia = [x, y, z]
+# restitution =            # where it hits something: speed after over speed before
+
+# How well you know them: one standard deviation, relative.
+[baseline.sigma]
+# body.mass =
+# body.yaw_inertia =
 """
 
 _AXIS = """[baseline]                 # one driven axis
@@ -65,6 +71,7 @@ gravity = [0, 0, 0]
 [baseline.joint.axis]
 mass = "unknown"           # kg, or kg m2 where it turns; state what you know
 damping = 0.0              # N s/m, or N m s/rad
+# stiffness =              # N/m, or N m/rad: of a spring that holds it where it reads 0
 """
 
 _PENDULUM = """[baseline]                 # a pendulum that swings freely
@@ -76,9 +83,17 @@ gravity = [0, 0, -9.80665]
 [baseline.joint.axis]
 damping = 0.0              # N m s/rad
 torque = 0                 # nothing drives it
+
+# How well you know them: one standard deviation, relative. The mass of what turns is its inertia; without a line
+# here it counts as exact, and a wrong one as a payload.
+[baseline.sigma]
+# joint.axis.mass =
+# joint.axis.damping =
 """
 
-_UNTOLD = """[baseline]                 # ? which rig is this: no column was recognised
+_UNTOLD = """# No column was recognised. Below, each says what it does and what it could be. Say which rig it is, and
+# the draft has its beliefs: spacerobot study new FOLDER --overwrite --rig wrist, arm, platform, body, axis or pendulum.
+[baseline]                 # ? which rig is this, and which of its channels are the columns
 robot = "pa10_wrist"
 """
 

@@ -25,6 +25,8 @@ class Line:
         sigma: noise in the reading's unit, None where it was not seen.
         use: "output" or "input".
         unwrap: whether an angle jumps by turns.
+        lost: whether exactly 0 is no reading.
+        moment: "before" or "after" an event; "" for a sample.
         remark: for the reader of the draft.
         question: what its author must answer.
     """
@@ -38,6 +40,8 @@ class Line:
     sigma: float | None = None
     use: str = "output"
     unwrap: bool = False
+    lost: bool = False
+    moment: str = ""
     remark: str = ""
     question: str = ""
 
@@ -63,6 +67,10 @@ class Line:
             parts.append(f"use = {toml(self.use)}")
         if self.unwrap:
             parts.append("unwrap = true")
+        if self.lost:
+            parts.append("missing = 0.0")
+        if self.moment:
+            parts.append(f"moment = {toml(self.moment)}")
         tail = f"   # {comment(self.remark)}" if self.remark else ""
         asked = f"   # ? {comment(self.question)}" if self.question else tail
         return f"{toml(self.reading.column)} = {{ {', '.join(parts)} }}{asked}"

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Mapping, Sequence
-
-import numpy as np
 
 from spacerobot.recordings.drafting.columns import Reading
 from spacerobot.recordings.drafting.files import Found
@@ -80,11 +77,8 @@ def draft_machine(
                 # Not stated as sigma: a smooth log may have been filtered, and then its scatter is not its noise.
                 noise = estimate_noise(values)
                 line.remark = f"scatter about {noise:.2g} as read: sigma = ?" if noise > 0 else ""
-            angle = line.channel.endswith(".yaw") and reading.quantity == "position"
-            if angle and float(np.nanmax(np.abs(np.diff(values)))) > math.pi:
-                line.unwrap = True
             found.setdefault(stream, []).append(line)
-    if kind == "axis" and driven and not any(x.use == "input" for lines in found.values() for x in lines):
+    if kind == "axis" and driven and found and not any(x.use == "input" for lines in found.values() for x in lines):
         first = next(iter(found.values()))[0]
         first.question = 'which column drives the axis: joint.axis.torque or .voltage, with use = "input"'
     return {stream: sorted(lines, key=lambda x: x.reading.index) for stream, lines in found.items()}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -62,22 +63,26 @@ class Swing:
     error: float
 
 
-def swing_of(readings: Mapping[str, Sequence[Reading]], trials: Sequence[Trial]) -> tuple[str, Swing] | None:
+def swing_of(
+    readings: Mapping[str, Sequence[Reading]], trials: Sequence[Trial], named: Mapping[str, Sequence[Reading]]
+) -> tuple[str, Swing] | None:
     """The stream of the one angle that is measured and its swing; None where something drives it, or it does not swing.
 
     Args:
         readings: stream -> what its columns seem to be.
         trials: the trials.
+        named: stream -> what their names alone say; a column of which they say nothing may be an angle [rad].
     """
     every = [(stream, r) for stream, found in readings.items() for r in found if r.quantity]
     angles = [(s, r) for s, r in every if r.quantity == "position" and not r.command]
     if len(angles) != 1 or any(r.quantity not in ("position", "velocity") or r.command for _, r in every):
         return None
     stream, reading = angles[0]
-    if not (reading.unit and UNITS[reading.unit].dimension == "angle"):
+    silent = any(r.column == reading.column and not r.quantity for r in named[stream]) and reading.unit is None
+    if not (silent or (reading.unit and UNITS[reading.unit].dimension == "angle")):
         return None
     seen = [t for trial in trials if stream in trial.files and (t := track(trial.files[stream], reading.column))]
-    tracks = [Track(t.time, UNITS[reading.unit].factor * t.value) for t in seen]
+    tracks = [Track(t.time, UNITS[reading.unit or "rad"].factor * t.value) for t in seen]
     found = [s for s in map(swing, tracks) if s is not None]
     if not found or 2 * len(found) < len(tracks):
         return None
@@ -107,7 +112,10 @@ def swing(own: Track) -> Swing | None:
 def hang(line: Line, swing: Swing) -> None:
     """Take the reading at rest off, where it is certain to be none: 0 is hanging."""
     if abs(swing.middle) > CERTAIN * swing.error:
-        line.offset = -float(f"{swing.middle / UNITS[line.reading.unit or 'rad'].factor:.4g}")
+        upright = math.copysign(math.pi, swing.middle)  # counted from there, it hangs half a turn away exactly
+        exact = abs(swing.middle - upright) < CERTAIN * swing.error
+        middle = (upright if exact else swing.middle) / UNITS[line.reading.unit or "rad"].factor
+        line.offset = -float(f"{middle:.10g}" if exact else f"{middle:.4g}")
         line.remark = "; ".join(r for r in (line.remark, "0 where it hangs") if r)
 
 

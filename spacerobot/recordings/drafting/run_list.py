@@ -34,7 +34,7 @@ class RunList:
     """A table with a row for each run.
 
     Attributes:
-        file: relative to the folder.
+        file: relative to the folder, with the sheet of a workbook of several.
         rows: cells of each row by column.
         mass: the column with the target's mass.
         factor: kg per one of its unit.
@@ -93,7 +93,7 @@ def sheet_list(file: Found) -> RunList | None:
         return None
     head = file.table.names()
     rows = [[f"{v:g}" for v in row] for row in np.transpose([c.values for c in file.table.columns])]
-    return _made(file.relative, head, rows, comma=False)
+    return _made(file.label, head, rows, comma=False)
 
 
 def _heading(head: bytes) -> bool:

@@ -22,6 +22,11 @@ def clock(file: Found) -> Floats | None:
     return column.values * UNITS[unsaid_unit(column) or time_unit(column)].factor
 
 
+def timed(file: Found) -> bool:
+    """Whether the file's times are known: by its clock, or by a rate that is stated."""
+    return file.times is not None or file.clock is not None or file.rate is not None
+
+
 def span(file: Found) -> tuple[float, float] | None:
     """When the file begins and ends by its own clock, s."""
     time = clock(file)
@@ -46,7 +51,7 @@ def track(file: Found, column: str, readings: Floats | None = None) -> Track | N
     time = clock(file)
     value = values(file, column) if readings is None else readings
     if time is None:
-        time = np.arange(len(value)) / UNTIMED
+        time = np.arange(len(value)) / (file.rate or UNTIMED)
     if len(value) != len(time):
         return None
     good = np.isfinite(time) & np.isfinite(value)

@@ -56,7 +56,7 @@ NOT_READINGS = words(
 )
 """Words of counters, statuses and errors."""
 
-STAMPS = words("stamp stamps timestamp timestamps secs nsecs nanosecs seq header")
+STAMPS = words("stamp stamps timestamp timestamps sec secs nsec nsecs nanosec nanosecs seq header")
 """Last words of the columns that a logger adds to each message: when it was sent, and its number."""
 
 TURN = words("rotation rot quat quaternion orientation qx qy qz qw")

@@ -35,12 +35,29 @@ class BagReader(Reader):
         """The marks of the three containers, or a ROS 2 bag's folder."""
         return head.startswith(_MARKS) or (path.is_dir() and (path / "metadata.yaml").is_file())
 
+    def parts(self, path: Path) -> tuple[str, ...]:
+        """The topics."""
+        return sandboxed_arrays(_whole(path), "bag:parts")[1]
+
     def read(self, path: Path, options: Options) -> RawTable:
         """The fields of topic `options.variable`, or of the only topic; parsed in a child process."""
-        if path.is_file() and path.suffix == ".db3" and (path.parent / "metadata.yaml").is_file():
-            path = path.parent
-        arrays, notes = sandboxed_arrays(path, self.name, options.variable)
+        arrays, notes = sandboxed_arrays(_whole(path), self.name, options.variable)
         return arrays_to_table(path, arrays, dataclasses.replace(options, variable=None), notes)
+
+
+def _whole(path: Path) -> Path:
+    """The folder of a ROS 2 bag for a file in it."""
+    inside = path.is_file() and path.suffix == ".db3" and (path.parent / "metadata.yaml").is_file()
+    return path.parent if inside else path
+
+
+def topics(path: Path) -> list[str]:
+    """The bag's topics. Runs in the child process."""
+    from rosbags.highlevel import AnyReader
+    from rosbags.typesys import Stores, get_typestore
+
+    with AnyReader([path], default_typestore=get_typestore(Stores.LATEST)) as reader:
+        return sorted(reader.topics)
 
 
 def bag_arrays(path: Path, topic: str | None) -> tuple[dict[str, Floats], list[str]]:

@@ -28,6 +28,16 @@ class Reader(ABC):
     suffixes: ClassVar[tuple[str, ...]] = ()
     """File name endings, lower case, that suggest this reader."""
 
+    def parts(self, path: Path) -> tuple[str, ...]:
+        """The tables among which `Options.variable` chooses where the file holds several that `read` does not join.
+
+        Empty for a file that is one table.
+
+        Raises:
+            InputError: the file cannot be read as this kind.
+        """
+        return ()
+
     @abstractmethod
     def claims(self, path: Path, head: bytes) -> bool:
         """Whether the first bytes (decompressed) say that the file is of this kind."""

@@ -10,17 +10,24 @@ from pathlib import Path
 from typing import IO
 
 from spacerobot.recordings.readers import limits
-from spacerobot.recordings.readers.bag import bag_arrays
+from spacerobot.recordings.readers.bag import bag_arrays, topics
 from spacerobot.recordings.readers.hdf5 import hdf5_arrays
 from spacerobot.recordings.readers.mat import mat_arrays
-from spacerobot.recordings.readers.xlsx import xlsx_arrays
+from spacerobot.recordings.readers.xlsx import sheets, xlsx_arrays
 from spacerobot.recordings.table import Floats
 from spacerobot.support.errors import InputError
 
+_PARTS = {"bag:parts": topics, "xlsx:parts": sheets}
+
 
 def answer(request: dict[str, str | None]) -> tuple[dict[str, Floats], list[str]]:
-    """The arrays of the file that the request names, never more than `limits.ARRAY_VALUES` numbers."""
+    """The arrays of the file that the request names, never more than `limits.ARRAY_VALUES` numbers.
+
+    Of a request for its parts: no arrays, and their names for remarks.
+    """
     path, variable = Path(str(request["path"])), request["variable"]
+    if request["format"] in _PARTS:
+        return {}, _PARTS[request["format"]](path)
     if request["format"] == "bag":
         arrays, notes = bag_arrays(path, variable)
     elif request["format"] == "xlsx":

@@ -29,7 +29,7 @@ def sandboxed_arrays(path: Path, format: str, variable: str | None = None) -> tu
 
     Args:
         path: the file, or folder for a ROS 2 bag.
-        format: "mat", "hdf5", "xlsx" or "bag".
+        format: "mat", "hdf5", "xlsx" or "bag"; "xlsx:parts" or "bag:parts" for the names of its tables as remarks.
         variable: topic of a bag, sheet of a workbook; None for all arrays.
 
     Returns:

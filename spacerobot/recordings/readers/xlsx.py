@@ -36,6 +36,10 @@ class XlsxReader(Reader):
         """A zip archive with the right name."""
         return path.suffix.lower() in self.suffixes and head.startswith(b"PK")
 
+    def parts(self, path: Path) -> tuple[str, ...]:
+        """The sheets."""
+        return sandboxed_arrays(path, "xlsx:parts")[1]
+
     def read(self, path: Path, options: Options) -> RawTable:
         """The sheet's columns; parsed in a child process."""
         arrays, notes = sandboxed_arrays(path, self.name, options.variable)
@@ -51,6 +55,13 @@ class XlsxReader(Reader):
         if not columns or not len(columns[0].values):
             raise InputError("the sheet has no rows of numbers", where=str(path))
         return RawTable(path, tuple(columns), None, notes, tuple(above))
+
+
+def sheets(path: Path) -> list[str]:
+    """The workbook's sheets of cells. Runs in the child process."""
+    from openpyxl import load_workbook
+
+    return [s.title for s in load_workbook(path, read_only=True, data_only=True, keep_links=False).worksheets]
 
 
 def xlsx_arrays(path: Path, sheet: str | None) -> tuple[dict[str, Floats], list[str]]:

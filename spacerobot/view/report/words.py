@@ -255,7 +255,7 @@ def with_own_units(verdict: Mapping[str, Any], channels: Mapping[str, Mapping[st
 
     def unit(where: str) -> str:
         here = {str(c.get("unit") or "") for c in channels.values() if c.get("stream") == where}
-        kinds = {"force_sensor": "N", "mocap": "m"}
+        kinds = {"force_sensor": "N", "mocap": "m", "command": "N"}
         return kinds.get(where) or (here.pop() if len(here) == 1 else "")
 
     def own(item: Mapping[str, Any], where: str) -> dict[str, Any]:
@@ -267,8 +267,10 @@ def with_own_units(verdict: Mapping[str, Any], channels: Mapping[str, Mapping[st
             out["parameters"] = {k: own(p, where) if isinstance(p, Mapping) else p for k, p in values}
         return out
 
+    parts = [{**p, "effects": [own(e, str(e["where"])) for e in p["effects"]]} for p in verdict.get("parts") or ()]
     return {
         **verdict,
+        **({"parts": parts} if "parts" in verdict else {}),
         "effects": [own(e, str(e["where"])) for e in verdict["effects"]],
         "detectable": [own(d, str(d["where"])) for d in verdict["detectable"]],
         "alternatives": [
