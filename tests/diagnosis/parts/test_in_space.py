@@ -127,6 +127,7 @@ def bounced(tmp_path: Path) -> Path:
     return tmp_path / "bounced"
 
 
+@pytest.mark.slow
 def test_a_floor_is_met_and_no_physics_is_missing_in_between(bounced: Path) -> None:
     verdict = diagnose(bouncing(bounced, 0.75), jobs=1).verdict
     assert verdict["verdict"] == "nothing_missing"
