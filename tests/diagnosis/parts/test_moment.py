@@ -12,11 +12,17 @@ from spacerobot.recordings.study import Study, load_study
 
 MASS, STEP, FINE = 2.0, 0.01, 20
 
-URDF = f"""<?xml version="1.0"?>
-<robot name="axis"><link name="rail"><inertial><mass value="10"/>
-<inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link><link name="carriage"><inertial><mass value="{MASS}"/><inertia ixx="0.02" ixy="0" ixz="0"
-iyy="0.02" iyz="0" izz="0.02"/></inertial></link><joint name="j" type="prismatic"><parent link="rail"/>
-<child link="carriage"/><axis xyz="1 0 0"/><limit lower="-10" upper="10" effort="1e4" velocity="100"/></joint></robot>"""
+
+def _link(name: str, mass: float) -> str:
+    inertia = '<inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/>'
+    return f'<link name="{name}"><inertial><mass value="{mass}"/>{inertia}</inertial></link>'
+
+
+URDF = (
+    f'<?xml version="1.0"?>\n<robot name="axis">{_link("rail", 10.0)}{_link("carriage", MASS)}'
+    '<joint name="j" type="prismatic"><parent link="rail"/><child link="carriage"/><axis xyz="1 0 0"/>'
+    '<limit lower="-10" upper="10" effort="1e4" velocity="100"/></joint></robot>'
+)
 
 HEAD = """format = 1
 title = "Axis"
