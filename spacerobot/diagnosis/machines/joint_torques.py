@@ -50,12 +50,9 @@ SILENT = 0.1
 """A torque that varies by less than this share of what its own weight and inertia ask for is not what moved the joint:
 friction adds to it, nothing that a body can be takes nine tenths of it away."""
 
-REST = 0.002
-"""Share of a joint's typical speed below which it may as well stand still, whatever its noise is."""
-
-STILL = 0.02
-"""Share of a joint's typical speed below which friction takes what is asked of it, up to its level: above what noise
-leaves of a smoothed rate. Where it slides that slowly, what is asked is the level itself: a generous share is free."""
+REST = 0.02
+"""Share of a joint's typical speed below which it may as well stand still: above what noise leaves of a smoothed rate.
+There friction takes what is asked of it, up to its level. Where it slides that slowly, that is the level itself."""
 
 FEWEST_READINGS = 4
 """That a piece holds at least."""
@@ -135,7 +132,7 @@ class InverseDynamics(Machine):
         own = {j: torque_sizes(raw.values(), i, arm if j in idle else None) for i, j in enumerate(self.joints)}
         self.sizes = {f"joint.{j}": s for j, s in own.items()} | {"": own[self.compared[0]]}
         self._level = np.array([own[j].force for j in self.compared])
-        self._slow = np.array([STILL * own[j].length / own[j].time for j in self.joints])
+        self._slow = np.array([REST * own[j].length / own[j].time for j in self.joints])
         self._idle = frozenset(idle)
         alone = self.joints if len(self.joints) == 1 else ()  # of several, what one hides behind it moves with all
         shown = {_position(f"joint.{j}.zero"): f"joint.{j}" for j in alone}
@@ -156,10 +153,13 @@ class InverseDynamics(Machine):
             slow = np.array([still_below(noise or {}, j, narrow) for j in self.compared])
             pieces = self._cut(key, log, condition, overrides, half, slow)
             pieces = pieces or self._cut(key, log, condition, overrides, half, 0.0 * slow)
-            rest = np.array([REST * own[j].length / own[j].time for j in self.compared])
+            rest = self._slow[[self.joints.index(j) for j in self.compared]]
             moving = self._cut(key, log, condition, overrides, half, slow, rest)
-            if 2 * len(moving) > len(pieces):  # else its weight at rest is most of what is known
+            if 2 * len(moving) > len(pieces):
                 pieces = moving
+            else:  # its weight at rest is most of what is known: such readings count, so friction asks none of them
+                still = {p.id: replace(self._motion[p.id], slow=0.0 * self._slow) for p in pieces}
+                self._motion |= still
             lenses += [Lens(narrow, self._bump[piece.id], thin) for piece in pieces]
             trials += pieces
         self.trials = tuple(trials)

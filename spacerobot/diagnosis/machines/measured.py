@@ -71,7 +71,8 @@ def port_forces(
         step: from sample to sample [s].
         lens: what the motion, and the forces it is compared with, were seen through: where a law leaps with the sign of
             a smoothed rate, the force itself leaps no faster than that shows.
-        held: port -> what all forces at it together must be, shape (T,), and the rate below which it may stand still.
+        held: port -> what all forces on its one coordinate together must be, shape (T,), and the rate below which that
+            may stand still.
 
     Returns:
         port -> force along it, shape (T,) [N or N m].
@@ -103,18 +104,20 @@ def port_forces(
         start = at_rest(state.law, float(places[0]), state.size, state.p)
         _remembering(LAWS.laws, rate, law, step, places, seen(state.port, velocity), p, start, 1e-6 * state.size, value)
         out[state.port] = out.get(state.port, 0.0) + value
-    for friction in mechanism.frictions:
+    for friction in sorted(mechanism.frictions, key=lambda f: f.port in held):  # what may hold takes what others leave
         if friction.port not in moving or friction.normal is not None:
             continue
         law, p, sliding = LAWS.index(friction.level), padded(friction.p), seen(friction.port, velocity)
         _sliding(LAWS.laws, law, sliding, np.ones(count), p, value)
         rubs = value.copy() if lens is None else lens.blurred(value)
-        if friction.port in held:
+        if friction.port in held and len(moving[friction.port]) == 1:
             needed, slow = held[friction.port]
             most = np.empty(2)
             _sliding(LAWS.laws, law, np.array([AT_REST, -AT_REST]), np.ones(2), p, most)
             rest = np.abs(sliding) < slow
-            rubs[rest] = np.clip(needed - out.get(friction.port, 0.0), *most)[rest]
+            (held_by,) = moving[friction.port]
+            others = sum(moving[port].get(held_by, 0.0) * force for port, force in out.items())
+            rubs[rest] = np.clip(needed - others, *most)[rest]
         out[friction.port] = out.get(friction.port, 0.0) + rubs
     return out
 

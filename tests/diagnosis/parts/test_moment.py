@@ -1,4 +1,4 @@
-"""When a command acted: held until the next one it is half a sample late, and that is no physics and no sensor's fault."""
+"""When a command acted: held until the next one it is half a sample late, which is no physics and no sensor fault."""
 
 from __future__ import annotations
 
