@@ -238,6 +238,12 @@ class Machine(ABC):
         """What is typical at a place."""
         return self.sizes.get(where, self.sizes[""])
 
+    def visited(self, where: str) -> np.ndarray:
+        """How far from its zero a place was read, in any order, shape (T,) [m or rad]; empty where nothing reads it."""
+        name = f"{where}.position"
+        shown = [t.channel(name)[1] for t in self.trials if name in t.channels]
+        return np.asarray(np.abs(np.concatenate([np.zeros(0), *shown])))
+
     def variants(self, trial: TrialData) -> Iterable[Variant]:
         """How trials like this one could be recorded otherwise; none where nothing can be changed."""
         return ()

@@ -333,6 +333,14 @@ class InverseDynamics(Machine):
         """Whether a logged joint turns, rather than slides."""
         return self._turns[joint]
 
+    def visited(self, where: str) -> np.ndarray:
+        """Of a joint, along the motion of all pieces."""
+        joint = where.removeprefix("joint.")
+        if joint not in self.joints:
+            return np.zeros(0)
+        index = self.joints.index(joint)
+        return np.asarray(np.abs(np.concatenate([self._motion[t.id].position[:, index] for t in self.trials])))
+
     def measured(self, trial: TrialData) -> Motion:
         """The motion that a piece's balance runs along."""
         return self._motion[trial.id]

@@ -10,6 +10,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 
+import numpy as np
+
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.terms.candidates import means as signs_mean
 from spacerobot.diagnosis.terms.candidates import redundant
@@ -17,6 +19,9 @@ from spacerobot.diagnosis.terms.decision import AT_BOUND
 from spacerobot.diagnosis.terms.hypothesis import Site
 from spacerobot.effects.effect import Parameter
 from spacerobot.effects.sizes import Sizes
+
+STEP = 0.05
+"""Share of the largest displacement that lies between two readings of a fast motion."""
 
 Ends = Mapping[str, tuple[float, float]]
 """Low and high ends of intervals by parameters' keys, physical."""
@@ -95,6 +100,28 @@ def held(fit: Fit) -> bool:
 def nameable(fit: Fit) -> bool:
     """Whether a fit means something and shows it."""
     return means(fit) and not held(fit)
+
+
+def reached(sites: Sequence[Site], values: Mapping[str, float], visited: Callable[[str], np.ndarray]) -> bool:
+    """Whether every place came up to the displacement at which its effect begins.
+
+    A joint that was read about 0 and about 1.4 rad, and at nothing between, says nothing of a stop at 0.8: the gap in
+    its readings there must be no wider than what was seen beyond, or than a step of a motion.
+
+    Args:
+        sites: effects at their places.
+        values: of their parameters, by key.
+        visited: displacements at which a place was read, shape (T,).
+    """
+    for site in sites:
+        for edge in (values[site.key(p.name)] for p in site.effect.parameters if p.reach):
+            seen = visited(site.where)
+            inside, beyond = seen[seen <= edge], seen[seen > edge]
+            if inside.size and beyond.size:
+                widest = max(float(np.ptp(beyond)), STEP * float(seen.max()))
+                if float(beyond.min() - inside.max()) > widest:
+                    return False
+    return True
 
 
 def plausible(sites: Sequence[Site], values: Mapping[str, float], size_at: Callable[[str], Sizes]) -> bool:
