@@ -24,7 +24,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_the_page_needs_no_other_file(folder: Path) -> None:
     text = (folder / "overlay.html").read_text(encoding="utf-8")
-    assert text.count("<img") == 4, "three trials and all residuals at a glance"
+    assert text.count("<img") == 3, "a picture of each trial, for readers without scripts"
+    assert text.count("<svg viewBox") == 1, "all residuals at a glance, in the page's own colours"
+    assert "var(--after)" in text
     assert not re.search(r'(src|href)="(?!data:|#)', text)
     for words in ("contact.damping is not stated", "Trial 03", "χ² per sample", "Nothing is fitted"):
         assert words in text

@@ -76,7 +76,9 @@ class WristRig(ForwardModel):
         ]
         first = self.study.recording(self.study.trials[0])
         said += [f"A diagnosis would refuse this: {refusal}." for refusal in misplaced(first, "")]
-        said += [f"{word[0].upper()}{word[1:]}." for word in self.model.beliefs.words()]
+        said += [
+            f"{word if '.' in word.split()[0] else word[0].upper() + word[1:]}." for word in self.model.beliefs.words()
+        ]
         for stream, late in self._late().items():
             said.append(
                 f"{stream} has a clock of its own, {min(late):.4g} to {max(late):.4g} s ahead: every trial of it is "

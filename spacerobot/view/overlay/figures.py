@@ -66,7 +66,7 @@ def glance(trials: list[TrialOverlay]) -> Figure:
                 [r.rms_sigmas if stated else 100.0 * r.share for _, r in found],
                 MARKERS[i % len(MARKERS)],
                 color=SERIES[i % len(SERIES)],
-                markerfacecolor="white",
+                markerfacecolor="none",
                 markeredgewidth=1.5,
                 label=name,
             )

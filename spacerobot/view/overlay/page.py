@@ -19,8 +19,10 @@ from spacerobot.view.overlay.figures import readable
 from spacerobot.view.overlay.thinning import extremes
 from spacerobot.view.plotting import svg_uri
 from spacerobot.view.report.evidence import Trace
+from spacerobot.view.report.inline import inline
 from spacerobot.view.report.page import assets, policy
 from spacerobot.view.report.traces_json import embedded
+from spacerobot.view.report.words import number
 
 POINTS = 1000
 """Samples of one channel that the page carries, about."""
@@ -49,7 +51,7 @@ def page(
     data, kept = embedded([trace for trial in trials for trace in traces_of(trial)])
     scripts, styles = assets()
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    environment.filters["figure"] = lambda value: f"{value:.3g}"
+    environment.filters["figure"] = lambda value: number(value, 3)
     template = environment.from_string(
         files("spacerobot.view").joinpath("templates/overlay.html").read_text(encoding="utf-8")
     )
@@ -60,7 +62,7 @@ def page(
         rows=[_row(r) for r in channels.values()],
         by_trial={t.id: [_row(residuals([c])) for c in t.channels if c.time.size] for t in trials},
         images={trial: svg_uri(figure) for trial, figure in figures.items()},
-        glance=svg_uri(glance),
+        glance=inline(glance, "Every trial's residual over its noise, or its spread where none is stated, by channel"),
         left_out=left_out,
         estimated=[r.channel for r in channels.values() if not r.sigma_stated],
         version=__version__,

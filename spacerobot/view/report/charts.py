@@ -14,6 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path
+from matplotlib.ticker import MaxNLocator
 
 from spacerobot.view import plotting
 from spacerobot.view.plotting import BLACK, BLUE, GREEN, GREY, VERMILION
@@ -97,6 +98,7 @@ def surface_chart(surface: Surface) -> Chart:
     axes.vlines(x, y - error, y + error, color=BLUE, lw=1.2)
     axes.scatter(x, y, s=14, color=BLUE, gid=POINTS)
     axes.axhline(0.0, color=GREY, lw=0.8, ls="--")
+    axes.xaxis.set_major_locator(MaxNLocator(4))  # five of "0.00025" would run into each other
     axes.set_xlabel(_text(f"{surface.quantity} [{unit or '1'}]"))
     axes.set_ylabel(_text(f"residual [{of or '1'}]"))
     hints = [f"{number(a)} {unit}: {number(b)} ± {number(c, 2)} {of}" for a, b, c in zip(x, y, error, strict=True)]
