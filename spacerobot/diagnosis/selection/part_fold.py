@@ -21,7 +21,7 @@ from spacerobot.diagnosis.fitting.noise import reweighted, split
 from spacerobot.diagnosis.selection.bench import STEPS, Bench
 from spacerobot.diagnosis.selection.forward_selection import among
 from spacerobot.diagnosis.selection.growth import Growth
-from spacerobot.diagnosis.selection.held_out import FAINTLY, MOST_FOLDS, HeldOut, folds, scheme_of, start_of
+from spacerobot.diagnosis.selection.held_out import MOST_FOLDS, HeldOut, folds, scheme_of, start_of
 from spacerobot.diagnosis.selection.kept_aside import Fold, Unseen
 from spacerobot.diagnosis.selection.model_choice import ratio
 from spacerobot.diagnosis.selection.unseen import NOT_FITTED, nothing_foretold
@@ -162,7 +162,7 @@ def _errors(
             if fit is None:
                 raise SimulationError(why)
             fitter = Fitter(model, [trial])
-            start = start_of(fitter, model, fit.hypothesis, fit.z, trial, trust=FAINTLY)
+            start = start_of(fitter, model, fit.hypothesis, fit.z, trial)
             raw, keep = fitter.residual(fit.hypothesis, fit.z, trial, start)
             by = {c: (weights.get(c) or 1.0) / (whole.weights.get(c) or 1.0) for c in trial.channels}
             scale = np.concatenate([np.full(part.size, by[c]) for c, part in split(raw, trial).items()])

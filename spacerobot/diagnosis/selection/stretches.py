@@ -26,9 +26,6 @@ from spacerobot.effects.primitives import Readout
 FEW = 8
 """Predictions next to the end of a stretch by whose parabola its rate there is told: they are smooth."""
 
-STRAIGHT = 3.0
-"""Standard errors by which the variance about a curve may exceed that of the noise where readings follow it."""
-
 TRIFLE = 0.1
 """A stretch with less than this share of the rms that all stretches leave over has nothing missing that counts."""
 
@@ -169,65 +166,22 @@ def _meet(before: TrialData, after: TrialData, moment: Moment) -> bool:
 
 
 def _rates(model: Machine, fit: Fit, trial: TrialData, at: float) -> dict[str, tuple[float, float]]:
-    """By coordinate, its rate at one end of a stretch as its readings have it, and that number's standard deviation.
+    """By coordinate, its rate at one end of a stretch as predicted, and that number's standard deviation.
 
-    The model says how it moves, and what it leaves over near that end by how much the rate is another: a model that is
-    wrong over a long stretch would have its error taken for the knock's.
+    That is how well a line through the stretch's readings is known, where neighbours err alike.
     """
     out: dict[str, tuple[float, float]] = {}
     for track, readout in _tracks(model, fit, trial):
         time, value, weight = trial.channel(readout.channel)
         rest = track.rest / weight
-        order = np.argsort(np.abs(time - at))
-        some = order[:FEW]
-        curve = np.polyfit(time[some] - at, readout.sign * (value + rest)[some], 2)
-        line, error = nearby(time[order] - at, readout.sign * rest[order])
-        one = 1 if track.rate else 0  # of a line: slope, value there
-        found = float(curve[one + 1] - line[one]), error[one]
+        shown = readout.sign * (value + rest)
+        scatter = float(np.sqrt(np.mean(rest**2) * correlation_time(rest)))
+        some = np.argsort(np.abs(time - at))[:FEW]
+        *_, slope, value_there = np.polyfit(time[some] - at, shown[some], 2)
+        if track.rate:
+            found = float(value_there), scatter / float(np.sqrt(time.size))
+        else:
+            found = float(slope), scatter / float(np.sqrt(np.square(time - time.mean()).sum()))
         if readout.of not in out or found[1] < out[readout.of][1]:
             out[readout.of] = found
     return out
-
-
-def nearby(away: np.ndarray, rest: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Slope and value of what is left over at one end of a stretch, shape (2,), and their standard deviations.
-
-    Of a line, where all of a stretch follows one to its noise, which neighbours tell: the model explains it. Else of a
-    parabola through as many of the readings next to the end as follow one.
-
-    Args:
-        away: times from that end, nearest first, shape (T,) [s].
-        rest: what a model leaves over then, shape (T,).
-    """
-    noise, count = _noise(rest), away.size
-    line, error, square = _polynomial(away, rest, 1, noise)
-    if square <= _most(count) * noise:
-        return line, error
-    while True:
-        curve, error, square = _polynomial(away[:count], rest[:count], 2, noise)
-        if count <= FEW or square <= _most(count) * noise:
-            return curve[1:], error[1:]
-        count = max(count // 2, FEW)
-
-
-def _polynomial(t: np.ndarray, y: np.ndarray, degree: int, noise: float) -> tuple[np.ndarray, np.ndarray, float]:
-    """Coefficients, the highest first, their standard deviations where neighbours err alike, and the mean square."""
-    powers = np.vander(t, degree + 1)
-    found, *_ = np.linalg.lstsq(powers, y, rcond=None)
-    off = y - powers @ found
-    square = float(off @ off) / max(t.size - degree - 1, 1)
-    covariance = max(square, noise) * correlation_time(off) * np.linalg.pinv(powers.T @ powers)
-    return found, np.sqrt(np.diag(covariance)), square
-
-
-def _most(count: int) -> float:
-    """Variance of so many readings about a curve that they follow, at most, over that which neighbours tell.
-
-    Of white noise the one has a relative variance of 2 / n, the other one of 35 / 9 n.
-    """
-    return 1.0 + STRAIGHT * float(np.sqrt((2.0 + 35.0 / 9.0) / count))
-
-
-def _noise(rest: np.ndarray) -> float:
-    """Variance of readings about whatever is smooth, from differences of neighbours; its own where there are none."""
-    return float(np.mean(np.diff(rest, 2) ** 2)) / 6.0 if rest.size > 2 else float(np.var(rest))
