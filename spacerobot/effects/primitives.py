@@ -233,6 +233,11 @@ class ChannelMap:
             raise InputError("unknown kind of channel map", given=self.kind, valid=", ".join(MAP_ORDER))
 
     @property
+    def sluggish(self) -> bool:
+        """Whether it is a filter of the first order: y' = 2 pi f (u - y)."""
+        return self.kind == "low_pass" and self.form[0] == 1
+
+    @property
     def rank(self) -> int:
         """Order in which a sensor's maps apply."""
         return MAP_ORDER.index(self.kind)

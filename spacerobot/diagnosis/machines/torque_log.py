@@ -80,9 +80,6 @@ def inverse(maps: Sequence[ChannelMap], joint: str, reading: np.ndarray, step: f
     return reading
 
 
-FIRST_ORDER = ChannelMap("", "low_pass", 1.0).form
-
-
 def seen(maps: Sequence[ChannelMap], torque: np.ndarray, log: np.ndarray | None, bump: Bump) -> np.ndarray:
     """What a log shows of a joint's torque through a test function, shape (T - 2 n,) of (T,).
 
@@ -96,7 +93,7 @@ def seen(maps: Sequence[ChannelMap], torque: np.ndarray, log: np.ndarray | None,
         bump: the test function.
     """
     late = sum(m.value for m in maps if m.kind == "delay")
-    slow = [m for m in maps if m.kind == "low_pass" and m.form == FIRST_ORDER and log is not None]
+    slow = [m for m in maps if m.sluggish and log is not None]
     rest = tuple(m for m in maps if m.kind != "delay" and m not in slow)
     out = bump.late(through_sensor(rest, torque, bump.step), late)
     if log is not None and slow:
