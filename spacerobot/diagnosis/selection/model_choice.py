@@ -16,7 +16,7 @@ from scipy.special import stdtrit
 
 from spacerobot.diagnosis.selection.candidate import Candidate
 from spacerobot.diagnosis.terms.data import TrialData
-from spacerobot.diagnosis.terms.decision import CHANCE, REWORDED, SPOKEN, WORTH_OF_BASELINE, WORTH_OF_REST
+from spacerobot.diagnosis.terms.decision import CHANCE, EXACT, REWORDED, SPOKEN, WORTH_OF_BASELINE, WORTH_OF_REST
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +72,8 @@ class Told:
     def _by_group(self, group: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Gains, as logarithms of mean squares, and what each is based on, 1 at most; shape (..., groups) each."""
         member = (group[:, None] == np.unique(group)).astype(float)
-        gains = np.log(np.maximum(self.other, 1e-300)) - np.log(np.maximum(self.one, 1e-300))
+        least = np.maximum(EXACT * self.rms(np.minimum(self.one, self.other)) ** 2, 1e-300)[..., None]
+        gains = np.log(np.maximum(self.other, least)) - np.log(np.maximum(self.one, least))
         total = self.weight @ member
         gain = (self.weight * gains) @ member / np.maximum(total, 1e-300)
         weight = total / member.sum(axis=0)

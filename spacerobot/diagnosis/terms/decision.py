@@ -55,6 +55,10 @@ WORTH_OF_REST = 0.05
 WORTH_OF_BASELINE = 0.02
 """A further parameter must lower the held-out rms by these shares of itself and of the baseline's: an effect size."""
 
+EXACT = 1e-3
+"""Share of the mean square that two models leave below which a trial is as good as predicted exactly: the logarithm of
+nothing, where a joint or a counter stood still, would outweigh every other trial."""
+
 TIE = 0.01
 """Rivals whose held-out rms differ by less than this share are not told apart."""
 

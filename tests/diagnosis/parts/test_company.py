@@ -20,7 +20,7 @@ from spacerobot.diagnosis.selection.candidate import Candidate
 from spacerobot.diagnosis.selection.check import COPIES, Check, agreed
 from spacerobot.diagnosis.selection.forward_selection import grow
 from spacerobot.diagnosis.selection.held_out import HeldOut
-from spacerobot.diagnosis.selection.model_choice import as_good, choice, pays, ratio
+from spacerobot.diagnosis.selection.model_choice import Told, as_good, choice, pays, ratio
 from spacerobot.diagnosis.selection.part_result import Part
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.decision import WORTH_OF_REST
@@ -86,6 +86,17 @@ def test_a_rule_that_pools_over_all_trials_would_be_turned_by_them() -> None:
     assert new.error > (1.0 - WORTH_OF_REST) * old.error
     assert ratio(new, old) < 0.7
     assert pays(new, old, named(41))
+
+
+def test_a_trial_that_is_predicted_exactly_outweighs_no_other() -> None:
+    """Seven trials in which a model does ten times better, and one, a joint at rest, of which it leaves nothing."""
+    readings = np.full(8, 50.0)
+    one, other = np.full(8, 0.01), np.full(8, 1.0)
+    one[7] = 0.0
+    told = Told(one, other, np.full(8, 1.0), readings)
+    assert told.better(np.arange(8))
+    worse = Told(np.append(np.full(7, 1.3), 0.0), other, np.full(8, 1.0), readings)
+    assert not worse.better(np.arange(8))
 
 
 def said(study: Study) -> dict[str, Any]:
