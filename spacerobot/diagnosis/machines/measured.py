@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from spacerobot.diagnosis.machines.test_functions import Bump
 from spacerobot.effects.filters import BOTH_WAYS, summed
 from spacerobot.effects.kernel import padded
 from spacerobot.effects.mechanism import Mechanism
@@ -16,6 +15,9 @@ from spacerobot.effects.primitives import ChannelMap
 from spacerobot.simulation.reduced.forces import AT_REST, call_law, call_memory
 from spacerobot.simulation.reduced.law_table import LAWS
 from spacerobot.support.jit import jit
+
+if TYPE_CHECKING:  # a wrist rig has no balances
+    from spacerobot.diagnosis.machines.test_functions import Bump
 
 
 @jit
