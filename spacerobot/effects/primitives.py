@@ -6,6 +6,7 @@ Backends know these records and nothing of effects. Ports and coordinates are na
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -74,6 +75,11 @@ class Force:
     def beside(self) -> tuple[str, ...]:
         """Ports that `aux` is read from."""
         return tuple(p for p in (self.aux, self.aside) if p is not None)
+
+    def read_beside(self, rate: Callable[[str], np.ndarray]) -> np.ndarray | None:
+        """What the law reads as `aux`, from the rates of these ports, shape (T,) each; None where it reads nothing."""
+        rates = [rate(p) for p in self.beside]
+        return None if not rates else rates[0] if len(rates) == 1 else np.hypot(*rates)
 
     def __post_init__(self) -> None:
         _finite(f"parameter of {self.name}", *self.p)

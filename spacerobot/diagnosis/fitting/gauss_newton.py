@@ -69,8 +69,9 @@ class Fitter:
         self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
         self._left = 0
         self._rows_of: tuple[object, dict[str, np.ndarray]] | None = None
-        self._scales = {t.id: np.array([n.scale for n in model.nuisances(t)]) for t in trials}
-        self._starts_by = {t.id: [max(DIFFERENCE, n.floor) for n in model.nuisances(t)] for t in trials}
+        own = {t.id: model.nuisances(t) for t in trials}
+        self._scales = {name: np.array([n.scale for n in some]) for name, some in own.items()}
+        self._starts_by = {name: [max(DIFFERENCE, n.floor) for n in some] for name, some in own.items()}
 
     def _map(self, work: Callable[[TrialData], Any]) -> dict[str, Any]:
         results = map(work, self.trials) if self._pool is None else self._pool.map(work, self.trials)

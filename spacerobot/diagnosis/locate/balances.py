@@ -142,10 +142,7 @@ def force_integral(weak: WeakTrial, mechanism: Mechanism, force: Force) -> Integ
                 parts.append(-x * by_v * weak.coordinate(c, 1))
         return total(parts, weak.windows.count)
     state = weak.port_state(row, weak.nodes)
-    aux = None
-    if force.beside:
-        rates = [weak.port_state(dict(mechanism.ports[p]), weak.nodes).v for p in force.beside]
-        aux = np.hypot(*rates) if len(rates) > 1 else rates[0]
+    aux = force.read_beside(lambda p: weak.port_state(dict(mechanism.ports[p]), weak.nodes).v)
     f = values(force.kernel, force.p, state.d, state.v, aux)
     slope_d, slope_v = slopes(force.kernel, force.p, state.d, state.v, aux)
     rest = f - slope_d * state.d - slope_v * state.v

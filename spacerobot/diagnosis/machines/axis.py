@@ -12,7 +12,7 @@ from spacerobot.diagnosis.machines import torque_log
 from spacerobot.diagnosis.machines.contract import FIRST_NOISE, conditions_of
 from spacerobot.diagnosis.machines.simulated import Build, Simulated
 from spacerobot.diagnosis.machines.sizes import sizes_of
-from spacerobot.diagnosis.machines.windows import Drive, band_limited, refinement
+from spacerobot.diagnosis.machines.windows import Drive, band_limited, moment, refinement
 from spacerobot.diagnosis.terms.candidates import stood_for
 from spacerobot.diagnosis.terms.data import Block, TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed
@@ -143,11 +143,9 @@ def axis_model(study: Study, trials: Sequence[Trial], joint: str, robot: Robot) 
         values.setdefault(f"{name}.mass", own + values.get(f"{name}.armature", 0.0))
     sigma = {n: s for n, s in study.sigma.items() if n in values and n not in unknown}
     absolute = {n: s for n, s in study.absolute.items() if n in values and n not in unknown}
-    moment: dict[str, float] = {}
-    if driven:
-        steps = [np.median(np.diff(study.recording(t)[f"{name}.torque"].good()[0])) for t in trials]
-        moment = torque_log.moment(absolute, values, joint, float(np.median(steps)))
-        values = values | dict.fromkeys(moment, 0.0)
+    logs = (study.recording(t)[f"{name}.torque"].good()[0] for t in trials)
+    late = moment(f"{name}.delay", {*absolute, *values}, (np.median(np.diff(log)) for log in logs)) if driven else {}
+    values = values | dict.fromkeys(late, 0.0)
     fitted = {*unknown, *sigma, *absolute}
     sprung = f"{name}.stiffness" in values or f"{name}.stiffness" in unknown
     length = (OSCILLATIONS if sprung else RESTART) * (2.0 * math.pi if sprung else 1.0)
@@ -161,6 +159,6 @@ def axis_model(study: Study, trials: Sequence[Trial], joint: str, robot: Robot) 
         covered=frozenset((e.name, name) for e in all_effects().values() if stood_for(e, name, fitted)),
         window=study.horizon or sizes.time * (length if driven or sprung else SWINGS * 2.0 * math.pi),
     )
-    made.moment = moment
+    made.moment = late
     made.stated = frozenset(whole[0].channels if stated else ())
     return made

@@ -10,7 +10,7 @@ import numpy as np
 from spacerobot.diagnosis.machines.contract import FIRST_NOISE, conditions_of
 from spacerobot.diagnosis.machines.simulated import Build, Simulated
 from spacerobot.diagnosis.machines.sizes import sizes_of
-from spacerobot.diagnosis.machines.windows import FOLDS, WITHIN, commanded
+from spacerobot.diagnosis.machines.windows import FOLDS, commanded, moment
 from spacerobot.diagnosis.terms.candidates import stood_for
 from spacerobot.diagnosis.terms.data import Block, TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed
@@ -231,11 +231,9 @@ def _model(study: Study, trials: Sequence[Trial], group: str, name: str) -> Simu
     known = study.recording(trials[0])
     doubted = {f"body.{n.split('.', 1)[1]}": v for n, v in study.sigma.items() if n.startswith(f"{group}.")}
     sigma = {n: v for n, v in doubted.items() if n in ("body.mass", "body.yaw_inertia") and n not in unknown}
-    late: dict[str, float] = {}
-    if driven and "body.delay" not in values:
-        steps = [np.median(np.diff(study.recording(t)[c].good()[0])) for t in trials for c in driven]
-        late["body.delay"] = WITHIN * float(np.median(steps))
-        values["body.delay"] = 0.0
+    logs = (study.recording(t)[c].good()[0] for t in trials for c in driven)
+    late = moment("body.delay", values, (np.median(np.diff(log)) for log in logs)) if driven else {}
+    values |= dict.fromkeys(late, 0.0)
     fitted = {*sigma, *unknown, *relative}
     covers = {"target": "body.mass", "target.yaw": "body.yaw_inertia"}
     stand = {f"{place}.mass" for place, value in covers.items() if value in fitted}

@@ -23,7 +23,7 @@ from spacerobot.diagnosis.machines.rigid import Rigid
 from spacerobot.diagnosis.machines.stated_noise import Lens, stated_noise, still_below
 from spacerobot.diagnosis.machines.test_functions import Bump
 from spacerobot.diagnosis.machines.touch import Moment, first_shock
-from spacerobot.diagnosis.machines.windows import PIECES
+from spacerobot.diagnosis.machines.windows import PIECES, moment
 from spacerobot.diagnosis.terms.candidates import stood_for
 from spacerobot.diagnosis.terms.data import Block, TrialData, piece_id
 from spacerobot.diagnosis.terms.hypothesis import Believed, Site
@@ -135,8 +135,7 @@ class InverseDynamics(Machine):
         self._slow = np.array([REST * own[j].length / own[j].time for j in self.joints])
         self._idle = frozenset(idle)
         alone = self.joints if len(self.joints) == 1 else ()  # of several, what one hides behind it moves with all
-        shown = {_position(f"joint.{j}.zero"): f"joint.{j}" for j in alone}
-        self._followed = {c: Readout(c, "position", name) for c, name in shown.items()}
+        self._followed = {c: Readout(c, "position", f"joint.{j}") for j in alone for c in [f"joint.{j}.position"]}
         self._motion: dict[str, Motion] = {}
         self._bump: dict[str, Bump] = {}
         pace = WIDTH * min(own[j].time for j in self.compared)
@@ -174,13 +173,10 @@ class InverseDynamics(Machine):
             {n: self._mass[n[: -len(".mass")]] for n in sigma if n.endswith(".mass") and n not in self.base}
         )
         around = {n: s for n, s in (absolute or {}).items() if not n.endswith(".zero") or n in doubted}
-        step = float(np.median([g.step for g, _, _ in grids.values()]))
-        self.moment = {
-            name: size
-            for joint in self.compared
-            if joint not in idle
-            for name, size in torque_log.moment(around, self.base, joint, step).items()
-        }
+        self.moment = {}
+        for joint in (j for j in self.compared if j not in idle):
+            steps = (grid.step for grid, _, _ in grids.values())
+            self.moment |= moment(f"joint.{joint}.delay", {*around, *self.base}, steps)
         self.base |= {n: 0.0 for n in (*around, *self.moment) if n not in self.base}
         self.believed = Believed(self.base, sigma, {}, conditions_of(trials), centres, absolute=around)
         self.not_measured = self._silence(unknown)

@@ -93,8 +93,8 @@ def port_forces(
         sense = force.sense or force.port
         if not {force.port, sense, *force.beside} <= set(moving):
             continue
-        rates = [seen(p, velocity) for p in force.beside]
-        aux = np.hypot(*rates) if len(rates) > 1 else rates[0] if rates else np.zeros(count)
+        aux = force.read_beside(lambda p: seen(p, velocity))
+        aux = np.zeros(count) if aux is None else aux
         law = LAWS.index(force.kernel.force)
         _along(LAWS.laws, law, seen(sense, position), seen(sense, velocity), aux, padded(force.p), value)
         out[force.port] = out.get(force.port, 0.0) + value

@@ -8,7 +8,6 @@ import numpy as np
 
 from spacerobot.diagnosis.machines.measured import through_sensor
 from spacerobot.diagnosis.machines.test_functions import Bump
-from spacerobot.diagnosis.machines.windows import WITHIN
 from spacerobot.effects.primitives import ChannelMap
 
 UNITS = {"gain": "1"}
@@ -28,19 +27,6 @@ def bias(values: Mapping[str, float], joint: str) -> float:
 def torque(values: Mapping[str, float], joint: str, reading: np.ndarray) -> np.ndarray:
     """The joint's torque or force [N m or N], from what is logged of it, shape (T,) both."""
     return gain(values, joint) * reading - bias(values, joint)
-
-
-def moment(stated: Mapping[str, float], values: Mapping[str, float], joint: str, step: float) -> dict[str, float]:
-    """What is believed of "joint.NAME.delay" where the study says nothing of it: name -> standard deviation [s].
-
-    Args:
-        stated: deviations of values believed to be zero that the study states.
-        values: those that it states.
-        joint: its name.
-        step: from sample to sample [s].
-    """
-    name = f"joint.{joint}.delay"
-    return {} if name in stated or name in values else {name: WITHIN * step}
 
 
 def late(values: Mapping[str, float], joint: str) -> float:

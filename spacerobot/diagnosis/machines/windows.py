@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -49,13 +49,13 @@ class Drive:
         own = {c: tuple(m for m in maps if m.channel == c) for c in self.value}
         if not any(own.values()):
             return self
-        steady = {c: tuple(m for m in some if m.kind in ("gain", "offset")) for c, some in own.items()}
         delays = {sum(m.value for m in some if m.kind == "delay") for some in own.values()}
         if len(delays) == 1 and all(m.kind in ("gain", "offset", "delay") for some in own.values() for m in some):
             (delay,) = delays  # all come out so much later, as they are
             first, last = np.searchsorted(self.time, [start - delay, end - delay])
             part = slice(max(int(first) - MARGIN, 0), int(last) + MARGIN)
-            shown = {c: through_sensor(steady[c], v[part], 1.0) for c, v in self.value.items()}
+            rest = {c: tuple(m for m in some if m.kind != "delay") for c, some in own.items()}
+            shown = {c: through_sensor(rest[c], v[part], 1.0) for c, v in self.value.items()}
             return Drive(self.time[part] + delay, shown, self.jumps + delay, self.step)
         late = sum(abs(m.value) for some in own.values() for m in some if m.kind == "delay")
         # points of its own between the corners: a grid that moved with `start` would leap from corner to corner
@@ -84,6 +84,18 @@ EDGE = 1e-6
 WITHIN = 3.0**-0.5
 """Standard deviation of a moment that lies anywhere within one sample to either side, in samples: whether an input was
 logged before its motion or after, or held until the next one, no log says."""
+
+
+def moment(name: str, known: Collection[str], steps: Iterable[float]) -> dict[str, float]:
+    """What is believed of when an input acted, where nothing is known of it: its name -> standard deviation [s].
+
+    Args:
+        name: of the value that says by how much the input's log is late.
+        known: names of values of which something is known.
+        steps: from sample to sample, by log [s].
+    """
+    return {} if name in known else {name: WITHIN * float(np.median(list(steps)))}
+
 
 CHANGED = 0.05
 """Share of an input's range by which it changes where it does: less is a sensor's noise, or slow control."""

@@ -44,7 +44,7 @@ def _jumps(trial: TrialData) -> list[Moment]:
     if not shown:
         return []
     time = shown[0][0]
-    scores = [_score(t, x) for t, x in shown if t.size == time.size and np.array_equal(t, time)]
+    scores = [_score(x) for t, x in shown if np.array_equal(t, time)]
     score = np.max(scores, axis=0)
     step = float(np.median(np.diff(time)))
     out: list[Moment] = []
@@ -56,7 +56,7 @@ def _jumps(trial: TrialData) -> list[Moment]:
     return sorted(out, key=lambda m: m.time)
 
 
-def _score(time: np.ndarray, place: np.ndarray) -> np.ndarray:
+def _score(place: np.ndarray) -> np.ndarray:
     """How far beyond both limits the rate jumps at each reading but the first and last SIDE; above 1 it does."""
     t = np.arange(-SIDE, SIDE + 1.0)
     columns = np.stack([np.ones_like(t), t, t**2, np.maximum(t, 0.0)], axis=1)
@@ -65,5 +65,5 @@ def _score(time: np.ndarray, place: np.ndarray) -> np.ndarray:
     _, _, bend, jump = solve @ windows.T
     noise = float(np.median(np.abs(np.diff(place, 3)))) / 0.6745 / np.sqrt(20.0)  # of a third difference: 1 9 9 1
     usual = float(np.median(np.abs(bend)))
-    least = np.maximum(JUMP * noise * np.sqrt((solve[3] ** 2).sum()), BENDS * 2.0 * usual * SIDE)
-    return np.asarray(np.abs(jump) / max(float(least), 1e-300))
+    least = max(JUMP * noise * float(np.sqrt((solve[3] ** 2).sum())), BENDS * 2.0 * usual * SIDE, 1e-300)
+    return np.asarray(np.abs(jump) / least)

@@ -120,10 +120,9 @@ class Part:
         Where the readings themselves are predicted balances decide nothing: what leaves the readings white is no more
         than their noise.
         """
-        if self.model.predicts_readings and not self.shown:
-            return ()
         rows = self.located.rows if self.located is not None else ()
-        return tuple(r for r in rows if r.p < LOCATED and r.share > STRIKING)
+        found = tuple(r for r in rows if r.p < LOCATED and r.share > STRIKING)
+        return found if found and (self.shown or not self.model.predicts_readings) else ()
 
     @property
     def loudness(self) -> dict[str, float]:

@@ -30,8 +30,7 @@ def second(group: Group, kind: str, found: Sequence[Reading]) -> str:
     """Why nothing is left to tell of a second body's or machine's log; "" where it is none."""
     if kind not in ("body", "platform", "arm") or kind_of({group.name: found}) != kind:
         return ""
-    like = f" and {len(group.files) - 1} like it" if len(group.files) > 1 else ""
-    return f"{group.files[0].relative}{like}: its channels are another file's already; is it a second machine's log"
+    return f"{_files(group)}: its channels are another file's already; is it a second machine's log"
 
 
 def say_who_names(lines: Mapping[str, Sequence[Line]], files: Mapping[str, Found]) -> None:
@@ -46,9 +45,14 @@ def say_who_names(lines: Mapping[str, Sequence[Line]], files: Mapping[str, Found
 def unrecognised(group: Group) -> str:
     """Why a group became no stream."""
     fault = next((f.fault for f in group.files if f.fault), None)
-    like = f" and {len(group.files) - 1} like it" if len(group.files) > 1 else ""
     names = ", ".join(group.files[0].table.names()[:12])
-    return fault or f"{group.files[0].relative}{like}: no column was recognised among {names}"
+    return fault or f"{_files(group)}: no column was recognised among {names}"
+
+
+def _files(group: Group) -> str:
+    """A group by its first file."""
+    like = f" and {len(group.files) - 1} like it" if len(group.files) > 1 else ""
+    return f"{group.files[0].relative}{like}"
 
 
 def settle_by_all(lines: Mapping[str, Sequence[Line]], groups: Sequence[Group]) -> None:
