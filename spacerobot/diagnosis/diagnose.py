@@ -16,7 +16,7 @@ from spacerobot.diagnosis.answer.next_trial import WHY_RIG, next_trial
 from spacerobot.diagnosis.answer.record import NextExperiment
 from spacerobot.diagnosis.answer.result import Diagnosis
 from spacerobot.diagnosis.answer.verdict import verdict_of_rig
-from spacerobot.diagnosis.fitting.fit_store import Store
+from spacerobot.diagnosis.fitting.fit_store import Apart, Store
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.mended_scene import scene_of
 from spacerobot.diagnosis.fitting.pool import Pool
@@ -25,6 +25,7 @@ from spacerobot.diagnosis.learning.learn import Learnt
 from spacerobot.diagnosis.learning.settle import settle
 from spacerobot.diagnosis.locate.located import Located
 from spacerobot.diagnosis.selection.admission import admit, has_wrist
+from spacerobot.diagnosis.selection.beyond import NEAR, apart, of_whole_robot
 from spacerobot.diagnosis.selection.check import why_not
 from spacerobot.diagnosis.selection.decide import decide
 from spacerobot.diagnosis.selection.intervals import with_intervals
@@ -39,6 +40,9 @@ from spacerobot.recordings.lacking import refuse_draft
 from spacerobot.recordings.study import Study
 from spacerobot.support.executors.base import Executor
 from spacerobot.support.workers import one_thread
+
+PASSES = 3
+"""How often a search is made of a robot that moves, each about what the one before found; once of any other rig."""
 
 
 def _silent(what: str, done: int, total: int) -> None:
@@ -82,24 +86,33 @@ def diagnose(
 
         return diagnose_parts(study, report=report, threads=jobs or 1, seed=seed, without=without, store=store)
     jobs = jobs or os.cpu_count() or 1
+    report("reading the recordings", 0, 1)
     workshop = Workshop(study)
-    sites = workshop.model.sites(e for e in all_effects().values() if e.name not in without)
     if jobs > 1:
         help_compiling(workshop)
-    with Pool(workshop, jobs, effects_files, store, workers) as pool:
-        # with the believed values: a refit that lacks the physics bends them until every balance is a little wrong
-        locating = pool.aside(_located)
-        decided = decide(pool, sites, report)
-        report("intervals", 0, 1)
-        decided, profiled = with_intervals(pool, decided)
-        found, left_of, inflation = decided.found, decided.left_of, decided.inflation
-        settled = settle(pool, decided, profiled, report)
-        judgement, held, learnt = settled.judgement, settled.held, settled.learnt
-        looked_for = () if learnt else found.singles  # what hides beside a law without a name has no limit
-        sizes = pool.aside(_limits, judgement.chosen, looked_for, inflation)
-        report("locating", 0, 1)
-        located = locating()
-        smallest = sizes()
+    workshop = of_whole_robot(workshop)
+    for last in range(PASSES):
+        sites = workshop.model.sites(e for e in all_effects().values() if e.name not in without)
+        kept = store if store is None or not last else Apart(store, f"pass-{last}")
+        with Pool(workshop, jobs, effects_files, kept, workers) as pool:
+            # with the believed values: a refit that lacks the physics bends them until every balance is a little wrong
+            locating = pool.aside(_located)
+            decided = decide(pool, sites, report)
+            if last < PASSES - 1 and apart(workshop, decided.judgement.chosen) > NEAR:
+                locating.cancel()
+                workshop = of_whole_robot(workshop, decided.judgement.chosen)
+                continue
+            report("intervals", 0, 1)
+            decided, profiled = with_intervals(pool, decided)
+            found, left_of, inflation = decided.found, decided.left_of, decided.inflation
+            settled = settle(pool, decided, profiled, report)
+            judgement, held, learnt = settled.judgement, settled.held, settled.learnt
+            looked_for = () if learnt else found.singles  # what hides beside a law without a name has no limit
+            sizes = pool.aside(_limits, judgement.chosen, looked_for, inflation)
+            report("locating", 0, 1)
+            located = locating()
+            smallest = sizes()
+            break
     base = found.baseline
     further = (
         _next_trial(workshop, judgement.alternatives[:2])

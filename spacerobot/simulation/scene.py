@@ -301,10 +301,10 @@ class Scene:
 
     @cached_property
     def tip_velocity(self) -> np.ndarray:
-        """What spin of the base and rates of the joints give the tip at the start, world axes, shape (3,) [m/s]."""
+        """What motion of the base and rates of the joints give the tip at the start, world axes, shape (3,) [m/s]."""
         robot, v = self.prepared, np.zeros(self.prepared.model.nv)
         if self.base == "free":
-            v[3:6] = self.motion.base_spin  # the base stands unturned
+            v[:6] = *self.motion.base_velocity, *self.motion.base_spin  # the base stands unturned
         for name, rate in self.motion.joint_rates.items():
             v[robot.velocity_index(name)] = rate
         data = robot.model.createData()
@@ -370,9 +370,10 @@ class Scene:
     def _require_movable(self, robot: Robot) -> None:
         """Refuse motion of what the scene holds."""
         motion = self.motion
-        if any(motion.base_spin) and self.base != "free":
-            where = "motion.base_spin"
-            raise InputError("only a free base spins", given=motion.base_spin, valid="base free", where=where)
+        for name, what in (("base_velocity", "moves"), ("base_spin", "spins")):
+            given = getattr(motion, name)
+            if any(given) and self.base != "free":
+                raise InputError(f"only a free base {what}", given=given, valid="base free", where=f"motion.{name}")
         for name in motion.joint_rates:
             if name not in robot.chain:
                 raise NotFoundError("joint", name, robot.chain, where="motion.joint_rates")

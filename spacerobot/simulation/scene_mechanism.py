@@ -153,7 +153,15 @@ def _with_robot(scene: Outline, mechanism: Mechanism) -> Mechanism:
             mass = float(body.mass if i < 3 else about[i - 3])
             coordinates[name] = Coordinate(name, mass, angular=i >= 3)
             ports[name] = {name: 1.0}
-        readouts["base.x"] = Readout("base.x", "position", "base")
+            shown = "base.x" if name == "base" else name
+            readouts[shown] = Readout(shown, "position", name)
+        for i, axis in enumerate("xyz"):  # along and about the world's axes
+            for port, names in ((f"base.position.{axis}", BASE_PORTS[:3]), (f"base.turn.{axis}", BASE_PORTS[3:])):
+                ports[port] = {name: float(share) for name, share in zip(names, scene.axes[i], strict=True)}
+            position, turn = f"base.position.{axis}", f"base.turn.{axis}"
+            readouts[position] = Readout(position, "position", position)
+            for channel, port in ((f"base.velocity.{axis}", position), (f"base.angular_velocity.{axis}", turn)):
+                readouts[channel] = Readout(channel, "velocity", port)
     if scene.joints != "locked":
         inertia = joint_space_inertia(robot, scene.start)
         held = scene.servo.per_joint(robot.chain) if scene.servo is not None else ()

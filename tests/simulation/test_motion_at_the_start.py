@@ -29,11 +29,12 @@ def slosh(mass: float = 2.0, hertz: float = 1.5, damping: float = 0.0) -> Effect
 def test_momentum_at_the_start_is_that_of_the_stated_rates(spin: tuple[float, ...], rates: tuple[float, ...]) -> None:
     """By Pinocchio on the scene's own robot, and kept through the touch."""
     chain = CHASER.prepared.chain
-    motion = Motion(base_spin=spin, joint_rates=dict(zip(chain, rates, strict=True)))
+    drift = tuple(spin[::-1])
+    motion = Motion(base_velocity=drift, base_spin=spin, joint_rates=dict(zip(chain, rates, strict=True)))
     scene = replace(CHASER, motion=motion, hand_speed=0.03)
     robot = scene.prepared
     v = np.zeros(robot.model.nv)
-    v[:3], v[3:6] = -0.03 * np.array(scene.approach), spin
+    v[:3], v[3:6] = np.array(drift) - 0.03 * np.array(scene.approach), spin
     for name, rate in motion.joint_rates.items():
         v[robot.velocity_index(name)] = rate
     data = robot.model.createData()
@@ -46,12 +47,12 @@ def test_momentum_at_the_start_is_that_of_the_stated_rates(spin: tuple[float, ..
 
 
 def test_the_tip_nears_the_target_as_its_jacobian_says() -> None:
-    motion = Motion(base_spin=(0.0, 0.02, -0.01), joint_rates={"S2": 0.05, "E1": -0.03})
+    motion = Motion((0.01, 0.002, 0.0), base_spin=(0.0, 0.02, -0.01), joint_rates={"S2": 0.05, "E1": -0.03})
     scene = replace(CHASER, motion=motion)
     step = 1e-6
     robot, q = scene.prepared, scene.start
     v = np.zeros(robot.model.nv)
-    v[3:6] = motion.base_spin
+    v[:6] = *motion.base_velocity, *motion.base_spin
     for name, rate in motion.joint_rates.items():
         v[robot.velocity_index(name)] = rate
     frame, data = robot.frame_id(str(robot.contact)), robot.model.createData()
@@ -101,7 +102,8 @@ def test_both_backends_agree_on_a_body_that_sloshes() -> None:
 
 
 def test_a_scene_file_keeps_it() -> None:
-    motion = Motion(base_spin=(0.0, 0.1, 0.0), joint_rates={"S1": 0.2}, carried={"target.slosh": (0.01, 0.0)})
+    carried = {"target.slosh": (0.01, 0.0)}
+    motion = Motion((0.0, 0.02, 0.0), base_spin=(0.0, 0.1, 0.0), joint_rates={"S1": 0.2}, carried=carried)
     scene = replace(CHASER, motion=motion, effects=(slosh(),))
     assert scene_from_text(scene.to_toml()).motion == motion
     assert "motion" not in CHASER.to_toml()
@@ -111,6 +113,7 @@ def test_a_scene_file_keeps_it() -> None:
     ("changed", "said"),
     [
         ({"robot": "pa10_wrist", "motion": Motion(base_spin=(0, 0, 0.1))}, "only a free base spins"),
+        ({"robot": "pa10_wrist", "motion": Motion(base_velocity=(0, 0.1, 0))}, "only a free base moves"),
         ({"joints": "locked", "motion": Motion(joint_rates={"S1": 0.1})}, "locked joints do not move"),
         ({"motion": Motion(joint_rates={"S9": 0.1})}, "unknown joint"),
         ({"motion": Motion(carried={"target.slosh": (0.1, 0.0)})}, "unknown carried body"),

@@ -22,7 +22,7 @@ SCENES = {
     "continuous joints": Scene("kinova", joints="free", target=TARGET),
 }
 
-HEADINGS = ("target.yaw", "base.roll", "base.pitch", "base.yaw")
+HEADINGS = ("target.yaw", "base.roll", "base.pitch", "base.yaw", "base.turn.x", "base.turn.y", "base.turn.z")
 
 
 @pytest.mark.parametrize("name", SCENES)

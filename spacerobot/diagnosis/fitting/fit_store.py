@@ -26,6 +26,21 @@ class Store(Protocol):
         """The value, None where there is none."""
 
 
+class Apart:
+    """A part of a store of its own: what is kept under a name here is not what the store keeps under it."""
+
+    def __init__(self, store: Store, what: str) -> None:
+        self._store, self._what = store, what
+
+    def save(self, name: str, value: Any) -> None:
+        """See Store."""
+        self._store.save(f"{self._what}-{name}", value)
+
+    def load(self, name: str) -> Any | None:
+        """See Store."""
+        return self._store.load(f"{self._what}-{name}")
+
+
 def task_name(task: Any) -> str:
     """A name that only this very task has (`pool.Task`); fits that it begins at are known by where they ended."""
     near = task.near

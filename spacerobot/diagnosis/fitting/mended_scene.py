@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 
 from spacerobot.diagnosis.fitting.fitted import Fit
-from spacerobot.diagnosis.machines.wrist_rig import RigModel, together
+from spacerobot.diagnosis.machines.rig_scene import rig_scene
+from spacerobot.diagnosis.machines.wrist_rig import RigModel
 from spacerobot.diagnosis.terms.hypothesis import Site
 from spacerobot.effects.trend import Trend
 from spacerobot.recordings.study import Study
-from spacerobot.simulation.parts.contact import ContactLaw
 from spacerobot.simulation.parts.effect_at import EffectAt
-from spacerobot.simulation.parts.target import Target
-from spacerobot.simulation.parts.wrist import Wrist
-from spacerobot.simulation.rig import DEFAULTS
 from spacerobot.simulation.scene import Scene
 
 
@@ -40,51 +36,13 @@ def scene_of(study: Study, model: RigModel, fit: Fit, trial: str | None = None) 
         sites = fit.hypothesis.sites
         trial = next((t for t in numbers if len(fit.hypothesis.acting(t)) == len(sites)), next(iter(numbers)))
     chosen = study.trial(trial)
-    base = {n: v for n, v in study.values().items() if n in DEFAULTS}
-    overrides = {n: v for n, v in chosen.overrides.items() if n in DEFAULTS}
-    values = together(
-        {**DEFAULTS, **fit.hypothesis.trial_values(fit.z, {**model.base, **base}, study.condition(chosen), overrides)}
-    )
+    names = model.names(study)
+    base = {n: v for n, v in study.values().items() if n in names}
+    overrides = {n: v for n, v in chosen.overrides.items() if n in names}
+    values = fit.hypothesis.trial_values(fit.z, {**model.base, **base}, study.condition(chosen), overrides)
     free = fit.values()
     effects = tuple(_as_it_is(s, free, numbers[trial]) for s in fit.hypothesis.acting(trial))
     data = model.trial(chosen.id)
-    start = {
-        (n.coordinate, n.rate): float(v)
-        for n, v in zip(model.nuisances(data), fit.trials[chosen.id].initial, strict=True)
-    }
-    ahead, lateral = values["target.contact_point.ahead"], values["target.contact_point.lateral"]
-    yaw = start.get(("target.yaw", False), 0.0)
-    contact = model.trial_mechanism(fit.hypothesis, fit.z, data).contact
-    assert contact is not None
-    turned, _ = contact.turned(yaw)  # of the point as effects have moved it
-    inertia = values["target.yaw_inertia"]
-    scene = Scene(
-        robot=study.robot_source or "pa10_wrist",
-        base=study.baseline.base,
-        joints=study.baseline.joints,
-        pose=study.pose(chosen),
-        approach=study.baseline.approach,
-        gravity=study.baseline.gravity,
-        wrist=Wrist(
-            mass=values["wrist.mass"],
-            stiffness=values["wrist.stiffness"],
-            damping=values["wrist.damping"],
-            equivalent_damping=values["wrist.equivalent_damping"],
-        ),
-        contact=ContactLaw(stiffness=values["contact.stiffness"], damping=values["contact.damping"]),
-        target=Target(
-            mass=values["target.mass"],
-            yaw_inertia=inertia if inertia == inertia else None,
-            contact_point=(ahead, lateral, 0.0),
-            attitude=(0.0, 0.0, yaw),
-            speed=start["target", True],
-            drift=start.get(("target.y", True), 0.0),
-            gap=max(float(-start["target", False] - turned), 0.0),
-        ),
-        duration=data.end - data.start,
-        effects=effects,
-        title=f"{study.title}, trial {chosen.id}, as diagnosed",
-    )
-    spin = start.get(("target.yaw", True), 0.0)
-    up = scene.axes[:, 2]
-    return replace(scene, target=replace(scene.target, spin=tuple(float(spin * a) for a in up))) if spin else scene
+    mechanism = model.trial_mechanism(fit.hypothesis, fit.z, data)
+    title = f"{study.title}, trial {chosen.id}, as diagnosed"
+    return rig_scene(study, model, data, values, mechanism, fit.trials[chosen.id].initial, effects, title)

@@ -15,6 +15,7 @@ from spacerobot.diagnosis.fitting.labels import rightly_labelled
 from spacerobot.diagnosis.fitting.spoiled import cleaned
 from spacerobot.diagnosis.fitting.starts import fit_from, fit_near
 from spacerobot.diagnosis.machines.contract import Machine
+from spacerobot.diagnosis.machines.whole_rig import rig_model
 from spacerobot.diagnosis.machines.wrist_rig import RigModel, readable
 from spacerobot.diagnosis.terms.data import TrialData, trial_data
 from spacerobot.diagnosis.terms.hypothesis import Label, Site
@@ -72,7 +73,7 @@ class Workshop:
     """What a worker needs: the model, its trials, and a fitter."""
 
     study: Study
-    make_model: MakeModel = RigModel
+    make_model: MakeModel = rig_model
     made: Fitter | None = None
 
     def __post_init__(self) -> None:

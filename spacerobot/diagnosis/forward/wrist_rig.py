@@ -10,15 +10,18 @@ import numpy as np
 
 from spacerobot.diagnosis.answer.spoiled import left_out, noise_told
 from spacerobot.diagnosis.fitting.spoiled import cleaned
+from spacerobot.diagnosis.fitting.workshop import Workshop
 from spacerobot.diagnosis.forward.base import ForwardModel, TrialOverlay, Value, channels_of, overlaid, unit_of
+from spacerobot.diagnosis.machines.robot_channels import robot_channels
+from spacerobot.diagnosis.machines.whole_rig import WholeRig
 from spacerobot.diagnosis.machines.wrist_rig import RigModel, readable
 from spacerobot.diagnosis.selection.admission import misplaced, questions
+from spacerobot.diagnosis.selection.beyond import as_whole_robot
 from spacerobot.diagnosis.terms.data import TrialData, trial_data
 from spacerobot.dynamics.effective_mass import effective_mass
 from spacerobot.recordings.rig_robot import study_robot
 from spacerobot.recordings.study import Study
 from spacerobot.recordings.trial import Trial
-from spacerobot.simulation.rig import DEFAULTS
 from spacerobot.support.errors import InputError
 
 BEFORE, AFTER = 0.1, 0.25
@@ -55,6 +58,9 @@ class WristRig(ForwardModel):
         for trial in study.trials:
             for refusal in ask(study.recording(trial)):
                 raise refusal
+        if robot_channels(study):
+            whole = as_whole_robot(Workshop(study))
+            return cls(study, whole.model, {t.id: t for t in whole.trials}, math.inf)
         trials = cleaned(trial_data(study, readable(study)))
         return cls(study, RigModel(study, trials), {t.id: t for t in trials}, _hand_mass(study))
 
@@ -68,14 +74,20 @@ class WristRig(ForwardModel):
     @property
     def assumptions(self) -> tuple[str, ...]:
         """What was taken for granted."""
-        held = math.isinf(self.hand_mass)
+        hand = (
+            "The arm is held still."
+            if math.isinf(self.hand_mass)
+            else f"The arm moves as one hand of {self.hand_mass:.3g} kg."
+        )
+        if isinstance(self.model, WholeRig):
+            hand = "The robot moves as a whole, joints and base as the study has them."
         said = [
             "Each trial starts from a straight line through the target's track before the first touch; the wrist "
             "starts at rest.",
-            "The arm is held still." if held else f"The arm moves as one hand of {self.hand_mass:.3g} kg.",
+            hand,
         ]
         first = self.study.recording(self.study.trials[0])
-        said += [f"A diagnosis would refuse this: {refusal}." for refusal in misplaced(first, "")]
+        said += [f"A diagnosis would refuse this: {refusal}." for refusal in misplaced(self.study, first, "")]
         said += [
             f"{word if '.' in word.split()[0] else word[0].upper() + word[1:]}." for word in self.model.beliefs.words()
         ]
@@ -93,7 +105,7 @@ class WristRig(ForwardModel):
             )
         for name, value in self._defaults().items():
             said.append(f"{name} is not stated: {value:g} {unit_of(name)} for all trials.")
-        unused = [name for name in self.study.values() if name not in DEFAULTS]
+        unused = [name for name in self.study.values() if name not in self.model.names(self.study)]
         if unused:
             said.append(f"Stated, but no part of this simulation: {', '.join(unused)}.")
         return tuple(said)
@@ -101,9 +113,13 @@ class WristRig(ForwardModel):
     def simulate(self, trial: Trial) -> TrialOverlay:
         """One trial from its own approach."""
         data = self.trials[trial.id]
-        values = {**self._believed(), **self._defaults(), **{n: v for n, v in trial.overrides.items() if n in DEFAULTS}}
+        values = {
+            **self._believed(),
+            **self._defaults(),
+            **{n: v for n, v in trial.overrides.items() if n in self.model.names(self.study)},
+        }
         start = np.array([nuisance.guess for nuisance in self.model.nuisances(data)])
-        found = self.model.predict(self.model.mechanism(values), data, start)
+        found = self.model.predict(self.model.mechanism(values, data), data, start)
         recording = self.study.recording(trial)
         contact = [e.time for e in found.run.events if e.element == "contact"]
         focus = (min(contact) - BEFORE, max(contact) + AFTER) if contact else None
@@ -141,9 +157,9 @@ def _hand_mass(study: Study) -> float:
         return math.inf
     if baseline.joints == "servo":
         raise InputError(
-            "an arm on servos needs their stiffness, which a study cannot state",
+            "an arm on servos is simulated joint by joint, and none was recorded",
             given="joints servo",
-            valid="joints locked or free",
+            valid="joint.NAME.position of its joints among the channels, or joints locked or free",
             where=str(study.path),
         )
     robot = study_robot(study, default="pa10_wrist")

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
 from spacerobot.diagnosis.machines.contract import CLOCK, Machine, Nuisance, Predicted, Variant
 from spacerobot.diagnosis.machines.mechanism_cache import MechanismCache
+from spacerobot.diagnosis.machines.robot_channels import robot_channels
 from spacerobot.diagnosis.machines.sizes import beside_usual, sizes_of_hits
 from spacerobot.diagnosis.terms.candidates import candidate_sites
 from spacerobot.diagnosis.terms.data import TrialData
@@ -79,9 +81,9 @@ class RigModel(Machine):
     free_mass = "target.mass"
 
     def __init__(self, study: Study, trials: tuple[TrialData, ...], *, tolerance: float = 1e-6) -> None:
-        baseline = study.baseline
-        known = {n: v for n, v in study.values().items() if n in DEFAULTS}
-        unknown = _unknown(study, known, trials)
+        baseline, names = study.baseline, self.names(study)
+        known = {n: v for n, v in study.values().items() if n in names}
+        unknown = self.unstated(study, known, trials)
         channels = {c for t in trials for c in t.channels}
         self.turning = turning(study)
         self.sideways = "target.y" in channels
@@ -90,15 +92,15 @@ class RigModel(Machine):
         along = float(np.dot(baseline.gravity, baseline.approach))
         if along:
             known["gravity.along"] = along
-        absent = {name: 0.0 for name, added in ABSORBING.items() if name not in known and added not in known}
+        absent = self.absent(known)
         known |= absent  # not stated: found, as what is there to absorb is
         self.base: dict[str, float] = known
-        self.beliefs = beliefs_of(study, DEFAULTS)
-        sigma = {n: s for n, s in self.beliefs.sigma.items() if n in DEFAULTS and s > 0.0}
+        self.beliefs = beliefs_of(study, names)
+        sigma = {n: s for n, s in self.beliefs.sigma.items() if n in names and s > 0.0}
         unstated = [n for n in sigma if n not in known and not all(n in t.overrides for t in study.trials)]
         if unstated:
             raise InputError("a value has a sigma but no believed value", given=unstated[0], where=str(study.path))
-        scatter = {n: s for n, s in study.scatter.items() if n in DEFAULTS and s > 0.0}
+        scatter = {n: s for n, s in study.scatter.items() if n in names and s > 0.0}
         self.sensors = _sensors(study)
         clocks = _alone(study, self.sensors)
         conditions = tuple(study.conditions())
@@ -112,7 +114,7 @@ class RigModel(Machine):
             clocks=clocks,
             unheld={**self.beliefs.free, **absent},
             zeros=_zeros(study, channels),
-            absolute={n: s for n, s in study.absolute.items() if n in DEFAULTS},
+            absolute={n: s for n, s in study.absolute.items() if n in names},
         )
         self._beside = _beside(study, channels)
         self._number = {t.id: k for k, t in enumerate(study.trials)}
@@ -122,11 +124,27 @@ class RigModel(Machine):
         rates = [n.guess for motion in self._motion.values() for n in motion if n.coordinate == "target" and n.rate]
         self._size = sizes_of_hits(trials, {**self.base, **unknown}, rates)
 
+    def names(self, study: Study) -> Collection[str]:
+        """The values that it is made of."""
+        return DEFAULTS
+
+    def unstated(self, study: Study, known: Mapping[str, float], trials: tuple[TrialData, ...]) -> dict[str, float]:
+        """Values that the study does not state, with where their search begins."""
+        return _unknown(study, known, trials)
+
+    def absent(self, known: Mapping[str, float]) -> dict[str, float]:
+        """Values that are not stated and found from nothing on: there is something to absorb."""
+        return {name: 0.0 for name, added in ABSORBING.items() if name not in known and added not in known}
+
+    def own(self, trial: TrialData) -> tuple[Nuisance, ...]:
+        """What is free in a trial alone, from its recordings."""
+        return _nuisances(trial, self.turning, self.sideways)
+
     def _know(self, trials: tuple[TrialData, ...]) -> None:
         self.trials = trials
         self._trials = {t.id: t for t in trials}
         self._touch = {t.id: touch_time(t) for t in trials}
-        self._motion = {t.id: _nuisances(t, self.turning, self.sideways) for t in trials}
+        self._motion = {t.id: self.own(t) for t in trials}
 
     def size_at(self, where: str) -> Sizes:
         """Of the wrist, everywhere."""
@@ -211,17 +229,13 @@ class RigModel(Machine):
             free = hypothesis.values(z)
             zeros = (ChannelMap(c, "offset", free[zero_key(c)]) for c in self.believed.zeros)
             number = self._number.get(trial.recorded, 0)
-            return hypothesis.edit(self.mechanism(values).with_map(*zeros), free, trial.id, number)
+            return hypothesis.edit(self.mechanism(values, trial).with_map(*zeros), free, trial.id, number)
 
         return self._lately.mechanism(hypothesis, z, trial, make)
 
     def predict(self, mechanism: Mechanism, trial: TrialData, initial: np.ndarray) -> RigPredicted:
         """Simulate a trial from its initial values, shape (len(nuisances),), and read its channels."""
-        position: dict[str, float] = {}
-        velocity: dict[str, float] = {}
-        for nuisance, value in zip(self._motion[trial.id], initial, strict=True):
-            if nuisance.coordinate in mechanism.coordinates:
-                (velocity if nuisance.rate else position)[nuisance.coordinate] = float(value)
+        position, velocity = self.start(mechanism, trial, initial)
         run = simulate(
             self._lately.prepared(mechanism),
             position=position,
@@ -237,7 +251,29 @@ class RigModel(Machine):
             for b, by in zip(trial.blocks, late, strict=True)
         )
         self.add_beside(blocks, mechanism, trial)
+        self.add_zeros(blocks, trial, initial)
         return RigPredicted(blocks=blocks, touches=tuple(run.touches().tolist()), late=late, run=run)
+
+    def start(
+        self, mechanism: Mechanism, trial: TrialData, initial: np.ndarray
+    ) -> tuple[dict[str, float], dict[str, float]]:
+        """Positions and velocities of the coordinates that do not start at rest [m, rad, m/s, rad/s]."""
+        position: dict[str, float] = {}
+        velocity: dict[str, float] = {}
+        for nuisance, value in zip(self._motion[trial.id], initial, strict=True):
+            if nuisance.coordinate in mechanism.coordinates:
+                (velocity if nuisance.rate else position)[nuisance.coordinate] = float(value)
+        return position, velocity
+
+    def add_zeros(self, blocks: Sequence[np.ndarray], trial: TrialData, initial: np.ndarray) -> None:
+        """Add what a trial's channels read where the machine stands; changed in place. Of a plain rig it is zero."""
+
+    def robot_in(
+        self, study: Study, values: Mapping[str, float], trial: TrialData, initial: np.ndarray
+    ) -> dict[str, Any]:
+        """What a scene of the trial says of the robot: fields of `Scene`."""
+        baseline = study.baseline
+        return {"robot": study.robot_source or "pa10_wrist", "base": baseline.base, "joints": baseline.joints}
 
     def add_beside(self, blocks: Sequence[np.ndarray], mechanism: Mechanism, trial: TrialData) -> None:
         """Take what other columns bring into the channels of a trial, by factors that are doubted, off what is shown.
@@ -342,7 +378,8 @@ def turning(study: Study) -> bool:
 
 def readable(study: Study) -> frozenset[str]:
     """Channels that the rig of this baseline has a readout for; any other is left aside."""
-    return frozenset(rig({"target.yaw_inertia": 1.0} if turning(study) else {}, lateral=True).readouts)
+    own = rig({"target.yaw_inertia": 1.0} if turning(study) else {}, lateral=True).readouts
+    return frozenset(own) | robot_channels(study)
 
 
 def _sensors(study: Study) -> dict[str, tuple[str, ...]]:

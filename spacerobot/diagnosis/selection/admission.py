@@ -10,6 +10,7 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from spacerobot.diagnosis.machines.mechanism_cache import MOST
+from spacerobot.diagnosis.machines.whole_rig import rig_model
 from spacerobot.diagnosis.machines.wrist_rig import LEAST, RigModel, readable
 from spacerobot.diagnosis.terms.alignment import TRACK
 from spacerobot.diagnosis.terms.data import TrialData, one_trial
@@ -180,7 +181,7 @@ class WristDoor:
             yield error
             return
         if not self._to_draw:
-            yield from misplaced(recording, where)
+            yield from misplaced(self._study, recording, where)
         try:
             model = self._model(trial)
             start = np.array([n.guess for n in model.nuisances(trial)])
@@ -195,7 +196,7 @@ class WristDoor:
         """The rig in this trial."""
         sideways = "target.y" in trial.channels
         if sideways not in self._models:
-            self._models[sideways] = RigModel(self._study, (trial,))
+            self._models[sideways] = rig_model(self._study, (trial,))
         return self._models[sideways].of(trial)
 
     def _mechanism(self, model: RigModel, trial: TrialData) -> Mechanism:
@@ -208,12 +209,15 @@ class WristDoor:
         return self._mechanisms[key]
 
 
-def misplaced(recording: Recording, where: str) -> Iterator[InputError]:
+def misplaced(study: Study, recording: Recording, where: str) -> Iterator[InputError]:
     """Why a track cannot be laid over a rig: its zero is elsewhere than the rig's, by more than the wrist moves.
 
     The wrist's zero is where its spring is relaxed, the target's where it touches: there and then both read the same.
+    Of a robot that moves, only the hand's own track tells how far the spring is pressed.
     """
     if "wrist.x" not in recording or TRACK not in recording:
+        return
+    if "hand.x" not in recording and (study.baseline.base, study.baseline.joints) != ("fixed", "locked"):
         return
     wrist, target = recording["wrist.x"], recording[TRACK]
     (time, place), (when, track) = wrist.good(), target.good()

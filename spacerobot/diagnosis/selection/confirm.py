@@ -7,6 +7,7 @@ import numpy as np
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.mended_scene import scene_of
 from spacerobot.diagnosis.fitting.workshop import Workshop
+from spacerobot.diagnosis.machines.robot_channels import of_robot
 from spacerobot.diagnosis.machines.wrist_rig import counted
 from spacerobot.diagnosis.selection.check import Check
 from spacerobot.diagnosis.terms.data import TrialData
@@ -22,7 +23,7 @@ APART = 0.5
 """Difference of the two models in sensor sigmas (rms) above which the reduced one was too poor to fit with."""
 
 COUNTED_FROM = ("target.y", "target.yaw")
-"""Channels whose zero is the recording's own."""
+"""Channels whose zero is the recording's own, as are those of joints and base."""
 
 TOLERANCE = 1e-8
 
@@ -59,7 +60,7 @@ def difference(workshop: Workshop, chosen: Fit, trial: TrialData) -> float:
         whole = read_channels(run, run.mechanism, block.channels, block.time - trial.start - late)
         for c, channel in enumerate(block.channels):
             apart = whole[channel] + free.get(zero_key(channel), 0.0) + other[c] - shown[c]
-            if channel in COUNTED_FROM:
+            if channel in COUNTED_FROM or of_robot(channel):
                 apart = apart - apart[0]
             good = keep[row : row + block.time.size]
             row += block.time.size

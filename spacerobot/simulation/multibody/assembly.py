@@ -110,7 +110,8 @@ def assemble_bodies(scene: Scene, mechanism: Mechanism) -> Assembly:
     q, v = bodies.configuration.copy(), np.zeros(model.nv)
     q[target.idx_q : target.idx_q + 3] = bodies.touch - scene.lever - scene.target.gap * approach
     if scene.base == "free":
-        v[:3], v[3:6] = -scene.hand_speed * approach, scene.motion.base_spin  # the base stands unturned at the start
+        v[:3] = np.array(scene.motion.base_velocity) - scene.hand_speed * approach
+        v[3:6] = scene.motion.base_spin  # the base stands unturned at the start
     for name, rate in scene.motion.joint_rates.items():
         v[model.joints[joints[f"joint.{name}"]].idx_v] = rate
     start = q.copy()

@@ -14,18 +14,21 @@ class Motion:
     """Motion at the start that is neither the target's nor the chaser's as a whole: all at rest if nothing is said.
 
     Attributes:
+        base_velocity: of a free base's origin, beside the speed of the chaser as a whole, world axes, shape (3,) [m/s].
         base_spin: angular velocity of a free base about its own origin, world axes, shape (3,) [rad/s].
         joint_rates: of moving joints of the chain by name [rad/s or m/s].
         carried: of bodies that others carry (a slosh mass), by coordinate: displacement from where its spring is at
             rest and its rate, both against the carrier [m and m/s, or rad and rad/s].
     """
 
+    base_velocity: tuple[float, ...] = (0.0, 0.0, 0.0)
     base_spin: tuple[float, ...] = (0.0, 0.0, 0.0)
     joint_rates: Mapping[str, float] = field(default_factory=dict)
     carried: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "base_spin", vector(self.base_spin, 3, "motion.base_spin"))
+        for name in ("base_velocity", "base_spin"):
+            object.__setattr__(self, name, vector(getattr(self, name), 3, f"motion.{name}"))
         for name in ("joint_rates", "carried"):
             if not isinstance(getattr(self, name), Mapping):
                 given = getattr(self, name)
@@ -39,5 +42,5 @@ class Motion:
 
     @property
     def moves_robot(self) -> bool:
-        """Whether base or joints turn at the start."""
-        return any(self.base_spin) or any(self.joint_rates.values())
+        """Whether base or joints move at the start."""
+        return any(self.base_velocity) or any(self.base_spin) or any(self.joint_rates.values())
