@@ -183,4 +183,4 @@ def _not_shown(withdrawn: Mapping[Label, str]) -> list[str]:
 def _located(workshop: Workshop) -> Located:
     from spacerobot.diagnosis.locate.locate import locate  # takes half a second to load, best in another process
 
-    return locate(workshop.model, workshop.trials)
+    return locate(workshop.model, workshop.model.from_rest(workshop.trials))

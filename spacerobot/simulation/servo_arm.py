@@ -9,6 +9,7 @@ import numpy as np
 
 from spacerobot.dynamics.regime import regime_of
 from spacerobot.dynamics.terms import terms_of
+from spacerobot.effects.effect import BASE_PORTS
 from spacerobot.model.robot import Robot
 
 SAME = 1e-9
@@ -26,6 +27,7 @@ class ServoArm:
         rigid: rates of hand and others where all that moves moves along the approach at 1 m/s, shape (1 + count,);
             the hand's alone where the base is held.
         of_rates: rates of hand and others per rate of joints and base, shape (1 + count, len(chain) + 6).
+        after: the joint, or the base's motion, that each of the others was made to show.
     """
 
     mass: float
@@ -33,11 +35,12 @@ class ServoArm:
     base: np.ndarray
     rigid: np.ndarray
     of_rates: np.ndarray
+    after: tuple[str, ...]
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of the coordinates."""
-        return ("hand", *(f"arm.{k}" for k in range(1, self.rigid.size)))
+        """Of the coordinates: each further one is the first that moves what it is called after."""
+        return ("hand", *(f"arm.{name}" for name in self.after))
 
     def row(self, rates: np.ndarray) -> dict[str, float]:
         """Rates over the coordinates, by name."""
@@ -85,14 +88,16 @@ def servo_arm(
     size = float(np.linalg.norm(hand))
     if size * size < 1e-9:  # lighter than UNREACHABLE
         return None
-    axes = [hand / size]
-    for column in seen.T if whole else seen.T[: len(robot.chain)]:
+    axes, after = [hand / size], []
+    every = (*robot.chain, *BASE_PORTS)
+    for name, column in zip(every, seen.T if whole else seen.T[: len(robot.chain)], strict=False):
         new = column.copy()
         for _ in range(2):  # Gram and Schmidt, twice, which is enough
             for axis in axes:
                 new -= axis * (axis @ new)
         if np.linalg.norm(new) > SAME * np.linalg.norm(column):
             axes.append(new / np.linalg.norm(new))
+            after.append(name)
     basis = np.array(axes).T
     metres = np.array([size, *np.ones(len(axes) - 1)])  # of the hand per unit of the first axis
     of_rates = (basis.T @ factor.T @ shown.T) * metres[:, None]
@@ -102,7 +107,7 @@ def servo_arm(
         rigid = of_rates[:, len(robot.chain) :][:, :3] @ np.array(approach)
     rates = seen.T @ basis / metres
     split = len(robot.chain)
-    return ServoArm(1.0 / size**2, rates[:split], rates[split:], rigid, of_rates)
+    return ServoArm(1.0 / size**2, rates[:split], rates[split:], rigid, of_rates, tuple(after))
 
 
 def _rows(chain: int, moving: np.ndarray, base: np.ndarray, arm: np.ndarray, turn: np.ndarray) -> np.ndarray:

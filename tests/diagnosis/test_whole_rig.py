@@ -9,9 +9,11 @@ import pytest
 
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
+from spacerobot.diagnosis.locate.locate import locate
 from spacerobot.diagnosis.machines.whole_rig import WholeRig
 from spacerobot.diagnosis.selection.admission import admit
 from spacerobot.diagnosis.selection.beyond import NEAR, apart, of_whole_robot
+from spacerobot.diagnosis.terms.decision import LOCATED
 from spacerobot.diagnosis.terms.hypothesis import hypothesis
 from spacerobot.simulation.parts import EffectAt
 from tests.diagnosis.moving_robots import moving_robot
@@ -77,3 +79,14 @@ def test_a_hand_that_is_stated_takes_no_part(tmp_path: Path) -> None:
     workshop = Workshop(load_study(tmp_path))
     assert "hand.mass" not in workshop.model.base
     assert _left(_fitted(workshop)) < 1.1
+
+
+def test_the_joint_that_rubs_is_located(tmp_path: Path) -> None:
+    """Its own balance does not close; of a robot that is believed rightly every balance does."""
+    for name, planted in (("clean", ()), ("rubs", (EffectAt(*ELBOW, {"force_N": 0.4}),))):
+        folder = tmp_path / name
+        folder.mkdir()
+        workshop = Workshop(moving_robot(folder, "servo", *planted))
+        rows = locate(workshop.model, workshop.model.from_rest(workshop.trials)).rows
+        open_ = {r.balance for r in rows if r.p < LOCATED}
+        assert open_ == ({"arm.E1"} if planted else set())

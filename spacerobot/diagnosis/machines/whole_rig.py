@@ -16,7 +16,7 @@ import numpy as np
 from spacerobot.diagnosis.machines.contract import CLOCK, Nuisance
 from spacerobot.diagnosis.machines.robot_channels import BASE_CHANNELS, is_rate, of_robot, robot_channels
 from spacerobot.diagnosis.machines.robot_motions import RobotMotions
-from spacerobot.diagnosis.machines.wrist_rig import LEAST, RigModel, together, touch_time
+from spacerobot.diagnosis.machines.wrist_rig import LEAST, RigModel, RigPredicted, together, touch_time
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.effects.effect import BASE_PORTS
 from spacerobot.effects.laws import DAMPER, SPRING
@@ -61,6 +61,7 @@ class WholeRig(RigModel):
         self, study: Study, trials: tuple[TrialData, ...], *, tolerance: float = 1e-6, beyond: Beyond = NOTHING
     ) -> None:
         self.robot, self._beyond = RobotMotions(study), beyond
+        self._shown: dict[str, tuple[Mechanism, tuple[float, ...], RigPredicted]] = {}  # what zeros alone do not change
         self._base, self._joints = study.baseline.base, study.baseline.joints
         super().__init__(study, trials, tolerance=tolerance)
 
@@ -202,19 +203,41 @@ class WholeRig(RigModel):
             k = BASE_CHANNELS.index(channel)
             rates[chain + 3 * (k // 3) :][:3] += self.robot.axes[:, k % 3] * rate
 
-    def add_zeros(self, blocks: Sequence[np.ndarray], trial: TrialData, initial: np.ndarray) -> None:
-        """Add what channels read where the machine stands, and what the robot shows beyond its small motions."""
+    def predict(self, mechanism: Mechanism, trial: TrialData, initial: np.ndarray) -> RigPredicted:
+        """With what channels read where the machine stands, and what the robot shows beyond its small motions."""
+        own = self._motion[trial.id]
+        zeros = {n.coordinate.removeprefix(ZERO): float(v) for n, v in zip(own, initial, strict=True) if _zero(n)}
+        moving = tuple(float(v) for n, v in zip(own, initial, strict=True) if not _zero(n))
+        kept = self._shown.get(trial.id)
+        if kept is None or kept[0] is not mechanism or kept[1] != moving:
+            kept = self._shown[trial.id] = mechanism, moving, super().predict(mechanism, trial, initial)
         beyond = self._beyond.get(trial.recorded, {})
-        pairs = zip(self._motion[trial.id], initial, strict=True)
-        zeros = {n.coordinate.removeprefix(ZERO): float(v) for n, v in pairs if n.coordinate.startswith(ZERO)}
+        blocks = tuple(block.copy() for block in kept[2].blocks)
         for block, shown in zip(trial.blocks, blocks, strict=True):
             for row, channel in zip(shown, block.channels, strict=True):
                 row += zeros.get(channel, 0.0)
                 if channel in beyond:
                     row += np.interp(block.time, *beyond[channel])
+        return replace(kept[2], blocks=blocks)
+
+    def from_rest(self, trials: Sequence[TrialData]) -> tuple[TrialData, ...]:
+        """Joints and base less what they read where the machine stands."""
+        out = []
+        for trial in trials:
+            zeros = {n.coordinate.removeprefix(ZERO): n.guess for n in self.nuisances(trial) if _zero(n)}
+            blocks = []
+            for block in trial.blocks:
+                zero = np.array([zeros.get(c, 0.0) for c in block.channels])
+                blocks.append(replace(block, value=np.where(block.weight > 0.0, block.value - zero[:, None], 0.0)))
+            out.append(replace(trial, blocks=tuple(blocks)))
+        return tuple(out)
 
     def _arm(self, values: Mapping[str, float], trial: TrialData | None) -> ServoArm:
         return self.robot.of("" if trial is None else trial.recorded, _masses(values))
+
+
+def _zero(nuisance: Nuisance) -> bool:
+    return nuisance.coordinate.startswith(ZERO)
 
 
 def _links(name: str) -> bool:

@@ -251,7 +251,6 @@ class RigModel(Machine):
             for b, by in zip(trial.blocks, late, strict=True)
         )
         self.add_beside(blocks, mechanism, trial)
-        self.add_zeros(blocks, trial, initial)
         return RigPredicted(blocks=blocks, touches=tuple(run.touches().tolist()), late=late, run=run)
 
     def start(
@@ -265,8 +264,9 @@ class RigModel(Machine):
                 (velocity if nuisance.rate else position)[nuisance.coordinate] = float(value)
         return position, velocity
 
-    def add_zeros(self, blocks: Sequence[np.ndarray], trial: TrialData, initial: np.ndarray) -> None:
-        """Add what a trial's channels read where the machine stands; changed in place. Of a plain rig it is zero."""
+    def from_rest(self, trials: Sequence[TrialData]) -> tuple[TrialData, ...]:
+        """The trials with every channel counted from where the machine stands, as balances read them."""
+        return tuple(trials)
 
     def robot_in(
         self, study: Study, values: Mapping[str, float], trial: TrialData, initial: np.ndarray

@@ -15,7 +15,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations
 
 import numpy as np
 from scipy.ndimage import binary_erosion
@@ -76,6 +75,12 @@ def must_lead(dearer: float) -> float:
     return (NORMAL_95 + math.sqrt(root)) ** 2 if root > 0.0 else 0.0
 
 
+def _must_lead(dearer: np.ndarray) -> np.ndarray:
+    """The same of many, any shape."""
+    root = NORMAL_95**2 + MARGIN + dearer
+    return np.where(root > 0.0, np.square(NORMAL_95 + np.sqrt(np.maximum(root, 0.0))), 0.0)
+
+
 @dataclass(frozen=True, eq=False)
 class Column:
     """What an effect, at one of its starts and faint, does that no free parameter can imitate."""
@@ -121,17 +126,20 @@ class _Rivals:
         item: the effect.
         columns: (R,), of all effects that may stand in its place.
         units: (R, S + P), their directions.
+        cosines: (R, R), between them.
     """
 
-    def __init__(self, item: Column, columns: Sequence[Column], units: np.ndarray) -> None:
+    def __init__(self, item: Column, columns: Sequence[Column], units: np.ndarray, cosines: np.ndarray) -> None:
         self.columns, self.units = columns, units
         self.one_sided = np.array([not c.site.effect.two_sided for c in columns], dtype=bool)
-        self.leads = np.array([must_lead(item.price - c.price) for c in columns])
-        pairs = [p for p in combinations(range(len(columns)), 2) if len({columns[n].site.label for n in p}) == 2]
-        i, j = np.array(pairs, dtype=int).reshape(-1, 2).T
-        ask = np.array([must_lead(item.price - columns[a].price - columns[b].price) for a, b in pairs])
-        cosine = (units @ units.T)[i, j]
-        keep = (ask > 0.0) & (np.abs(cosine) < ALONG)
+        price = np.array([c.price for c in columns])
+        self.leads = _must_lead(item.price - price)
+        labels = {c.site.label: n for n, c in enumerate(columns)}
+        label = np.array([labels[c.site.label] for c in columns], dtype=int)
+        i, j = np.triu_indices(len(columns), 1)
+        ask = _must_lead(item.price - price[i] - price[j])
+        cosine = cosines[i, j]
+        keep = (label[i] != label[j]) & (ask > 0.0) & (np.abs(cosine) < ALONG)
         self.i, self.j, self.ask, self.cosine = i[keep], j[keep], ask[keep], cosine[keep]
 
     def least(self, column: np.ndarray, inflation: float) -> tuple[float, tuple[Label, ...]]:
@@ -170,6 +178,8 @@ class Limits:
         inflation: of the noise.
     """
 
+    _between: tuple[np.ndarray, np.ndarray] | None = None
+
     def __init__(self, fitter: Fitter, believed: Believed, fit: Fit, inflation: float) -> None:
         self.screener = Screener(fitter, believed)
         self.fitter, self.believed, self.fit, self.inflation = fitter, believed, fit, inflation
@@ -190,6 +200,12 @@ class Limits:
             if c.site.label not in best or c.steep > best[c.site.label].steep:
                 best[c.site.label] = c
         return [self._limit(c, columns, units) for _, c in sorted(best.items())]
+
+    def _cosines(self, units: np.ndarray) -> np.ndarray:
+        """Between all directions, shape (R, R); found once for all limits."""
+        if self._between is None or self._between[0] is not units:
+            self._between = units, units @ units.T
+        return self._between[1]
 
     def _columns(self, site: Site) -> list[Column]:
         share = 1.0 if site.effect.removes else FAINT
@@ -234,7 +250,9 @@ class Limits:
             if c.site.label != item.site.label
             and (not _akin(c.site.label, item.site.label) or contains([item.site.label], [c.site.label]))
         ]
-        rivals = _Rivals(item, [columns[k] for k in others], units[others])
+        rivals = _Rivals(
+            item, [columns[k] for k in others], units[others], self._cosines(units)[np.ix_(others, others)]
+        )
         earn = must_earn(item.price, not self.fit.hypothesis.sites)
 
         def enough(column: np.ndarray) -> tuple[float, tuple[Label, ...]]:
