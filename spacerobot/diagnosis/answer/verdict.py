@@ -27,7 +27,7 @@ from spacerobot.diagnosis.answer.record import (
 )
 from spacerobot.diagnosis.answer.spoiled import left_out, noise_told
 from spacerobot.diagnosis.fitting.fitted import Fit, Intervals, interval
-from spacerobot.diagnosis.learning.learn import Learnt
+from spacerobot.diagnosis.learning.learnt import Learnt
 from spacerobot.diagnosis.locate.located import Located, Row
 from spacerobot.diagnosis.machines.wrist_rig import RigModel
 from spacerobot.diagnosis.selection.judge import Judgement

@@ -10,7 +10,7 @@ import numpy as np
 
 from spacerobot.diagnosis.learning.curves import Curve
 from spacerobot.diagnosis.terms.decision import SMALL
-from spacerobot.effects.formula import Formula, evaluated
+from spacerobot.effects.formula import WORDS, Formula, evaluated
 from spacerobot.effects.learned import Kind, Shape, Variable
 from spacerobot.effects.registry import all_effects
 
@@ -23,6 +23,12 @@ KNOWN = 1e-9
 TRIFLE = 1e-6
 """Of a typical force."""
 
+ONE_WAY = 0.1
+"""Share of the far end of a range that its near end reaches where it was gone through one way alone."""
+
+POWERS = (0.2, 4.0)
+"""Exponents between which a power is looked for."""
+
 VOCABULARY: dict[Kind, tuple[str, ...]] = {
     "force": ("one", "line", "up", "down", "odd", "cube", "square"),
     "friction": ("one", "line", "abs", "square"),
@@ -31,13 +37,31 @@ VOCABULARY: dict[Kind, tuple[str, ...]] = {
 """Words of which a law of each kind is made, the plainer first; of forces and frictions a local rise besides."""
 
 
+CROWDED = 12
+"""Waves that the range of a curve holds at most, to be read off its coefficients."""
+
+WIDER: tuple[tuple[str, tuple[str, ...]], ...] = (
+    ("power", ()),
+    ("power", ("one",)),
+    ("rise", ("one",)),
+    ("wave", ()),
+    ("wave", ("one",)),
+)
+"""Further formulas of machines without a wrist: a word with numbers of its own, and plain ones beside it."""
+
+
 @dataclass(frozen=True)
 class Term:
-    """A word, of a local rise with its place and width."""
+    """A word, of a local rise or a wave with its place and width or length, of a power with its exponent as width."""
 
     word: str
     place: float = 0.0
     width: float = 1.0
+
+    def numbers(self, key: str) -> dict[str, float]:
+        """By parameter, beside its coefficient."""
+        both = {"place": self.place, "width": self.width, "length": self.width, "exponent": self.width}
+        return {f"{key}_{name}": both[name] for name in WORDS[self.word].further}
 
 
 @dataclass(frozen=True)
@@ -50,6 +74,7 @@ class Described:
         words: what it is like, in a sentence.
         like: effect of the catalogue, or "".
         price: what a further fitted number must earn in chi-squared [1].
+        off: how far it is from the curve, its numbers paid for, in chi-squared [1].
     """
 
     formula: Formula
@@ -57,6 +82,7 @@ class Described:
     words: str
     like: str
     price: float
+    off: float
 
     @property
     def numbers(self) -> int:
@@ -64,14 +90,15 @@ class Described:
         return len(self.values)
 
 
-def describe(curve: Curve) -> list[Described]:
+def describe(curve: Curve, wider: bool = False) -> list[Described]:
     """The best formula of one word, of two and of three, and the best local rise, each as near to the spline as it can.
 
-    Near by the likelihood of the spline's coefficients with everything else (and what is believed of it) marginalised;
-    no trial is simulated. A further number must earn its BIC, and be more than a small defect of the others.
+    With `wider` also powers and waves, and these and a rise beside plain words. Near by the likelihood of the spline's
+    coefficients with everything else (and what is believed of it) marginalised; no trial is simulated. A further number
+    must earn its BIC, and be more than a small defect of the others.
     """
     shape = curve.shape
-    own = shape.cells + 3
+    own = shape.count
     precision = np.linalg.inv(curve.covariance())
     prior = np.asarray(curve.site.effect.precision)[:own, :own] / shape.size**2
     told, ways = np.linalg.eigh(0.5 * (precision - prior + (precision - prior).T))
@@ -89,28 +116,77 @@ def describe(curve: Curve) -> list[Described]:
         found = np.linalg.lstsq(design, sought, rcond=1e-9)[0]
         return float(np.sum((sought - design @ found) ** 2)), found
 
-    plain = {Term(w): column(Term(w)) for w in VOCABULARY[shape.kind]}
+    plain = {Term(w): column(Term(w)) for w in _vocabulary(shape, wider)}
     best = [
         min(itertools.combinations(plain, size), key=lambda terms: fitted([plain[t] for t in terms])[0])
-        for size in range(1, MOST_TERMS + 1)
+        for size in range(1, min(MOST_TERMS, len(plain)) + 1)
     ]
-    best += [(bump,) for bump in _bumps(shape, lambda t: fitted([column(t)])[0])]
+
+    def beside(words: tuple[str, ...]) -> Callable[[Term], float]:
+        others = [plain[Term(w)] for w in words]
+        return lambda term: fitted([column(term), *others])[0]
+
+    if shape.of != "q":
+        best += [(bump,) for bump in _bumps(shape, beside(()))]
+    for word, words in WIDER if wider else ():
+        if set(words) <= {t.word for t in plain}:
+            found = _bumps(shape, beside(words)) if word == "rise" else _shaped(shape, word, beside(words))
+            best += [(term, *map(Term, words)) for term in found]
     price = float(np.log(float(curve.fit.samples)) + SMALL * float(sought @ sought))
-    return [_described(shape, terms, fitted([column(t) for t in terms])[1], price) for terms in best]
+    return [_described(shape, terms, *fitted([column(t) for t in terms]), price) for terms in best]
 
 
-def _described(shape: Shape, terms: tuple[Term, ...], found: np.ndarray, price: float) -> Described:
+def _vocabulary(shape: Shape, wider: bool) -> list[str]:
+    """Of a law, without words that others say as well; of what repeats with its place, what repeats."""
+    if shape.of == "q":
+        return ["one"]
+    one_way = wider and min(abs(shape.low), abs(shape.high)) < ONE_WAY * max(abs(shape.low), abs(shape.high))
+    return [w for w in VOCABULARY[shape.kind] if not (one_way and w in ("up", "down", "square", "abs"))]
+
+
+def _shaped(shape: Shape, word: str, cost: Callable[[Term], float]) -> Iterator[Term]:
+    """The best wave, of a force of the displacement; the best power, of one of a rate or a displacement."""
+    from scipy.optimize import minimize, minimize_scalar
+
+    reach = shape.high - shape.low
+    if shape.kind != "force" or (word == "power" and shape.of == "q") or (word == "wave" and shape.of == "v"):
+        return
+    if word == "power":
+        found = minimize_scalar(lambda n: cost(Term("power", 0.0, n)), bounds=POWERS, method="bounded")
+        yield Term("power", 0.0, float(found.x))
+        return
+    lengths = [reach] if shape.of == "q" else (reach / np.arange(1.0, CROWDED + 0.5, 0.5)).tolist()
+    starts = [Term("wave", shape.low + phase * n, n) for n in lengths for phase in np.arange(8) / 8.0]
+    start = min(starts, key=cost)
+    if shape.of == "q":
+        found = minimize_scalar(
+            lambda x: cost(Term("wave", x, reach)), bounds=(start.place - reach / 8.0, start.place + reach / 8.0)
+        )
+        yield Term("wave", float(found.x), reach)
+        return
+
+    def moved(step: np.ndarray) -> Term:
+        return Term("wave", start.place + 0.1 * start.width * step[0], start.width * float(np.exp(0.02 * step[1])))
+
+    def price(step: np.ndarray) -> float:
+        return cost(moved(step))
+
+    yield moved(minimize(price, np.zeros(2), method="Nelder-Mead").x)
+
+
+def _described(shape: Shape, terms: tuple[Term, ...], off: float, found: np.ndarray, price: float) -> Described:
     """Its coefficients as they were found; what they are fitted on, no smaller than a trifle of the curve's size."""
     least = TRIFLE * shape.size / max(abs(shape.low), abs(shape.high)) ** 3
     sizes = tuple((t.word, max(abs(float(c)), least)) for t, c in zip(terms, found, strict=True))
-    formula = Formula(shape.kind, shape.of, shape.low, shape.high, sizes)
+    of: Variable = "d" if shape.of == "q" else shape.of  # what repeats says so itself
+    formula = Formula(shape.kind, of, shape.low, shape.high, sizes)
     values = {f"a_{k}": float(c) for k, c in enumerate(found, 1)}
     for k, t in enumerate(terms, 1):
-        if t.word == "rise":
-            values |= {f"a_{k}_place": t.place, f"a_{k}_width": t.width}
+        values |= t.numbers(f"a_{k}")
     first = terms[int(np.argmax(np.abs(found)))]
     said = "; ".join(likeness(shape.kind, shape.of, t.word) for t in terms)
-    return Described(formula, values, said, _like(_curve_of(shape.kind, shape.of, first.word)), price)
+    like = _like(_curve_of(shape.kind, shape.of, first.word))
+    return Described(formula, values, said, like, price, off + price * len(values))
 
 
 def _like(curve: str) -> str:
@@ -120,7 +196,7 @@ def _like(curve: str) -> str:
 
 def _curve_of(kind: Kind, of: Variable, word: str) -> str:
     """In the word of effects, the curve that a term is a relative of, or ""."""
-    if word in ("one", "rise"):
+    if word in ("one", "rise", "wave", "power"):
         return "a level of friction" if kind == "friction" and of != "N" else "a constant" if word == "one" else ""
     shapes = {"up": "a line", "down": "a line", "odd": "a square", "cube": "a cube"}
     return f"{shapes[word]} in {of}" if word in shapes and kind == "force" else ""
@@ -142,6 +218,8 @@ def likeness(kind: Kind, of: Variable, word: str) -> str:
         "odd": "growing with the square",
         "cube": "growing with the cube",
         "rise": "a local rise, which fades away from its place",
+        "wave": "a ripple, which repeats along the way",
+        "power": "growing as a power of its own",
     }[word]
 
 

@@ -1,0 +1,225 @@
+"""A law learned at a part: a joint, an axis, a body. What decides is what trials kept aside say, as everywhere there.
+
+Every kind of law at every port of the part is fitted as a curve, beside the effects that the catalogue had to offer.
+The one that predicts best is taken. Effects that it makes idle go, one that shows only beside it comes. It must predict
+unseen trials clearly better than the catalogue's best, and where the noise is stated leave no more than that.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from spacerobot.diagnosis.fitting.fitted import Fit
+from spacerobot.diagnosis.fitting.noise import squares_of
+from spacerobot.diagnosis.learning.curves import Begun, Curve
+from spacerobot.diagnosis.learning.weighed import Law, begun, curve_of, misfit, settled, shape_for
+from spacerobot.diagnosis.machines.contract import Machine
+from spacerobot.diagnosis.selection.bench import Bench
+from spacerobot.diagnosis.selection.candidate import Candidate
+from spacerobot.diagnosis.selection.forward_selection import unshown
+from spacerobot.diagnosis.selection.growth import Growth
+from spacerobot.diagnosis.selection.model_choice import as_good, pays, ratio
+from spacerobot.diagnosis.selection.search_state import Report
+from spacerobot.diagnosis.terms.candidates import redundant
+from spacerobot.diagnosis.terms.decision import LOUD, TIE, WORTH_OF_REST
+from spacerobot.effects.plane import across
+from spacerobot.support.errors import SimulationError
+
+TRIED = 3
+"""Kinds of law, those that fit best, that are tried on unseen trials."""
+
+COMPANIONS = 2
+"""Effects that may come to a curve."""
+
+LEVEL = "a level of friction"
+"""The curve of effects where dry friction may act."""
+
+
+@dataclass(frozen=True, eq=False)
+class Taken:
+    """The law that predicts best.
+
+    Attributes:
+        bench: of the part, under the weights that the curve asks for.
+        law: its kind and port.
+        curve: as fitted.
+        before, best, after: the baseline, the catalogue's best and the curve's model, as unseen trials have them.
+        lead: log of its odds over the next other kind or port.
+        next: held-out rms of the next other kind or port over its own [1].
+    """
+
+    bench: Bench
+    law: Law
+    curve: Curve
+    before: Candidate
+    best: Candidate
+    after: Candidate
+    lead: float
+    next: float
+
+
+def laws_of(growth: Growth) -> Iterator[Law]:
+    """Every kind of law at every port of a part where something is known to move, the plainer first."""
+    model = growth.bench.model
+    plain, fit = model.plain(), growth.after.fit
+    trial = growth.bench.trials[0]
+    rubbed = {s.where for s in growth.sites if s.effect.curve == LEVEL}
+    beside = {other for p in plain.ports for other in across(plain, p)}
+    for port in plain.ports:
+        mechanism = model.trial_mechanism(fit.hypothesis, fit.z, trial)
+        if not model.travelled(port, mechanism, trial, fit.trials[trial.id].initial):
+            continue
+        turns = plain.angular(port)
+        if port not in beside:  # against the velocity, whatever its direction
+            yield Law(port, "force", "v", turns)
+        yield Law(port, "force", "d", turns)
+        if port in rubbed and not across(plain, port):
+            yield Law(port, "friction", "d", turns)
+        if port.startswith("joint."):
+            yield Law(port, "force", "q", turns)
+
+
+def take(growth: Growth, report: Report) -> Taken | str:
+    """The law that predicts a part's unseen trials best, or why there is none.
+
+    Args:
+        growth: of the part, to what the catalogue comes down.
+        report: told of progress.
+    """
+    laws = list(laws_of(growth))
+    if not laws:
+        return "nothing of it moves along a port at which a law could be learned"
+    if len(growth.bench.left_out) < 2:
+        return "there are too few trials to keep one aside"
+    found = []
+    for done, law in enumerate(laws):
+        report(f"learning a law at {law.where}", done, len(laws))
+        bench = _bench(growth)
+        curve = None
+        with contextlib.suppress(SimulationError):
+            shape = shape_for(bench, growth.after.fit, law)
+            if shape is not None:
+                curve = settled(bench, growth.after.sites, begun(shape, law.where, growth.after.fit))
+        if curve is not None:
+            found.append((misfit(bench, curve.fit), bench, law, curve))
+    if not found:
+        return "no curve could be fitted"
+    found.sort(key=lambda one: one[0])
+    bench = found[0][1]  # the weights of the one that fits best, for all
+    tried = []
+    for place, (_, _, law, curve) in enumerate(found[:TRIED]):
+        report(f"predicting unseen trials by a law at {law.where}", place, TRIED)
+        again = settled(bench, curve.fit.hypothesis.sites[:-1], _from(curve), listen=False)
+        if again is not None:
+            tried.append((law, again, Candidate(again.fit, bench.held_out(again.fit))))
+    if not tried:
+        return "no curve could be fitted"
+    least = min(tried, key=lambda one: one[2].error)
+    near = [one for one in tried if ratio(one[2], least[2]) <= 1.0 + TIE]
+    law, curve, after = min(near, key=lambda one: one[1].determined())
+    others = [one for one in tried if one[0] is not law]
+    lead = min((curve.evidence - one[1].evidence for one in others), default=float("inf"))
+    following = min((ratio(one[2], after) for one in others), default=float("inf"))
+    return _beside(growth, Taken(bench, law, curve, after, after, after, lead, following), report)
+
+
+def refused(growth: Growth, taken: Taken) -> str:
+    """Why a law is not believed; empty where it is."""
+    trials, said = taken.bench.trials, f"the law that predicts best ({words(taken.law)})"
+    if not pays(taken.after, taken.best, trials):
+        share = 100.0 * ratio(taken.after, taken.best)
+        return f"{said} leaves {share:.3g} % of the error of the catalogue's best on trials kept aside, not throughout"
+    if loud := louder(taken.bench, taken.after.fit):
+        return f"{said} still leaves {loud:.3g} times the stated noise"
+    if why := unshown_beside(taken.after.fit):
+        return f"{said} is told from no effect beside it: {why}"
+    return ""
+
+
+def words(law: Law) -> str:
+    """A kind of law in words."""
+    of = {"v": "rate", "d": "displacement", "q": "displacement within a period"}[law.of]
+    return f"{'dry friction' if law.kind == 'friction' else 'a force'} of its {of} at {law.where}"
+
+
+def louder(bench: Bench, fit: Fit) -> float:
+    """What a fit leaves over the stated noise of the loudest channel; nothing where none is stated or it is no more."""
+    expected = dict(bench.model.expected(fit.values()))
+    for trial in bench.model.trials:
+        for block in trial.blocks:
+            for channel, weight in zip(block.channels, block.weight, strict=True):
+                if channel in bench.model.stated and weight.any():
+                    expected.setdefault(channel, 1.0 / float(weight.max()))
+    sums = squares_of(fit.residuals(), bench.trials)
+    most = max((float(np.sqrt(sums[c][0] / max(sums[c][1], 1))) / s for c, s in expected.items()), default=0.0)
+    return most if most > LOUD else 0.0
+
+
+def unshown_beside(fit: Fit) -> str:
+    """Why an effect beside a curve is not shown; empty where all are."""
+    sites = tuple(s for s in fit.hypothesis.sites if not s.effect.learned)
+    return unshown(replace(fit, hypothesis=replace(fit.hypothesis, sites=sites)))
+
+
+def _bench(growth: Growth, model: Machine | None = None) -> Bench:
+    """A bench of a part under the weights that its chosen model asks for."""
+    own = growth.bench
+    bench = Bench(own.model if model is None else model, own.threads, own.kept.within("learning"))
+    bench.weights = own.weights
+    return bench
+
+
+def _from(curve: Curve) -> Begun:
+    return Begun(curve.shape, curve.site.where, curve.fit.values(), curve.fit.initials())
+
+
+def _beside(growth: Growth, taken: Taken, report: Report) -> Taken:
+    """The law with the effects that stand beside it: those that it makes idle go, and what shows beside it comes."""
+    bench, curve, after = taken.bench, taken.curve, taken.after
+    baseline = _tested(bench, growth.before.fit)
+    report("learning what stands beside it", 0, 1)
+    for site in growth.after.sites:
+        rest = [s for s in curve.fit.hypothesis.sites if s.label not in (site.label, curve.site.label)]
+        less = settled(bench, rest, _from(curve), listen=False)
+        if less is None:
+            continue
+        one = Candidate(less.fit, bench.held_out(less.fit))
+        if as_good(one, after, baseline):
+            curve, after = less, one
+    for _ in range(COMPANIONS):
+        more = _companion(growth, bench, curve)
+        if more is None or not pays(more[1], after, bench.trials):
+            break
+        curve, after = more
+    ended = settled(bench, [s for s in curve.fit.hypothesis.sites if not s.effect.learned], _from(curve))
+    if ended is not None:
+        curve, after = ended, Candidate(ended.fit, bench.held_out(ended.fit))
+    before, best = (_tested(bench, c.fit) for c in (growth.before, growth.after))
+    return replace(taken, curve=curve, before=before, best=best, after=after)
+
+
+def _tested(bench: Bench, fit: Fit) -> Candidate:
+    """A model of the catalogue under the bench's weights, tried on unseen trials."""
+    again = bench.again(fit)
+    return Candidate(again, bench.held_out(again))
+
+
+def _companion(growth: Growth, bench: Bench, curve: Curve) -> tuple[Curve, Candidate] | None:
+    """The curve beside the effect that promises most, where any promises as much as is worth naming."""
+    here = curve.fit.hypothesis.sites
+    further = [s for s in growth.sites if s not in here and not redundant([t.label for t in (*here, s)])]
+    bar = (1.0 - WORTH_OF_REST) ** 2 * curve.fit.cost
+    promised = [p for p in bench.promises(curve.fit, further) if p.cost < bar]
+    for promise in sorted(promised, key=lambda p: p.cost)[:1]:
+        fit = bench.fitted(curve.fit, promise)
+        if fit is None:
+            continue
+        sites = [s for s in fit.hypothesis.sites if not s.effect.learned]
+        again = settled(bench, sites, _from(curve_of(curve.shape, curve.site, fit)), listen=False)
+        if again is not None:
+            return again, Candidate(again.fit, bench.held_out(again.fit))
+    return None
