@@ -7,14 +7,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from spacerobot.diagnosis.learning.learnt import Learnt
-from spacerobot.diagnosis.learning.part import Taken, louder, refused, take, words
+from spacerobot.diagnosis.learning.part import Taken, louder, noise, refused, take, words
 from spacerobot.diagnosis.learning.part_held import kept_aside, written
 from spacerobot.diagnosis.selection.candidate import Candidate, tried
 from spacerobot.diagnosis.selection.kept_aside import Unseen
 from spacerobot.diagnosis.selection.model_choice import agreeing, pays
 from spacerobot.diagnosis.selection.part_result import Part
 from spacerobot.diagnosis.selection.search_state import Report
-from spacerobot.diagnosis.terms.decision import AS_GOOD, DOUBT, TIE
+from spacerobot.diagnosis.terms.decision import AS_GOOD, CROWD, DOUBT, TIE
 from spacerobot.diagnosis.terms.kinds import AMBIGUOUS, LEARNED, NAMED, UNKNOWN, Kind
 
 
@@ -48,10 +48,13 @@ class LearnedPart(Part):
 def room_for_a_law(part: Part) -> bool:
     """Whether what is said of a part may be one law that has no name.
 
-    Nothing of the catalogue explains it; or what is named of it leaves more than the stated noise.
+    Nothing of the catalogue explains it; or, where the noise is stated, what is named of it leaves more, or is a crowd.
     """
-    said = part.verdict
-    return said == UNKNOWN or (said in (NAMED, AMBIGUOUS) and louder(part.growth.bench, part.fit) > 0.0)
+    said, bench = part.verdict, part.growth.bench
+    if said not in (NAMED, AMBIGUOUS) or not noise(bench, part.fit):
+        return said == UNKNOWN
+    count = sum(s.effect.kind != "sensor" for s in part.fit.hypothesis.sites)
+    return louder(bench, part.fit) > 0.0 or count >= CROWD - (said == AMBIGUOUS)
 
 
 def settle_part(part: Part, report: Report) -> Part:

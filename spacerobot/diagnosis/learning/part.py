@@ -146,16 +146,22 @@ def words(law: Law) -> str:
     return f"{'dry friction' if law.kind == 'friction' else 'a force'} of its {of} at {law.where}"
 
 
-def louder(bench: Bench, fit: Fit) -> float:
-    """What a fit leaves over the stated noise of the loudest channel; nothing where none is stated or it is no more."""
+def noise(bench: Bench, fit: Fit) -> dict[str, float]:
+    """By channel, the noise that is stated of what is compared; empty where none is."""
     expected = dict(bench.model.expected(fit.values()))
     for trial in bench.model.trials:
         for block in trial.blocks:
             for channel, weight in zip(block.channels, block.weight, strict=True):
                 if channel in bench.model.stated and weight.any():
                     expected.setdefault(channel, 1.0 / float(weight.max()))
+    return expected
+
+
+def louder(bench: Bench, fit: Fit) -> float:
+    """What a fit leaves over the stated noise of the loudest channel; nothing where none is stated or it is no more."""
     sums = squares_of(fit.residuals(), bench.trials)
-    most = max((float(np.sqrt(sums[c][0] / max(sums[c][1], 1))) / s for c, s in expected.items()), default=0.0)
+    ratios = (float(np.sqrt(sums[c][0] / max(sums[c][1], 1))) / s for c, s in noise(bench, fit).items())
+    most = max(ratios, default=0.0)
     return most if most > LOUD else 0.0
 
 
