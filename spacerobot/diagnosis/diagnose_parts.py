@@ -111,7 +111,7 @@ def _searched(
     def between(moments: Mapping[str, Sequence[Moment]], what: str) -> Part:
         cut = model.cut_at(moments)
         again = grow(cut, effects=catalogue, threads=threads, reached=reached, kept=kept.within(what))
-        return Part(again, knocks=tuple(struck(again, moments, places)))
+        return Part(again, knocks=tuple(struck(again, moments, places)), uncut=growth)
 
     part = between(found, "between knocks")
     if not (repeated := foretold(part.knocks, part.growth.bench.trials)):

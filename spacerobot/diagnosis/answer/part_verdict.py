@@ -78,7 +78,11 @@ def verdict_of(study: Study, parts: Sequence[Part], *, seed: int, seconds: float
         verdict=verdict,
         confidence=float(np.mean([p.confidence for p in speaking])),
         why=[line for p in parts for line in why_not(p.checks)]
-        + [f"{p.name}: no law was learned either: {p.not_learned}" for p in parts if p.not_learned]
+        + [
+            f"{p.name}: no law was learned either: {p.not_learned}"
+            for p, v in zip(parts, own, strict=True)
+            if v == UNKNOWN and p.not_learned
+        ]
         + [f"{p.name}: {p.model.not_measured}" for p in parts if p.model.not_measured]
         + [line for p, v in zip(parts, own, strict=True) if v == AMBIGUOUS for line in _shared(p)],
         effects=effects,

@@ -99,7 +99,7 @@ def describe(curve: Curve, wider: bool = False) -> list[Described]:
     """
     shape = curve.shape
     own = shape.count
-    precision = np.linalg.inv(curve.covariance())
+    precision = _inverse(curve.covariance())
     prior = np.asarray(curve.site.effect.precision)[:own, :own] / shape.size**2
     told, ways = np.linalg.eigh(0.5 * (precision - prior + (precision - prior).T))
     seen = told > KNOWN * told.max()  # elsewhere the prior alone speaks
@@ -134,6 +134,14 @@ def describe(curve: Curve, wider: bool = False) -> list[Described]:
             best += [(term, *map(Term, words)) for term in found]
     price = float(np.log(float(curve.fit.samples)) + SMALL * float(sought @ sought))
     return [_described(shape, terms, *fitted([column(t) for t in terms]), price) for terms in best]
+
+
+def _inverse(covariance: np.ndarray) -> np.ndarray:
+    """Of a covariance; where a fit knows combinations of coefficients exactly, without these."""
+    try:
+        return np.asarray(np.linalg.inv(covariance))
+    except np.linalg.LinAlgError:
+        return np.asarray(np.linalg.pinv(covariance, hermitian=True))
 
 
 def _vocabulary(shape: Shape, wider: bool) -> list[str]:

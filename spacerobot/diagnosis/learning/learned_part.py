@@ -8,8 +8,9 @@ import numpy as np
 
 from spacerobot.diagnosis.learning.learnt import Learnt
 from spacerobot.diagnosis.learning.part import Taken, louder, noise, refused, take, words
-from spacerobot.diagnosis.learning.part_held import kept_aside, written
+from spacerobot.diagnosis.learning.part_held import kept_aside
 from spacerobot.diagnosis.selection.candidate import Candidate, tried
+from spacerobot.diagnosis.selection.growth import Growth
 from spacerobot.diagnosis.selection.kept_aside import Unseen
 from spacerobot.diagnosis.selection.model_choice import agreeing, pays
 from spacerobot.diagnosis.selection.part_result import Part
@@ -66,45 +67,36 @@ def settle_part(part: Part, report: Report) -> Part:
     """
     if not room_for_a_law(part):
         return part
-    taken = take(part.growth, report)
-    why = taken if isinstance(taken, str) else refused(part.growth, taken)
+    growth = part.uncut or part.growth
+    taken = take(growth, report)
+    why = taken if isinstance(taken, str) else refused(taken)
     if isinstance(taken, str) or why:
         return replace(part, not_learned=why)
     unseen, best = kept_aside(taken, report)
-    if not pays(Candidate(taken.curve.fit, unseen.after), Candidate(taken.best.fit, best), taken.bench.trials):
+    foretold = min(unseen.after, unseen.selected, key=lambda held: held.total)
+    if not pays(Candidate(taken.curve.fit, foretold), Candidate(taken.best.fit, best), taken.bench.trials):
         said = words(taken.law)
         return replace(
             part, not_learned=f"{said}, learned again without a part of the trials, predicts these no better"
         )
-    return _learned(part, taken, unseen, report)
+    return _learned(part, taken, unseen, growth)
 
 
-def _learned(part: Part, taken: Taken, unseen: Unseen, report: Report) -> LearnedPart:
-    bench, curve = taken.bench, taken.curve
-    report("writing it down", 0, 1)
-    form = written(bench, curve)
-    chosen, learnt = taken.after, Learnt(curve, taken.lead, unseen)
-    if form is not None and unseen.selected.total <= AS_GOOD**2 * unseen.after.total:
-        one = Candidate(form[1], bench.held_out(form[1]))
-        if one.error <= AS_GOOD * taken.after.error and not louder(bench, form[1]):
-            chosen, learnt = one, Learnt(curve, taken.lead, replace(unseen, after=unseen.selected), *form)
-    considered = (_as_considered(part, taken, chosen), *part.growth.considered)
-    growth = replace(part.growth, bench=bench, before=taken.before, after=chosen, rivals=(), considered=considered)
-    return LearnedPart(
-        growth,
-        part.located,
-        (),
-        learnt.held,
-        part.knocks,
-        learnt=learnt,
-        best=taken.best,
-        next=taken.next,
-    )
+def _learned(part: Part, taken: Taken, unseen: Unseen, growth: Growth) -> LearnedPart:
+    """The part with the law; in a formula where that says as much as the curve."""
+    chosen, learnt = taken.after, Learnt(taken.curve, taken.lead, unseen)
+    if taken.form is not None and unseen.selected.total <= AS_GOOD**2 * unseen.after.total:
+        told, one = taken.form
+        if one.error <= AS_GOOD * taken.after.error and not louder(taken.bench, one.fit):
+            said = replace(unseen, after=unseen.selected)
+            chosen, learnt = one, Learnt(taken.curve, taken.lead, said, told, one.fit)
+    considered = (_as_considered(growth, taken, chosen), *growth.considered)
+    growth = replace(growth, bench=taken.bench, before=taken.before, after=chosen, rivals=(), considered=considered)
+    return LearnedPart(growth, part.located, (), learnt.held, learnt=learnt, best=taken.best, next=taken.next)
 
 
-def _as_considered(part: Part, taken: Taken, chosen: Candidate) -> Candidate:
+def _as_considered(growth: Growth, taken: Taken, chosen: Candidate) -> Candidate:
     """The model with the law, its errors on the scale of those that the search has tried: by the catalogue's best."""
-    growth = part.growth
     known = next((c for c in growth.considered if c.label == growth.after.label), growth.considered_baseline)
     held = tried(chosen)
     by = known.error / taken.best.error if np.isfinite(known.error) and taken.best.error else 1.0

@@ -16,6 +16,8 @@ import numpy as np
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.noise import squares_of
 from spacerobot.diagnosis.learning.curves import Begun, Curve
+from spacerobot.diagnosis.learning.describe import Described
+from spacerobot.diagnosis.learning.part_form import written
 from spacerobot.diagnosis.learning.weighed import Law, begun, curve_of, misfit, settled, shape_for
 from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.selection.bench import Bench
@@ -48,6 +50,7 @@ class Taken:
         law: its kind and port.
         curve: as fitted.
         before, best, after: the baseline, the catalogue's best and the curve's model, as unseen trials have them.
+        form: the curve's formula, and the model with it as unseen trials have it; None where none can be fitted.
         lead: log of its odds over the next other kind or port.
         next: held-out rms of the next other kind or port over its own [1].
     """
@@ -58,8 +61,14 @@ class Taken:
     before: Candidate
     best: Candidate
     after: Candidate
+    form: tuple[Described, Candidate] | None
     lead: float
     next: float
+
+    @property
+    def better(self) -> Candidate:
+        """Of curve and formula, what predicts better: beyond what a fold has visited a curve says nothing."""
+        return self.after if self.form is None or self.form[1].error > self.after.error else self.form[1]
 
 
 def laws_of(growth: Growth) -> Iterator[Law]:
@@ -115,7 +124,7 @@ def take(growth: Growth, report: Report) -> Taken | str:
         report(f"predicting unseen trials by a law at {law.where}", place, TRIED)
         again = settled(bench, curve.fit.hypothesis.sites[:-1], _from(curve), listen=False)
         if again is not None:
-            tried.append((law, again, Candidate(again.fit, bench.held_out(again.fit))))
+            tried.append((law, again, _better(bench, again)))
     if not tried:
         return "no curve could be fitted"
     least = min(tried, key=lambda one: one[2].error)
@@ -124,18 +133,22 @@ def take(growth: Growth, report: Report) -> Taken | str:
     others = [one for one in tried if one[0] is not law]
     lead = min((curve.evidence - one[1].evidence for one in others), default=float("inf"))
     following = min((ratio(one[2], after) for one in others), default=float("inf"))
-    return _beside(growth, Taken(bench, law, curve, after, after, after, lead, following), report)
+    report("learning what stands beside it", 0, 1)
+    curve = _beside(growth, bench, curve)
+    before, best = (_tested(bench, c.fit) for c in (growth.before, growth.after))
+    after = Candidate(curve.fit, bench.held_out(curve.fit))
+    return Taken(bench, law, curve, before, best, after, _form(bench, curve), lead, following)
 
 
-def refused(growth: Growth, taken: Taken) -> str:
+def refused(taken: Taken) -> str:
     """Why a law is not believed; empty where it is."""
     trials, said = taken.bench.trials, f"the law that predicts best ({words(taken.law)})"
-    if not pays(taken.after, taken.best, trials):
-        share = 100.0 * ratio(taken.after, taken.best)
+    if not pays(taken.better, taken.best, trials):
+        share = 100.0 * ratio(taken.better, taken.best)
         return f"{said} leaves {share:.3g} % of the error of the catalogue's best on trials kept aside, not throughout"
-    if loud := louder(taken.bench, taken.after.fit):
+    if loud := louder(taken.bench, taken.curve.fit):
         return f"{said} still leaves {loud:.3g} times the stated noise"
-    if why := unshown_beside(taken.after.fit):
+    if why := unshown_beside(taken.curve.fit):
         return f"{said} is told from no effect beside it: {why}"
     return ""
 
@@ -183,29 +196,38 @@ def _from(curve: Curve) -> Begun:
     return Begun(curve.shape, curve.site.where, curve.fit.values(), curve.fit.initials())
 
 
-def _beside(growth: Growth, taken: Taken, report: Report) -> Taken:
-    """The law with the effects that stand beside it: those that it makes idle go, and what shows beside it comes."""
-    bench, curve, after = taken.bench, taken.curve, taken.after
+def _form(bench: Bench, curve: Curve) -> tuple[Described, Candidate] | None:
+    found = written(bench, curve)
+    return None if found is None else (found[0], Candidate(found[1], bench.held_out(found[1])))
+
+
+def _better(bench: Bench, curve: Curve) -> Candidate:
+    """A curve's model, or its formula's where that predicts better."""
+    one, form = Candidate(curve.fit, bench.held_out(curve.fit)), _form(bench, curve)
+    return one if form is None or form[1].error > one.error else form[1]
+
+
+def _beside(growth: Growth, bench: Bench, curve: Curve) -> Curve:
+    """The curve with the effects that stand beside it: those that it makes idle go, and what shows beside it comes."""
     baseline = _tested(bench, growth.before.fit)
-    report("learning what stands beside it", 0, 1)
-    for site in growth.after.sites:
+    for _ in range(COMPANIONS + 1):
+        curve = _without_idle(bench, curve, baseline)
+        more = _companion(growth, bench, curve)
+        if more is None or not pays(_better(bench, more), _better(bench, curve), bench.trials):
+            break
+        curve = more
+    ended = settled(bench, [s for s in curve.fit.hypothesis.sites if not s.effect.learned], _from(curve))
+    return curve if ended is None else ended
+
+
+def _without_idle(bench: Bench, curve: Curve, baseline: Candidate) -> Curve:
+    here = _better(bench, curve)
+    for site in [s for s in curve.fit.hypothesis.sites if not s.effect.learned]:
         rest = [s for s in curve.fit.hypothesis.sites if s.label not in (site.label, curve.site.label)]
         less = settled(bench, rest, _from(curve), listen=False)
-        if less is None:
-            continue
-        one = Candidate(less.fit, bench.held_out(less.fit))
-        if as_good(one, after, baseline):
-            curve, after = less, one
-    for _ in range(COMPANIONS):
-        more = _companion(growth, bench, curve)
-        if more is None or not pays(more[1], after, bench.trials):
-            break
-        curve, after = more
-    ended = settled(bench, [s for s in curve.fit.hypothesis.sites if not s.effect.learned], _from(curve))
-    if ended is not None:
-        curve, after = ended, Candidate(ended.fit, bench.held_out(ended.fit))
-    before, best = (_tested(bench, c.fit) for c in (growth.before, growth.after))
-    return replace(taken, curve=curve, before=before, best=best, after=after)
+        if less is not None and as_good(one := _better(bench, less), here, baseline):
+            curve, here = less, one
+    return curve
 
 
 def _tested(bench: Bench, fit: Fit) -> Candidate:
@@ -214,18 +236,14 @@ def _tested(bench: Bench, fit: Fit) -> Candidate:
     return Candidate(again, bench.held_out(again))
 
 
-def _companion(growth: Growth, bench: Bench, curve: Curve) -> tuple[Curve, Candidate] | None:
+def _companion(growth: Growth, bench: Bench, curve: Curve) -> Curve | None:
     """The curve beside the effect that promises most, where any promises as much as is worth naming."""
     here = curve.fit.hypothesis.sites
     further = [s for s in growth.sites if s not in here and not redundant([t.label for t in (*here, s)])]
     bar = (1.0 - WORTH_OF_REST) ** 2 * curve.fit.cost
     promised = [p for p in bench.promises(curve.fit, further) if p.cost < bar]
-    for promise in sorted(promised, key=lambda p: p.cost)[:1]:
-        fit = bench.fitted(curve.fit, promise)
-        if fit is None:
-            continue
-        sites = [s for s in fit.hypothesis.sites if not s.effect.learned]
-        again = settled(bench, sites, _from(curve_of(curve.shape, curve.site, fit)), listen=False)
-        if again is not None:
-            return again, Candidate(again.fit, bench.held_out(again.fit))
-    return None
+    fit = bench.fitted(curve.fit, min(promised, key=lambda p: p.cost)) if promised else None
+    if fit is None:
+        return None
+    sites = [s for s in fit.hypothesis.sites if not s.effect.learned]
+    return settled(bench, sites, _from(curve_of(curve.shape, curve.site, fit)), listen=False)

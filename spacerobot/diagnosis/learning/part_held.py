@@ -4,44 +4,20 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 from spacerobot.diagnosis.fitting.fitted import Fit
-from spacerobot.diagnosis.learning.closed import closed
 from spacerobot.diagnosis.learning.curves import Curve
-from spacerobot.diagnosis.learning.describe import Described, describe
-from spacerobot.diagnosis.learning.ground import visited
 from spacerobot.diagnosis.learning.part import Taken
+from spacerobot.diagnosis.learning.part_form import written
 from spacerobot.diagnosis.learning.weighed import Law, begun, settled, shape_for
-from spacerobot.diagnosis.selection.bench import STEPS, Bench
+from spacerobot.diagnosis.selection.bench import Bench
 from spacerobot.diagnosis.selection.held_out import MOST_FOLDS, HeldOut, folds, scheme_of
 from spacerobot.diagnosis.selection.kept_aside import Fold, Unseen
 from spacerobot.diagnosis.selection.part_fold import errors_of, joined
 from spacerobot.diagnosis.selection.search_state import Report
 from spacerobot.diagnosis.selection.unseen import NOT_FITTED
-from spacerobot.diagnosis.terms.hypothesis import Site, hypothesis
 from spacerobot.diagnosis.terms.kinds import OTHER, SAME, TOLD, LeadsTo, Told
 from spacerobot.support.errors import SimulationError
-
-WORDINGS = 3
-"""Formulas, those nearest to the curve, that are fitted in the simulation."""
-
-
-def written(bench: Bench, curve: Curve) -> tuple[Described, Fit] | None:
-    """The formula that costs least in a part's simulation; None where it can fit none."""
-    others = [s for s in curve.fit.hypothesis.sites if not s.effect.learned]
-    told = sorted(describe(curve, wider=True), key=lambda one: one.off)[:WORDINGS]
-    if curve.shape.of == "q":  # known wherever it went, not over one period alone
-        low, high = visited(bench, curve.fit, curve.site.where)["d"]
-        told = [replace(one, formula=replace(one.formula, low=low, high=high)) for one in told]
-
-    def fitted(site: Site, start: dict[str, float]) -> Fit | None:
-        made = hypothesis(bench.model.believed, [*others, site], start)
-        return bench.fitter().fit(
-            made, warm=start, initials=curve.fit.initials(), max_iterations=2 * STEPS, robust=False
-        )
-
-    return closed(curve, told, fitted)
 
 
 def kept_aside(taken: Taken, report: Report) -> tuple[Unseen, HeldOut]:
@@ -71,7 +47,7 @@ def _leads_to(law: HeldOut, catalogue: HeldOut) -> LeadsTo:
 def _fold(taken: Taken, out: Sequence[str]) -> tuple[Mapping[Told, HeldOut], HeldOut]:
     whole, model = taken.bench, taken.bench.model
     unseen = [t for t in model.trials if t.id in out]
-    nothing = {name: errors_of(whole, {}, None, unseen, NOT_FITTED) for name in TOLD}
+    nothing = {name: errors_of(whole, whole.weights, None, unseen, NOT_FITTED) for name in TOLD}
     try:
         rest = model.but_for(out)
         if not rest.trials:
@@ -81,6 +57,7 @@ def _fold(taken: Taken, out: Sequence[str]) -> tuple[Mapping[Told, HeldOut], Hel
         baseline = bench.baseline()
         catalogue = _again(bench, baseline, taken.best.fit)
         beside = _again(bench, baseline, taken.curve.fit) or baseline
+        bench.weigh(beside)  # a curve is begun at the noise that a fit without it asks for
         curve = _learned(bench, taken.law, beside)
         fit = None if curve is None else curve.fit
         form = None if curve is None else written(bench, curve)
@@ -88,8 +65,8 @@ def _fold(taken: Taken, out: Sequence[str]) -> tuple[Mapping[Told, HeldOut], Hel
         return nothing, nothing["before"]
     told = {"before": baseline, "after": fit, "selected": fit if form is None else form[1]}
     fits: list[tuple[Told, Fit | None]] = [(name, told[name]) for name in TOLD]
-    errors = {name: errors_of(whole, bench.weights, one, unseen, NOT_FITTED) for name, one in fits}
-    return errors, errors_of(whole, bench.weights, catalogue, unseen, NOT_FITTED)
+    errors = {name: errors_of(whole, whole.weights, one, unseen, NOT_FITTED) for name, one in fits}
+    return errors, errors_of(whole, whole.weights, catalogue, unseen, NOT_FITTED)
 
 
 def _again(bench: Bench, baseline: Fit, fit: Fit) -> Fit | None:
