@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from spacerobot.diagnosis.learning.curves import Curve
+from spacerobot.diagnosis.learning.shaped import Term, bumps, shaped
 from spacerobot.diagnosis.terms.decision import SMALL
-from spacerobot.effects.formula import WORDS, Formula, evaluated
+from spacerobot.effects.formula import Formula, evaluated
 from spacerobot.effects.learned import Kind, Shape, Variable
 from spacerobot.effects.registry import all_effects
 
 MOST_TERMS = 3
-BUMPS = 24
-"""Places, and half as many widths, at which a local rise is tried before it is moved to its best."""
 KNOWN = 1e-9
 """Share of the best known combination's information, below which readings say nothing of one."""
 
@@ -26,9 +25,6 @@ TRIFLE = 1e-6
 ONE_WAY = 0.1
 """Share of the far end of a range that its near end reaches where it was gone through one way alone."""
 
-POWERS = (0.2, 4.0)
-"""Exponents between which a power is looked for."""
-
 VOCABULARY: dict[Kind, tuple[str, ...]] = {
     "force": ("one", "line", "up", "down", "odd", "cube", "square"),
     "friction": ("one", "line", "abs", "square"),
@@ -36,9 +32,6 @@ VOCABULARY: dict[Kind, tuple[str, ...]] = {
 }
 """Words of which a law of each kind is made, the plainer first; of forces and frictions a local rise besides."""
 
-
-CROWDED = 12
-"""Waves that the range of a curve holds at most, to be read off its coefficients."""
 
 WIDER: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("power", ()),
@@ -48,20 +41,6 @@ WIDER: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("wave", ("one",)),
 )
 """Further formulas of machines without a wrist: a word with numbers of its own, and plain ones beside it."""
-
-
-@dataclass(frozen=True)
-class Term:
-    """A word, of a local rise or a wave with its place and width or length, of a power with its exponent as width."""
-
-    word: str
-    place: float = 0.0
-    width: float = 1.0
-
-    def numbers(self, key: str) -> dict[str, float]:
-        """By parameter, beside its coefficient."""
-        both = {"place": self.place, "width": self.width, "length": self.width, "exponent": self.width}
-        return {f"{key}_{name}": both[name] for name in WORDS[self.word].further}
 
 
 @dataclass(frozen=True)
@@ -127,10 +106,10 @@ def describe(curve: Curve, wider: bool = False) -> list[Described]:
         return lambda term: fitted([column(term), *others])[0]
 
     if shape.of != "q":
-        best += [(bump,) for bump in _bumps(shape, beside(()))]
+        best += [(bump,) for bump in bumps(shape, beside(()))]
     for word, words in WIDER if wider else ():
         if set(words) <= {t.word for t in plain}:
-            found = _bumps(shape, beside(words)) if word == "rise" else _shaped(shape, word, beside(words))
+            found = bumps(shape, beside(words)) if word == "rise" else shaped(shape, word, beside(words))
             best += [(term, *map(Term, words)) for term in found]
     price = float(np.log(float(curve.fit.samples)) + SMALL * float(sought @ sought))
     return [_described(shape, terms, *fitted([column(t) for t in terms]), price) for terms in best]
@@ -150,36 +129,6 @@ def _vocabulary(shape: Shape, wider: bool) -> list[str]:
         return ["one"]
     one_way = wider and min(abs(shape.low), abs(shape.high)) < ONE_WAY * max(abs(shape.low), abs(shape.high))
     return [w for w in VOCABULARY[shape.kind] if not (one_way and w in ("up", "down", "square", "abs"))]
-
-
-def _shaped(shape: Shape, word: str, cost: Callable[[Term], float]) -> Iterator[Term]:
-    """The best wave, of a force of the displacement; the best power, of one of a rate or a displacement."""
-    from scipy.optimize import minimize, minimize_scalar
-
-    reach = shape.high - shape.low
-    if shape.kind != "force" or (word == "power" and shape.of == "q") or (word == "wave" and shape.of == "v"):
-        return
-    if word == "power":
-        found = minimize_scalar(lambda n: cost(Term("power", 0.0, n)), bounds=POWERS, method="bounded")
-        yield Term("power", 0.0, float(found.x))
-        return
-    lengths = [reach] if shape.of == "q" else (reach / np.arange(1.0, CROWDED + 0.5, 0.5)).tolist()
-    starts = [Term("wave", shape.low + phase * n, n) for n in lengths for phase in np.arange(8) / 8.0]
-    start = min(starts, key=cost)
-    if shape.of == "q":
-        found = minimize_scalar(
-            lambda x: cost(Term("wave", x, reach)), bounds=(start.place - reach / 8.0, start.place + reach / 8.0)
-        )
-        yield Term("wave", float(found.x), reach)
-        return
-
-    def moved(step: np.ndarray) -> Term:
-        return Term("wave", start.place + 0.1 * start.width * step[0], start.width * float(np.exp(0.02 * step[1])))
-
-    def price(step: np.ndarray) -> float:
-        return cost(moved(step))
-
-    yield moved(minimize(price, np.zeros(2), method="Nelder-Mead").x)
 
 
 def _described(shape: Shape, terms: tuple[Term, ...], off: float, found: np.ndarray, price: float) -> Described:
@@ -229,27 +178,3 @@ def likeness(kind: Kind, of: Variable, word: str) -> str:
         "wave": "a ripple, which repeats along the way",
         "power": "growing as a power of its own",
     }[word]
-
-
-def _bumps(shape: Shape, cost: Callable[[Term], float]) -> Iterator[Term]:
-    """The best local rise there is."""
-    if shape.kind == "memory":
-        return
-    from scipy.optimize import minimize
-
-    low, high = shape.low, shape.high
-    places = np.linspace(low, high, BUMPS)
-    widths = np.geomspace(0.03, 0.5, BUMPS // 2) * (high - low)
-    start = min((Term("rise", p, w) for p in places.tolist() for w in widths.tolist()), key=cost)
-    scale = 0.05 * (high - low)
-
-    narrow = (high - low) / shape.cells
-
-    def moved(step: np.ndarray) -> Term:
-        place = float(np.clip(start.place + scale * step[0], low, high))
-        return Term("rise", place, float(max(start.width * np.exp(step[1]), narrow)))
-
-    def price(step: np.ndarray) -> float:
-        return cost(moved(step))
-
-    yield moved(minimize(price, np.zeros(2), method="Nelder-Mead").x)

@@ -15,27 +15,23 @@ import numpy as np
 
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.noise import squares_of
-from spacerobot.diagnosis.learning.curves import Begun, Curve
+from spacerobot.diagnosis.learning.beside import beside_it, better_of, form_of, from_where_it_is, tested, without_curve
+from spacerobot.diagnosis.learning.curves import Curve
 from spacerobot.diagnosis.learning.describe import Described
-from spacerobot.diagnosis.learning.part_form import written
-from spacerobot.diagnosis.learning.weighed import Law, begun, curve_of, misfit, settled, shape_for
+from spacerobot.diagnosis.learning.weighed import Law, begun, misfit, settled, shape_for
 from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.selection.bench import Bench
 from spacerobot.diagnosis.selection.candidate import Candidate
 from spacerobot.diagnosis.selection.forward_selection import unshown
 from spacerobot.diagnosis.selection.growth import Growth
-from spacerobot.diagnosis.selection.model_choice import as_good, pays, ratio
+from spacerobot.diagnosis.selection.model_choice import pays, ratio
 from spacerobot.diagnosis.selection.search_state import Report
-from spacerobot.diagnosis.terms.candidates import redundant
-from spacerobot.diagnosis.terms.decision import LOUD, TIE, WORTH_OF_REST
+from spacerobot.diagnosis.terms.decision import LOUD, TIE
 from spacerobot.effects.plane import across
 from spacerobot.support.errors import SimulationError
 
 TRIED = 3
 """Kinds of law, those that fit best, that are tried on unseen trials."""
-
-COMPANIONS = 2
-"""Effects that may come to a curve."""
 
 LEVEL = "a level of friction"
 """The curve of effects where dry friction may act."""
@@ -122,9 +118,9 @@ def take(growth: Growth, report: Report) -> Taken | str:
     tried = []
     for place, (_, _, law, curve) in enumerate(found[:TRIED]):
         report(f"predicting unseen trials by a law at {law.where}", place, TRIED)
-        again = settled(bench, curve.fit.hypothesis.sites[:-1], _from(curve), listen=False)
+        again = settled(bench, without_curve(curve), from_where_it_is(curve), listen=False)
         if again is not None:
-            tried.append((law, again, _better(bench, again)))
+            tried.append((law, again, better_of(bench, again)))
     if not tried:
         return "no curve could be fitted"
     least = min(tried, key=lambda one: one[2].error)
@@ -134,10 +130,10 @@ def take(growth: Growth, report: Report) -> Taken | str:
     lead = min((curve.evidence - one[1].evidence for one in others), default=float("inf"))
     following = min((ratio(one[2], after) for one in others), default=float("inf"))
     report("learning what stands beside it", 0, 1)
-    curve = _beside(growth, bench, curve)
-    before, best = (_tested(bench, c.fit) for c in (growth.before, growth.after))
+    curve = beside_it(growth, bench, curve)
+    before, best = (tested(bench, c.fit) for c in (growth.before, growth.after))
     after = Candidate(curve.fit, bench.held_out(curve.fit))
-    return Taken(bench, law, curve, before, best, after, _form(bench, curve), lead, following)
+    return Taken(bench, law, curve, before, best, after, form_of(bench, curve), lead, following)
 
 
 def refused(taken: Taken) -> str:
@@ -148,7 +144,7 @@ def refused(taken: Taken) -> str:
         return f"{said} leaves {share:.3g} % of the error of the catalogue's best on trials kept aside, not throughout"
     if loud := louder(taken.bench, taken.curve.fit):
         return f"{said} still leaves {loud:.3g} times the stated noise"
-    if why := unshown_beside(taken.curve.fit):
+    if why := unshownbeside(taken.curve.fit):
         return f"{said} is told from no effect beside it: {why}"
     return ""
 
@@ -178,7 +174,7 @@ def louder(bench: Bench, fit: Fit) -> float:
     return most if most > LOUD else 0.0
 
 
-def unshown_beside(fit: Fit) -> str:
+def unshownbeside(fit: Fit) -> str:
     """Why an effect beside a curve is not shown; empty where all are."""
     sites = tuple(s for s in fit.hypothesis.sites if not s.effect.learned)
     return unshown(replace(fit, hypothesis=replace(fit.hypothesis, sites=sites)))
@@ -190,60 +186,3 @@ def _bench(growth: Growth, model: Machine | None = None) -> Bench:
     bench = Bench(own.model if model is None else model, own.threads, own.kept.within("learning"))
     bench.weights = own.weights
     return bench
-
-
-def _from(curve: Curve) -> Begun:
-    return Begun(curve.shape, curve.site.where, curve.fit.values(), curve.fit.initials())
-
-
-def _form(bench: Bench, curve: Curve) -> tuple[Described, Candidate] | None:
-    found = written(bench, curve)
-    return None if found is None else (found[0], Candidate(found[1], bench.held_out(found[1])))
-
-
-def _better(bench: Bench, curve: Curve) -> Candidate:
-    """A curve's model, or its formula's where that predicts better."""
-    one, form = Candidate(curve.fit, bench.held_out(curve.fit)), _form(bench, curve)
-    return one if form is None or form[1].error > one.error else form[1]
-
-
-def _beside(growth: Growth, bench: Bench, curve: Curve) -> Curve:
-    """The curve with the effects that stand beside it: those that it makes idle go, and what shows beside it comes."""
-    baseline = _tested(bench, growth.before.fit)
-    for _ in range(COMPANIONS + 1):
-        curve = _without_idle(bench, curve, baseline)
-        more = _companion(growth, bench, curve)
-        if more is None or not pays(_better(bench, more), _better(bench, curve), bench.trials):
-            break
-        curve = more
-    ended = settled(bench, [s for s in curve.fit.hypothesis.sites if not s.effect.learned], _from(curve))
-    return curve if ended is None else ended
-
-
-def _without_idle(bench: Bench, curve: Curve, baseline: Candidate) -> Curve:
-    here = _better(bench, curve)
-    for site in [s for s in curve.fit.hypothesis.sites if not s.effect.learned]:
-        rest = [s for s in curve.fit.hypothesis.sites if s.label not in (site.label, curve.site.label)]
-        less = settled(bench, rest, _from(curve), listen=False)
-        if less is not None and as_good(one := _better(bench, less), here, baseline):
-            curve, here = less, one
-    return curve
-
-
-def _tested(bench: Bench, fit: Fit) -> Candidate:
-    """A model of the catalogue under the bench's weights, tried on unseen trials."""
-    again = bench.again(fit)
-    return Candidate(again, bench.held_out(again))
-
-
-def _companion(growth: Growth, bench: Bench, curve: Curve) -> Curve | None:
-    """The curve beside the effect that promises most, where any promises as much as is worth naming."""
-    here = curve.fit.hypothesis.sites
-    further = [s for s in growth.sites if s not in here and not redundant([t.label for t in (*here, s)])]
-    bar = (1.0 - WORTH_OF_REST) ** 2 * curve.fit.cost
-    promised = [p for p in bench.promises(curve.fit, further) if p.cost < bar]
-    fit = bench.fitted(curve.fit, min(promised, key=lambda p: p.cost)) if promised else None
-    if fit is None:
-        return None
-    sites = [s for s in fit.hypothesis.sites if not s.effect.learned]
-    return settled(bench, sites, _from(curve_of(curve.shape, curve.site, fit)), listen=False)

@@ -14,7 +14,7 @@ from spacerobot.diagnosis.learning.periods import period
 from spacerobot.diagnosis.selection.bench import Bench
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Site
-from spacerobot.effects.learned import Kind, LearnedLaw, Shape, Variable
+from spacerobot.effects.learned import Kind, Shape, Variable
 from spacerobot.support.errors import SimulationError
 
 ROUNDS, STEPS = 8, 8
@@ -103,11 +103,3 @@ def misfit(bench: Bench, fit: Fit) -> float:
     """-2 log likelihood of noise whose level nobody knows, up to a constant: over channels, n log(mean square)."""
     sums = squares_of(fit.residuals(), bench.trials)
     return float(sum(count * np.log(max(square / max(count, 1), 1e-300)) for square, count in sums.values()))
-
-
-def site_of(shape: Shape, where: str) -> Site:
-    """Where a curve of this shape stands."""
-    return Site(LearnedLaw(shape), where)
-
-
-Weights = Mapping[str, float]
