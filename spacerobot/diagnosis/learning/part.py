@@ -114,6 +114,10 @@ def take(growth: Growth, report: Report) -> Taken | str:
     if not found:
         return "no curve could be fitted"
     found.sort(key=lambda one: one[0])
+    readings = max(growth.after.fit.samples, 1)
+    gone = 1.0 - float(np.exp(0.5 * (found[0][0] - misfit(growth.bench, growth.after.fit)) / readings))
+    if gone < TIE:
+        return f"no curve at a port of it takes more than {100.0 * max(gone, 0.0):.2g} % of what is left"
     bench = found[0][1]  # the weights of the one that fits best, for all
     tried = []
     for place, (_, _, law, curve) in enumerate(found[:TRIED]):
