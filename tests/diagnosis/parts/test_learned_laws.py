@@ -115,6 +115,7 @@ def test_it_is_said_shown_and_runs_again(
     assert site.where == "joint.shaft"
 
 
+@pytest.mark.slow
 def test_friction_that_rises_over_a_worn_stretch_is_learned_with_its_place(tmp_path: Path) -> None:
     def level(q: np.ndarray) -> np.ndarray:
         return np.asarray(0.2 + 0.25 * np.exp(-(((q - 0.2) / 0.2) ** 2)))
@@ -153,6 +154,7 @@ def test_nothing_is_learned_where_the_catalogue_suffices(law: Any, verdict: str,
     assert settle_part(part, quiet) is part
 
 
+@pytest.mark.slow
 def test_what_does_not_repeat_is_not_learned_and_says_why(tmp_path: Path) -> None:
     """A torque of its own in every trial, over time: of no use to any other trial."""
     random = np.random.default_rng(5)
