@@ -11,7 +11,7 @@ import numpy as np
 from spacerobot.diagnosis.answer.clock_offsets import clock_offsets
 from spacerobot.diagnosis.answer.evidence import evidence_of_rig
 from spacerobot.diagnosis.answer.held_out import of_rivals
-from spacerobot.diagnosis.answer.law_file import law_file
+from spacerobot.diagnosis.answer.learned import draft_of
 from spacerobot.diagnosis.answer.next_trial import WHY_RIG, next_trial
 from spacerobot.diagnosis.answer.record import NextExperiment
 from spacerobot.diagnosis.answer.result import Diagnosis
@@ -21,7 +21,6 @@ from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.mended_scene import scene_of
 from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.workshop import Workshop
-from spacerobot.diagnosis.learning.learn import Learnt
 from spacerobot.diagnosis.learning.settle import settle
 from spacerobot.diagnosis.locate.located import Located
 from spacerobot.diagnosis.selection.admission import admit, has_wrist
@@ -34,7 +33,6 @@ from spacerobot.diagnosis.selection.precompile import help_compiling
 from spacerobot.diagnosis.selection.search_state import Report
 from spacerobot.diagnosis.terms.hypothesis import Label, Site
 from spacerobot.diagnosis.terms.kinds import AMBIGUOUS
-from spacerobot.effects.formula import FormulaLaw
 from spacerobot.effects.registry import all_effects
 from spacerobot.recordings.lacking import refuse_draft
 from spacerobot.recordings.study import Study
@@ -152,16 +150,8 @@ def diagnose(
         checks=settled.checks,
     )
     scene = scene_of(study, workshop.model, judgement.chosen)
-    draft = None if learnt is None else _draft(learnt)
+    draft = None if learnt is None else draft_of(learnt)
     return Diagnosis(verdict, evidence, found, judgement, left, scene=scene, law_file=draft)
-
-
-def _draft(learnt: Learnt) -> str | None:
-    """A learned law as a file of its own, where it has a formula."""
-    site, values = learnt.site, learnt.fit.values()
-    if not isinstance(site.effect, FormulaLaw):
-        return None
-    return law_file(site.effect, {p.name: values[site.key(p.name)] for p in site.effect.parameters}, site.where)
 
 
 def _limits(workshop: Workshop, chosen: Fit, sites: Sequence[Site], inflation: float) -> list[Limit]:

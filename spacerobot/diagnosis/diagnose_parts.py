@@ -9,10 +9,12 @@ from dataclasses import replace
 from functools import partial
 
 from spacerobot.diagnosis.answer.evidence import evidence_of_parts
+from spacerobot.diagnosis.answer.learned import draft_of
 from spacerobot.diagnosis.answer.mended_model import model_text
 from spacerobot.diagnosis.answer.part_verdict import verdict_of
 from spacerobot.diagnosis.answer.result import Diagnosis
 from spacerobot.diagnosis.fitting.fit_store import Kept, Store
+from spacerobot.diagnosis.learning.learned_part import LearnedPart, settle_part
 from spacerobot.diagnosis.locate.of_model import locate_model
 from spacerobot.diagnosis.locate.readings import NothingToBalance
 from spacerobot.diagnosis.machines.choose import some_models_for
@@ -74,11 +76,20 @@ def diagnose_parts(
         checks = checks_of_part(part.model, part.trials, part.growth.before.fit, part.fit)
         if part.fit.hypothesis.sites:
             checks = (*checks, unseen.check(f"held out, {part.name}", whole=False))
-        done.append(replace(part, located=located, checks=checks, unseen=unseen))
+        judged = replace(part, located=located, checks=checks, unseen=unseen)
+        done.append(settle_part(judged, partial(_of, report, part.name)))
     report("judging", 0, 1)
     verdict = verdict_of(study, done, seed=seed, seconds=time.perf_counter() - began)
     evidence = evidence_of_parts(study, done, verdict)
-    return Diagnosis(verdict, evidence, parts=tuple(done), model=model_text(study, done))
+    laws = [p.learnt for p in done if isinstance(p, LearnedPart) and p.learnt is not None]
+    drafts = [draft for law in sorted(laws, key=lambda law: -law.lead) if (draft := draft_of(law)) is not None]
+    return Diagnosis(
+        verdict,
+        evidence,
+        parts=tuple(done),
+        model=model_text(study, done),
+        law_file=drafts[0] if drafts else None,
+    )
 
 
 def _searched(
@@ -100,7 +111,7 @@ def _searched(
     def between(moments: Mapping[str, Sequence[Moment]], what: str) -> Part:
         cut = model.cut_at(moments)
         again = grow(cut, effects=catalogue, threads=threads, reached=reached, kept=kept.within(what))
-        return Part(again, knocks=tuple(struck(again, moments, places)))
+        return Part(again, knocks=tuple(struck(again, moments, places)), uncut=growth)
 
     part = between(found, "between knocks")
     if not (repeated := foretold(part.knocks, part.growth.bench.trials)):
@@ -108,6 +119,10 @@ def _searched(
     rest = {trial: [m for m in some if m.time not in repeated.get(trial, ())] for trial, some in found.items()}
     single = {trial: some for trial, some in rest.items() if some}
     return between(single, "between knocks of single trials") if single else Part(growth)
+
+
+def _of(report: Report, part: str, what: str, done: int, total: int) -> None:
+    report(f"{part}: {what}", done, total)
 
 
 def _tell(report: Report, what: str, size: int) -> None:

@@ -26,6 +26,7 @@ from spacerobot.effects.learned import (
     against,
     argument,
     remembered_force,
+    shared,
 )
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.memory import Memory
@@ -43,14 +44,16 @@ class Word:
 
     Attributes:
         code: by which compiled laws know it.
-        latex, python: with {x} for the variable; of a local rise also {place} and {width}.
-        power: of the variable.
+        latex, python: with {x} for the variable, and the names of its own further numbers.
+        power: of the variable; of one that is fitted, nothing: the coefficient is its value at 1.
+        further: names of numbers beside its coefficient, two at most, the last one positive.
     """
 
     code: int
     latex: str
     python: str
     power: int
+    further: tuple[str, ...] = ()
 
 
 WORDS: Final[Mapping[str, Word]] = {
@@ -67,6 +70,21 @@ WORDS: Final[Mapping[str, Word]] = {
         r"\exp\left(-\left(\frac{{{x} - {place}}}{{{width}}}\right)^2\right)",
         "math.exp(-((({x} - {place}) / {width}) ** 2))",
         0,
+        ("place", "width"),
+    ),
+    "wave": Word(
+        9,
+        r"\cos\left(2 \pi \frac{{{x} - {place}}}{{{length}}}\right)",
+        "math.cos(2.0 * math.pi * ({x} - {place}) / {length})",
+        0,
+        ("place", "length"),
+    ),
+    "power": Word(
+        10,
+        r"\operatorname{{sign}}({x})\,|{x}|^{{{exponent}}}",
+        "math.copysign(abs({x}) ** {exponent}, {x})",
+        0,
+        ("exponent",),
     ),
 }
 
@@ -75,9 +93,10 @@ _UNITS: Final[Mapping[Variable, tuple[str, str, str, str]]] = {
     "v": ("N", "N s/m", "N s^2/m^2", "N s^3/m^3"),
     "N": ("N", "1", "1/N", "1/N^2"),
     "z": ("N/m", "1/m", "1/(N m)", "1/(N^2 m)"),
+    "q": ("N", "N/m", "N/m^2", "N/m^3"),
 }
 
-OF_UNIT: Final[Mapping[Variable, str]] = {"d": "m", "v": "m/s", "N": "N", "z": "N"}
+OF_UNIT: Final[Mapping[Variable, str]] = {"d": "m", "v": "m/s", "N": "N", "z": "N", "q": "m"}
 """Of what a law depends on."""
 
 
@@ -104,6 +123,10 @@ def worth(code: float, x: float, place: float, width: float) -> float:
         return x * abs(x)
     if code == 7.0:
         return x * x * x
+    if code == 9.0:
+        return math.cos(2.0 * math.pi * (x - place) / width)
+    if code == 10.0:
+        return math.copysign(abs(x) ** width, x)
     return math.exp(-(((x - place) / width) ** 2))
 
 
@@ -131,8 +154,18 @@ def formula_rate(z: float, rate: float, d: float, v: float, way: float, normal: 
     return said(way * z, p, 1) * v - p[0] * z
 
 
+def formula_in_plane(d: float, v: float, aux: float, p: Any) -> float:
+    """As `learned.in_plane`, of the sum; p = (which, sign, words, ...)."""
+    speed = math.hypot(v, aux)
+    return -shared(said(speed, p, 2), v, speed)
+
+
 CLOSED = Functions(
-    formula_curve, Kernel(formula_in_contact, energy=spring_energy), Memory(formula_rate, remembered_force)
+    formula_curve,
+    Kernel(formula_in_contact, energy=spring_energy),
+    Memory(formula_rate, remembered_force),
+    formula_in_plane,
+    formula_curve,
 )
 
 
@@ -161,26 +194,36 @@ class Formula(Law):
         return FORM + "|".join([self.kind, self.of, repr(self.low), repr(self.high), *words]) + "]"
 
     def parameters(self) -> tuple[Parameter, ...]:
-        """A coefficient for each word, of a local rise its place and width too."""
+        """A coefficient for each word, and its further numbers."""
         made: list[Parameter] = []
         signed = self.kind != "friction"
         for k, (word, size) in enumerate(self.words, 1):
             far = 1e6 * size
-            made.append(Parameter(f"a_{k}", unit_of(word, self.of), 0.0, size, -far if signed else 0.0, far, (size,)))
-            if word == "rise":
-                reach, unit = self.high - self.low, OF_UNIT[self.of]
-                middle = 0.5 * (self.low + self.high)
-                ends = self.low - reach, self.high + reach
-                made.append(Parameter(f"a_{k}_place", unit, middle, 0.05 * reach, *ends, (middle,), shape=True))
-                width = 0.1 * reach, 0.1, 1e-4 * reach, 10.0 * reach
-                made.append(Parameter(f"a_{k}_width", unit, *width, (0.1 * reach,), log=True, shape=True))
+            least = -far if signed or word == "wave" else 0.0
+            made.append(Parameter(f"a_{k}", unit_of(word, self.of), 0.0, size, least, far, (size,)))
+            made += [self._further(f"a_{k}_{name}", name) for name in WORDS[word].further]
         return tuple(made)
+
+    def _further(self, key: str, name: str) -> Parameter:
+        reach, unit = self.high - self.low, OF_UNIT[self.of]
+        if name == "exponent":
+            return Parameter(key, "1", 1.0, 0.05, 0.1, 6.0, (1.0,), shape=True)
+        if name == "place":
+            middle = 0.5 * (self.low + self.high)
+            return Parameter(
+                key, unit, middle, 0.05 * reach, self.low - reach, self.high + reach, (middle,), shape=True
+            )
+        least, most, start = 1e-4 * reach, 10.0 * reach, 0.1 * reach
+        if name == "length":  # many waves lie side by side: a small step moves the last one far
+            return Parameter(key, unit, start, 1e-3 * reach, least, most, (start,), shape=True)
+        return Parameter(key, unit, start, 0.1, least, most, (start,), log=True, shape=True)
 
     def numbers(self, values: Mapping[str, float]) -> tuple[float, ...]:
         """As compiled laws read them: the number of words, then of each (code, coefficient, place, width)."""
         out = [float(len(self.words))]
         for k, (word, _) in enumerate(self.words, 1):
-            place, width = values.get(f"a_{k}_place", 0.0), values.get(f"a_{k}_width", 1.0)
+            further = [values[f"a_{k}_{name}"] for name in WORDS[word].further]
+            place, width = (0.0, 1.0, *further)[-2:] if further else (0.0, 1.0)
             out += [float(WORDS[word].code), values[f"a_{k}"], place, width]
         return tuple(out)
 
@@ -188,10 +231,10 @@ class Formula(Law):
         """The law with its numbers, in LaTeX."""
         parts = []
         for k, (word, _) in enumerate(self.words, 1):
-            more = {n: f"{values[f'a_{k}_{n}']:.{digits}g}" for n in ("place", "width") if f"a_{k}_{n}" in values}
+            more = {n: f"{values[f'a_{k}_{n}']:.{digits}g}" for n in WORDS[word].further}
             latex = WORDS[word].latex.format(x=self.of, **more)
             parts.append(f"{values[f'a_{k}']:.{digits}g}" + (rf"\,{latex}" if latex else ""))
-        return f"s({self.of}) = " + " + ".join(parts).replace("+ -", "- ")
+        return f"s({self.of}) = " + " + ".join(parts).replace("+ -", "- ").replace("- -", "+ ")
 
 
 def spoken(name: str) -> Formula:

@@ -23,6 +23,7 @@ from spacerobot.effects.kernel import PARAMETERS, Kernel, ScalarLaw
 from spacerobot.effects.laws import spring_energy
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.memory import Memory
+from spacerobot.effects.plane import across, along_all
 from spacerobot.effects.primitives import Force, Friction, State
 from spacerobot.support.errors import InputError
 
@@ -33,15 +34,24 @@ Kind: TypeAlias = Literal["force", "friction", "memory"]
 z' = s(z sign v) v - b z.
 """
 
-Variable: TypeAlias = Literal["d", "v", "z", "N"]
-"""Displacement or rate of the port, what is remembered, or the normal force that presses in the contact."""
+Variable: TypeAlias = Literal["d", "v", "z", "N", "q"]
+"""Displacement or rate of the port, what is remembered, the normal force that presses in the contact; or displacement
+again, of which only the place within a period counts: a ripple of teeth, poles or a screw.
+"""
 
-OF: Final[Mapping[Kind, tuple[Variable, ...]]] = {"force": ("d", "v"), "friction": ("d", "v", "N"), "memory": ("z",)}
+OF: Final[Mapping[Kind, tuple[Variable, ...]]] = {
+    "force": ("d", "v", "q"),
+    "friction": ("d", "v", "N"),
+    "memory": ("z",),
+}
 """What each kind may depend on."""
 
 HEADER = 6
 MOST = PARAMETERS - HEADER
 """Coefficients of a curve, at most."""
+
+CREEP = 1e-4
+"""Speed [m/s] below which a force against the velocity of a body in the plane has no direction yet."""
 
 ABSURD = 10.0
 """Typical forces that a coefficient is not beyond, as one standard deviation: what no reading visits stays finite."""
@@ -73,6 +83,27 @@ def against(value: float, sign: float) -> float:
     return max(value, 0.0) if sign > 0.0 else -value
 
 
+def around(x: float, low: float, period: float) -> float:
+    """x within the period that begins at `low`."""
+    return x - period * math.floor((x - low) / period)
+
+
+def ripple(d: float, v: float, aux: float, p: Any) -> float:
+    """A force against the displacement, as `curve`, of which a period is p[3] p[4] long."""
+    return -spline(around(d, p[2], p[3] * p[4]), p[2], p[3], int(p[4]), p, 5)
+
+
+def shared(force: float, v: float, speed: float) -> float:
+    """One component of a force against the velocity, whose own is v of `speed`."""
+    return force * v / math.hypot(speed, CREEP)
+
+
+def in_plane(d: float, v: float, aux: float, p: Any) -> float:
+    """One component of a force against a body's velocity, of its speed, as `curve`; aux is the speed across."""
+    speed = math.hypot(v, aux)
+    return -shared(spline(speed, p[2], p[3], int(p[4]), p, 5), v, speed)
+
+
 def curve(first: float, second: float, third: float, p: Any) -> float:
     """The spline at one of three arguments; p = (which, sign, low, width of a cell, cells, c_0 ... c_(cells + 2))."""
     return against(spline(argument(p[0], first, second, third), p[2], p[3], int(p[4]), p, 5), p[1])
@@ -101,11 +132,15 @@ class Functions:
         curve: of (first, second, third); p = (which of them, sign, *numbers).
         in_contact: the contact law with it; p = (k, c, which, *numbers).
         memory: where it is the stiffness of what remembers; p = (b, *numbers).
+        in_plane: of the speed of a body that moves in several directions, against its velocity; p as of `curve`.
+        ripple: of the place within a period, p as of `curve`; the curve itself where that repeats by itself.
     """
 
     curve: ScalarLaw
     in_contact: Kernel
     memory: Memory
+    in_plane: ScalarLaw
+    ripple: ScalarLaw
 
     def acting(
         self,
@@ -134,14 +169,19 @@ class Functions:
             pressed = "contact" if of == "N" else None
             p = ({"d": 2.0, "v": 0.0, "N": 1.0}[of], 1.0, *numbers)
             return mechanism.with_friction(Friction(line, where, self.curve, p, normal=pressed))
-        which = {"d": 0.0, "v": 1.0}[of]
+        which = {"d": 0.0, "v": 1.0, "q": 0.0}[of]
         if where == "contact":
             law = self.in_contact
             return mechanism.with_contact(lambda c: replace(c, kernel=law, p=(*c.p[:2], which, *numbers)))
-        return mechanism.with_force(Force(line, where, Kernel(self.curve), (which, -1.0, *numbers)))
+        p = (which, -1.0, *numbers)
+        if of == "v" and (others := across(mechanism, where)):
+            return mechanism.with_force(*along_all(line, (where, *others), Kernel(self.in_plane), p))
+        return mechanism.with_force(Force(line, where, Kernel(self.ripple if of == "q" else self.curve), p))
 
 
-SPLINE = Functions(curve, Kernel(in_contact, energy=spring_energy), Memory(remembered_rate, remembered_force))
+SPLINE = Functions(
+    curve, Kernel(in_contact, energy=spring_energy), Memory(remembered_rate, remembered_force), in_plane, ripple
+)
 
 
 def ports_for(kind: Kind, mechanism: Mechanism) -> tuple[str, ...]:
@@ -207,33 +247,43 @@ class Shape(Law):
         return PREFIX + "|".join([self.kind, self.of, *(f"{x!r}" for x in numbers)]) + "]"
 
     @property
+    def count(self) -> int:
+        """How many coefficients there are, K; those of a ripple go round."""
+        return self.cells + (0 if self.of == "q" else 3)
+
+    @property
     def places(self) -> np.ndarray:
-        """Where each coefficient has its say, shape (cells + 3,), SI."""
+        """Where each coefficient has its say, shape (K,), SI."""
         width = (self.high - self.low) / self.cells
-        return self.low + width * np.arange(-1.0, self.cells + 2.0)
+        return self.low + width * np.arange(-1.0, self.count - 1.0)
 
     def bends(self) -> np.ndarray:
-        """Second differences of the coefficients, shape (cells + 1, cells + 3)."""
-        return np.asarray(np.diff(np.eye(self.cells + 3), 2, axis=0))
+        """Second differences of the coefficients, shape (B, K)."""
+        if self.of == "q":
+            unit = np.eye(self.cells)
+            return np.asarray(np.roll(unit, 1, axis=0) - 2.0 * unit + np.roll(unit, -1, axis=0))
+        return np.asarray(np.diff(np.eye(self.count), 2, axis=0))
 
     def precision(self) -> np.ndarray:
         """Of the parameters in units of `size`, shape (P, P): bends, and a size that is not absurd."""
         bends = self.bends()
-        own = self.cells + 3
+        own = self.count
         out = np.eye(own + (self.kind == "memory")) / ABSURD**2
         out[:own, :own] += bends.T @ bends / self.roughness**2
         return out
 
     def rows(self, x: np.ndarray) -> np.ndarray:
-        """Of the curve at x, shape (T,): its value per coefficient, shape (T, cells + 3)."""
+        """Of the curve at x, shape (T,): its value per coefficient, shape (T, K)."""
+        if self.of == "q":
+            x = self.low + np.mod(x - self.low, self.high - self.low)
         u = np.clip((x - self.low) / (self.high - self.low) * self.cells, 0.0, self.cells)
         k = np.minimum(u.astype(int), self.cells - 1)
         t = u - k
         s = 1.0 - t
         parts = (s**3, 3 * t**3 - 6 * t**2 + 4, 3 * s**3 - 6 * s**2 + 4, t**3)
-        out = np.zeros((x.size, self.cells + 3))
+        out = np.zeros((x.size, self.count))
         for j, part in enumerate(parts):
-            out[np.arange(x.size), k + j] = part / 6.0
+            out[np.arange(x.size), (k + j) % self.count] += part / 6.0
         return out
 
     def rougher(self, factor: float) -> Shape:
@@ -296,7 +346,7 @@ class LearnedLaw(Nameless[Shape]):
     source = "P-spline; Eilers and Marx (1996)"
 
     def __init__(self, shape: Shape) -> None:
-        super().__init__(shape, tuple(_parameter(k, shape) for k in range(shape.cells + 3)))
+        super().__init__(shape, tuple(_parameter(k, shape) for k in range(shape.count)))
 
     @property
     def precision(self) -> np.ndarray:
@@ -308,6 +358,8 @@ class LearnedLaw(Nameless[Shape]):
         shape = self.shape
         inside = [values[p.name] for p in self.parameters]
         forgetting = inside.pop() if shape.kind == "memory" else 0.0
+        if shape.of == "q":
+            inside += inside[:3]
         numbers = (shape.low, (shape.high - shape.low) / shape.cells, float(shape.cells), *inside)
         size = max(shape.high, 1e-6)
         return SPLINE.acting(mechanism, where, shape.kind, shape.of, numbers, forgetting, size)

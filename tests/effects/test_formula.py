@@ -36,7 +36,7 @@ def test_a_name_holds_all_of_a_formula(formula: Formula) -> None:
 
 @given(x=st.floats(-3.0, 3.0), word=st.sampled_from(sorted(WORDS)))
 def test_what_is_compiled_is_what_is_written(x: float, word: str) -> None:
-    text = WORDS[word].python.format(x=f"({x!r})", place="0.3", width="0.7")
+    text = WORDS[word].python.format(x=f"({x!r})", place="0.3", width="0.7", length="0.7", exponent="0.7")
     value = eval(text, {"math": math, "max": max, "min": min, "abs": abs})
     assert evaluated(word, np.array([x]), 0.3, 0.7)[0] == pytest.approx(value, rel=1e-12, abs=1e-15)
 

@@ -10,7 +10,7 @@ from scipy.interpolate import BSpline
 
 from spacerobot.effects.effect import Placed
 from spacerobot.effects.kernel import padded
-from spacerobot.effects.learned import LearnedLaw, Shape, curve, parsed, remembered_rate
+from spacerobot.effects.learned import CREEP, LearnedLaw, Shape, curve, in_plane, parsed, remembered_rate, ripple
 from spacerobot.effects.registry import effect
 from spacerobot.simulation.reduced.run import ReducedRun, simulate
 from spacerobot.simulation.rig import rig
@@ -46,6 +46,31 @@ def test_a_curve_is_the_cubic_spline_of_its_coefficients_held_beyond_its_ends(sh
     np.testing.assert_allclose(shape.rows(x) @ inside, expected, rtol=1e-9, atol=1e-9)
     q = (0.0, shape.low, width, float(shape.cells), *inside)
     np.testing.assert_allclose([remembered_rate(v, 0.0, 0.0, 1.0, 1.0, 1.0, q) for v in x], expected, rtol=1e-9)
+
+
+@given(low=st.floats(-2.0, 2.0), period=st.floats(1e-3, 10.0), cells=st.integers(4, 29), seed=st.integers(0, 2**32 - 1))
+def test_a_ripple_goes_round_and_is_smooth_where_it_closes(low: float, period: float, cells: int, seed: int) -> None:
+    shape = Shape("force", "q", low, low + period, cells, 0.1, 1.0)
+    assert parsed(shape.name) == shape
+    random = np.random.default_rng(seed)
+    inside = random.uniform(-1.0, 1.0, shape.count)
+    x = low + period * random.uniform(0.0, 1.0, 20)
+    p = padded((0.0, -1.0, low, period / cells, float(cells), *inside, *inside[:3]))
+    expected = -shape.rows(x) @ inside
+    np.testing.assert_allclose([ripple(v, 0.0, 0.0, p) for v in x], expected, atol=1e-9)
+    np.testing.assert_allclose([ripple(v + 3.0 * period, 0.0, 0.0, p) for v in x], expected, atol=1e-6)
+    seam = [ripple(low + period * h, 0.0, 0.0, p) for h in (-1e-6, 0.0, 1e-6)]
+    assert abs(seam[0] - 2.0 * seam[1] + seam[2]) < 1e-8
+    assert np.abs(shape.bends() @ np.full(shape.count, 3.0)).max() < 1e-12  # a constant is smooth all around
+
+
+@given(v=st.floats(-2.0, 2.0), across=st.floats(-2.0, 2.0))
+def test_what_resists_a_body_in_the_plane_acts_against_its_velocity(v: float, across: float) -> None:
+    shape = Shape("force", "v", 0.0, 4.0, 8, 0.1, 1.0)
+    drag = padded((1.0, -1.0, 0.0, 0.5, 8.0, *(0.7 * shape.places)))
+    speed = float(np.hypot(v, across))
+    expected = -0.7 * v * speed / np.hypot(speed, CREEP)
+    assert in_plane(0.0, v, across, drag) == pytest.approx(expected, abs=1e-9)
 
 
 @given(shape=SHAPES)

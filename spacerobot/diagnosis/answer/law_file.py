@@ -135,9 +135,9 @@ def _sum(law: FormulaLaw, first: int) -> str:
     variable = {"d": "d", "v": "v", "N": "normal", "z": "(way * z)"}[law.shape.of]
     parts = []
     for k, (word, _) in enumerate(law.shape.words, 1):
-        at = {n: f"p[{first + names.index(f'a_{k}{n}')}]" for n in ("", "_place", "_width") if f"a_{k}{n}" in names}
-        text = WORDS[word].python.format(x=variable, place=at.get("_place", ""), width=at.get("_width", ""))
-        parts.append(at[""] if text == "1.0" else f"{at['']} * {text}")
+        at = {n: f"p[{first + names.index(f'a_{k}_{n}')}]" for n in WORDS[word].further}
+        own, text = f"p[{first + names.index(f'a_{k}')}]", WORDS[word].python.format(x=variable, **at)
+        parts.append(own if text == "1.0" else f"{own} * {text}")
     return " + ".join(parts)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Collection, Sequence
 
 import numpy as np
@@ -14,6 +13,7 @@ from spacerobot.diagnosis.answer import record
 from spacerobot.diagnosis.answer.alternatives import alternatives
 from spacerobot.diagnosis.answer.events import clocks, meetings, touches
 from spacerobot.diagnosis.answer.held_out import of_parts
+from spacerobot.diagnosis.answer.learned import learned_law
 from spacerobot.diagnosis.answer.mended_model import FILE, RUNS
 from spacerobot.diagnosis.answer.next_trial import WHY_PART, next_trial
 from spacerobot.diagnosis.answer.not_predicted import not_predicted
@@ -29,7 +29,9 @@ from spacerobot.diagnosis.answer.record import (
     Value,
     Verdict,
 )
+from spacerobot.diagnosis.answer.turning import counted_in_angles
 from spacerobot.diagnosis.answer.verdict import all_moved, detectable, fitted_effects, moved_values, pattern
+from spacerobot.diagnosis.learning.learned_part import LearnedPart
 from spacerobot.diagnosis.selection.check import why_not
 from spacerobot.diagnosis.selection.nested_laws import least_alike
 from spacerobot.diagnosis.selection.part_limits import PartLimits
@@ -39,6 +41,7 @@ from spacerobot.diagnosis.terms.candidates import contains
 from spacerobot.diagnosis.terms.decision import LOCATED, MOVED
 from spacerobot.diagnosis.terms.kinds import (
     AMBIGUOUS,
+    LEARNED,
     NAMED,
     NOT_TRUSTED,
     NOTHING_MISSING,
@@ -50,7 +53,7 @@ from spacerobot.diagnosis.terms.kinds import (
 from spacerobot.effects.effect import said_name
 from spacerobot.recordings.study import Study
 
-PRECEDENCE = (NOT_TRUSTED, UNKNOWN, AMBIGUOUS, NAMED, WRONG_PARAMETER, NOTHING_MISSING)
+PRECEDENCE = (NOT_TRUSTED, UNKNOWN, LEARNED, AMBIGUOUS, NAMED, WRONG_PARAMETER, NOTHING_MISSING)
 """Of the parts' verdicts, the first that occurs is the study's: the whole is as weak as the weakest of its parts that
 were measured. What is named at one of them stands in its own entry."""
 
@@ -62,7 +65,7 @@ def verdict_of(study: Study, parts: Sequence[Part], *, seed: int, seconds: float
     verdict = next(v for v in PRECEDENCE if v in told)
     said = (AMBIGUOUS, NAMED) if verdict == AMBIGUOUS else (verdict,)
     speaking = [p for p, v in zip(parts, own, strict=True) if v in said and (not p.model.not_measured or told is own)]
-    effects = [e for p in speaking for e in lacked(p, len(parts))] if verdict == NAMED else []
+    effects = [e for p in speaking for e in lacked(p, len(parts))] if verdict in (NAMED, LEARNED) else []
     further = [next_trial_of(p) for p, v in zip(parts, own, strict=True) if v == AMBIGUOUS]
     seen = touches([p.model for p in parts])
     return Verdict(
@@ -75,6 +78,11 @@ def verdict_of(study: Study, parts: Sequence[Part], *, seed: int, seconds: float
         verdict=verdict,
         confidence=float(np.mean([p.confidence for p in speaking])),
         why=[line for p in parts for line in why_not(p.checks)]
+        + [
+            f"{p.name}: no law was learned either: {p.not_learned}"
+            for p, v in zip(parts, own, strict=True)
+            if v == UNKNOWN and p.not_learned
+        ]
         + [f"{p.name}: {p.model.not_measured}" for p in parts if p.model.not_measured]
         + [line for p, v in zip(parts, own, strict=True) if v == AMBIGUOUS for line in _shared(p)],
         effects=effects,
@@ -97,8 +105,18 @@ def verdict_of(study: Study, parts: Sequence[Part], *, seed: int, seconds: float
         model=FoundModel(file=FILE, run=RUNS),
         events=[t.entry() for t in (*seen, *meetings([p.model for p in parts]))],
         clocks=clocks(study, seen),
+        learned=_laws(parts) or UNSET,
         parts=[_alone(p, v) for p, v in zip(parts, own, strict=True)],
     )
+
+
+def _laws(parts: Sequence[Part]) -> list[record.Learned]:
+    """Every law that was learned; of several parts each says at which."""
+    laws = [(p, p.learnt) for p in parts if isinstance(p, LearnedPart) and p.learnt is not None]
+    return [
+        learned_law(law, 1.0, turns=law.site.where in p.turning, part=p.name if len(parts) > 1 else UNSET)
+        for p, law in laws
+    ]
 
 
 TRIALS = 6
@@ -138,14 +156,9 @@ def lacked(part: Part, count: int) -> list[Effect]:
 
     What turns has its parameters named and counted in angles.
     """
-    turning = part.turning
-    out = []
-    for found in [*fitted_effects(part.fit, 1.0), *map(_struck, part.knocks)]:
-        if found.where in turning:
-            angles = {of_turning(n): replace(v, unit=turning_unit(v.unit)) for n, v in found.parameters.items()}
-            found = replace(found, parameters=angles)
-        out.append(replace(found, part=part.name) if count > 1 else found)
-    return out
+    found = [*fitted_effects(part.fit, 1.0), *map(_struck, part.knocks)]
+    out = counted_in_angles(found, part.turning.__contains__)
+    return [replace(one, part=part.name) for one in out] if count > 1 else out
 
 
 def _struck(knock: Knock) -> Effect:
@@ -169,34 +182,6 @@ def _shared(part: Part) -> list[str]:
     shared = set.intersection(*({(said_name(n), w) for n, w in c.label} for c in (part.chosen, *part.rivals)))
     names = " and ".join(f"{name} at {where}" for name, where in sorted(shared))
     return [f"{part.name}: every explanation that predicts as well has {names}"] if shared else []
-
-
-def of_turning(name: str) -> str:
-    """A parameter's name where its effect sits on something that turns: force_N is force_Nm."""
-    for ending, by in _TURNED:
-        if re.search(ending, name):
-            return re.sub(ending, by, name)
-    return name
-
-
-_TURNED = (
-    (r"_Ns2_m2$", "_Nms2_rad2"),
-    (r"_Ns_m$", "_Nms_rad"),
-    (r"_N_m3$", "_Nm_rad3"),
-    (r"_N_m$", "_Nm_rad"),
-    (r"_m_s$", "_rad_s"),
-    (r"_Ns$", "_Nms"),
-    (r"_kg$", "_kgm2"),
-    (r"_N$", "_Nm"),
-    (r"_m$", "_rad"),
-)
-
-
-def turning_unit(unit: str) -> str:
-    """The unit of the same law about an axis: N is N m, m is rad, kg is kg m^2."""
-    above, _, below = unit.partition("/")
-    above = {"N": "N m", "kg": "kg m^2", "m": "rad"}.get(above, above.replace("N s", "N m s"))
-    return f"{above}/{below.replace('m', 'rad')}" if below else above
 
 
 def _moved(part: Part) -> dict[str, Believed]:

@@ -239,7 +239,7 @@ class Part(Record, frozen=True, kw_only=True):
 class Table(Record, frozen=True, kw_only=True):
     """A learned curve over the range that the recordings visited; beyond it nothing is known."""
 
-    variable: Literal["d", "v", "z", "N"]
+    variable: Literal["d", "v", "z", "N", "q"]
     unit: str
     value_unit: str
     x: list[float]
@@ -269,6 +269,7 @@ class Learned(Record, frozen=True, kw_only=True):
     table: Table
     like: Like | None
     lead: Annotated[Measure, Meta(description="log of its odds over the next other kind of law or place [1]")]
+    part: Annotated[str, Meta(description="of several joints, bodies or axes, at which")] | UnsetType = UNSET
 
 
 class Verdict(Record, frozen=True, kw_only=True):

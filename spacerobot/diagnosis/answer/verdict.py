@@ -26,8 +26,9 @@ from spacerobot.diagnosis.answer.record import (
     placed,
 )
 from spacerobot.diagnosis.answer.spoiled import left_out, noise_told
+from spacerobot.diagnosis.answer.turning import counted_in_angles
 from spacerobot.diagnosis.fitting.fitted import Fit, Intervals, interval
-from spacerobot.diagnosis.learning.learn import Learnt
+from spacerobot.diagnosis.learning.learnt import Learnt
 from spacerobot.diagnosis.locate.located import Located, Row
 from spacerobot.diagnosis.machines.wrist_rig import RigModel
 from spacerobot.diagnosis.selection.judge import Judgement
@@ -198,6 +199,7 @@ def verdict_of_rig(
 ) -> Verdict:
     """The whole answer of a wrist rig's study."""
     chosen = judgement.chosen
+    lacked = fitted_effects(chosen, inflation, profiled) if judgement.verdict in (NAMED, LEARNED) else []
     if judgement.verdict == AMBIGUOUS:
         others = [alternative(f, judgement.alternatives[0]) for f in judgement.alternatives]
     else:
@@ -212,7 +214,7 @@ def verdict_of_rig(
         seconds=round(seconds, 3),
         verdict=judgement.verdict,
         confidence=round(judgement.confidence, 4),
-        effects=fitted_effects(chosen, inflation, profiled) if judgement.verdict in (NAMED, LEARNED) else [],
+        effects=counted_in_angles(lacked, model.turns),
         alternatives=others,
         parameters=moved_values(
             chosen,

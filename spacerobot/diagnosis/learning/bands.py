@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from spacerobot.diagnosis.learning.curves import Curve
+from spacerobot.effects.learned import Kind, Variable
 
 POINTS = 41
 """Of the table."""
@@ -19,8 +20,17 @@ TRADES = {
     ("wrist", "force", "d"): ("wrist.stiffness",),
     ("contact", "force", "v"): ("contact.damping",),
     ("contact", "force", "d"): ("contact.stiffness",),
+    ("target", "force", "v"): ("body.damping",),
+    ("target.yaw", "force", "v"): ("body.yaw_damping",),
 }
 """Believed values that a law of a port's rate or displacement can be traded for: only the sum is known."""
+
+
+def traded_with(where: str, kind: Kind, of: Variable) -> tuple[str, ...]:
+    """Names of the believed values that a law at a port can be traded for."""
+    if where.startswith("joint.") and kind == "force" and of in ("d", "v"):
+        return (f"{where}.{'stiffness' if of == 'd' else 'damping'}",)
+    return TRADES.get((where, kind, of), ())
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,14 +56,15 @@ class Band:
 def band(curve: Curve) -> Band:
     """Of a fitted curve, from its covariance."""
     shape, fit = curve.shape, curve.fit
-    width = (shape.high - shape.low) * 0.05 / 1.1  # the margin beyond what was visited
+    # the margin beyond what was visited; what repeats is known all around
+    width = 0.0 if shape.of == "q" else (shape.high - shape.low) * 0.05 / 1.1
     x = np.linspace(shape.low + width, shape.high - width, POINTS)
     rows = shape.rows(x)
     law = rows @ curve.coefficients()
-    names = TRADES.get((curve.site.where, shape.kind, shape.of), ())
+    names = traded_with(curve.site.where, shape.kind, shape.of)
     keys, values = fit.hypothesis.keys, fit.values()
     design = np.zeros((POINTS, len(keys)))
-    own = [keys.index(curve.site.key(p.name)) for p in curve.site.effect.parameters][: shape.cells + 3]
+    own = [keys.index(curve.site.key(p.name)) for p in curve.site.effect.parameters][: shape.count]
     design[:, own] = rows * shape.size
     total = law.copy()
     traded = tuple(n for n in names if n in values)

@@ -9,7 +9,7 @@ import numpy as np
 
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
-from spacerobot.diagnosis.fitting.workshop import Workshop
+from spacerobot.diagnosis.learning.ground import Ground, visited
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Site, hypothesis
 from spacerobot.effects.learned import Kind, LearnedLaw, Shape, Variable
@@ -17,9 +17,6 @@ from spacerobot.support.errors import SimulationError
 
 CELLS = 29
 """Cells of a curve: 32 coefficients. With 12 the true law lies outside the band of its error for want of room."""
-
-SHARE = 0.03
-"""Of the largest force in the contact, as which a further force is typical, wherever it acts."""
 
 MARGIN = 0.05
 """Share of the recorded range that a curve reaches beyond it on either side: a better fit moves a little further."""
@@ -42,9 +39,6 @@ SETTLED = 1.25
 FORGETTING = (0.0, 10.0, 30.0)
 """Rates [1/s] at which what is remembered fades, from which its fit begins: the best of them goes on."""
 
-STIFF = 0.1
-"""Share of the port's spring as which what remembers begins: a spring that fades, or does not."""
-
 
 @dataclass(frozen=True, eq=False)
 class Curve:
@@ -63,76 +57,60 @@ class Curve:
     evidence: float
 
     def coefficients(self) -> np.ndarray:
-        """Of the curve, shape (cells + 3,), in the unit of its size."""
+        """Of the curve, shape (K,), in the unit of its size."""
         values = self.fit.values()
-        return np.array([values[self.site.key(p.name)] for p in self.site.effect.parameters])[: self.shape.cells + 3]
+        return np.array([values[self.site.key(p.name)] for p in self.site.effect.parameters])[: self.shape.count]
 
     def covariance(self) -> np.ndarray:
-        """Of the coefficients, shape (cells + 3, cells + 3)."""
+        """Of the coefficients, shape (K, K)."""
         assert self.fit.covariance is not None  # fits of curves go on until it is known
         keys = self.fit.hypothesis.keys
-        own = [keys.index(self.site.key(p.name)) for p in self.site.effect.parameters][: self.shape.cells + 3]
+        own = [keys.index(self.site.key(p.name)) for p in self.site.effect.parameters][: self.shape.count]
         return np.asarray(self.shape.size**2 * self.fit.covariance[np.ix_(own, own)])
 
     def determined(self) -> float:
         """How many of the coefficients the readings determine, beside what is believed of how smooth the curve is."""
-        own = self.shape.cells + 3
+        own = self.shape.count
         prior = np.asarray(self.site.effect.precision)[:own, :own] / self.shape.size**2
         return float(own - np.trace(self.covariance() @ prior))
 
 
-def visited(workshop: Workshop, fit: Fit, port: str) -> dict[Variable, tuple[float, float]]:
-    """Ranges of a port's displacement and rate in the simulated trials, of what it remembers and of what presses.
-
-    Of the contact while the surfaces touch.
-    """
-    seen: dict[Variable, list[np.ndarray]] = {"d": [], "v": [], "z": [], "N": []}
-    for trial in workshop.trials:
-        mechanism = workshop.model.trial_mechanism(fit.hypothesis, fit.z, trial)
-        run = workshop.model.predict(mechanism, trial, fit.trials[trial.id].initial).run
-        times = np.unique(np.concatenate([b.time for b in trial.blocks]))
-        taken = run.sample(times)
-        place, rate = run.port(port, taken.position), run.port(port, taken.velocity)
-        if port == "contact":
-            place, rate = np.append(0.0, place[place > 0.0]), np.append(0.0, rate[place > 0.0])
-        seen["d"].append(place)
-        seen["v"].append(rate)
-        seen["N"].append(np.append(0.0, run.contact_force(taken)))
-        seen["z"].append(taken.memory[:, -1:].ravel() if taken.memory.size else np.zeros(1))
-    return {of: (float(min(x.min() for x in all_)), float(max(x.max() for x in all_))) for of, all_ in seen.items()}
-
-
-def fit_curve(workshop: Workshop, beside: Fit, port: str, kind: Kind, of: Variable) -> Curve | None:
+def fit_curve(ground: Ground, beside: Fit, port: str, kind: Kind, of: Variable) -> Curve | None:
     """Fit a curve of one kind at a port beside what a fit has found already; None where it cannot be simulated.
 
     Args:
-        workshop: of the trials to fit.
+        ground: of the trials to fit.
         beside: whose effects stay: the baseline's, or named ones.
         port: where.
         kind, of: a force, friction or memory; of displacement, rate or what is remembered.
     """
-    seen = visited(workshop, beside, port)
-    spring = workshop.model.base["contact.stiffness" if port == "contact" else "wrist.stiffness"]
-    reach, press = (max(abs(x) for x in seen[of]) for of in ("d", "N"))
-    size = STIFF * spring if kind == "memory" else SHARE * press
-    low, high = (-STIFF * spring * reach, STIFF * spring * reach) if of == "z" else seen[of]
-    margin = MARGIN * max(high - low, 1e-9)
-    shape = Shape(kind, of, low - margin, high + margin, CELLS, ROUGHNESS, size)
+    shape = first_shape(ground, beside, port, kind, of)
     rates = FORGETTING if kind == "memory" else (0.0,)
     warm = {k: v for k, v in beside.values().items() if "@" in k}
-    begun = [_Begun(shape, port, {**warm, **_start(shape, port, rate)}) for rate in rates]
-    return _fitted_through(workshop, beside, begun, ANNEALED)
+    begun = [Begun(shape, port, {**warm, **_start(shape, port, rate)}) for rate in rates]
+    return _fitted_through(ground, beside, begun, ANNEALED)
 
 
-def finished(workshop: Workshop, curve: Curve, beside: Fit) -> Curve:
+def first_shape(ground: Ground, beside: Fit, port: str, kind: Kind, of: Variable) -> Shape:
+    """Of a curve over the range that was visited, before its roughness is known."""
+    seen = visited(ground, beside, port)
+    push, stiff = ground.model.typical_law(port, seen)
+    reach = max(abs(x) for x in seen["d"])
+    low, high = (-stiff * reach, stiff * reach) if of == "z" else seen[of]
+    margin = MARGIN * max(high - low, 1e-9)
+    size = stiff if kind == "memory" else push
+    return Shape(kind, of, low - margin, high + margin, CELLS, ROUGHNESS, size)
+
+
+def finished(ground: Ground, curve: Curve, beside: Fit) -> Curve:
     """The same curve fitted to its end: among all kinds a few steps are enough to tell which it is."""
-    begun = _Begun(curve.shape, curve.site.where, curve.fit.values(), curve.fit.initials())
-    ended = _fitted_through(workshop, beside, [begun], FINISH)
+    begun = Begun(curve.shape, curve.site.where, curve.fit.values(), curve.fit.initials())
+    ended = _fitted_through(ground, beside, [begun], FINISH)
     return curve if ended is None or ended.evidence < curve.evidence else ended
 
 
 @dataclass(frozen=True, eq=False)
-class _Begun:
+class Begun:
     """From where a curve is fitted: its shape, and values of everything that is free."""
 
     shape: Shape
@@ -140,33 +118,33 @@ class _Begun:
     warm: Mapping[str, float]
     initials: Mapping[str, np.ndarray] | None = None
 
-    def after(self, curve: Curve, new: Shape) -> _Begun:
+    def after(self, curve: Curve, new: Shape) -> Begun:
         """From where another fit of the curve, in a new shape, begins."""
         site = Site(LearnedLaw(new), self.port)
         inside = {site.key(p.name): x for p, x in zip(site.effect.parameters, _carried(curve, new), strict=True)}
-        return _Begun(new, self.port, {**curve.fit.values(), **inside}, curve.fit.initials())
+        return Begun(new, self.port, {**curve.fit.values(), **inside}, curve.fit.initials())
 
 
 def _fitted_through(
-    workshop: Workshop, beside: Fit, begun: Sequence[_Begun], rounds: Sequence[tuple[float, int]]
+    ground: Ground, beside: Fit, begun: Sequence[Begun], rounds: Sequence[tuple[float, int]]
 ) -> Curve | None:
     """Fits one after the other, the roughness anew after each; the best of those at the noise as it is.
 
     Args:
-        workshop: of the trials to fit.
+        ground: of the trials to fit.
         beside: whose effects stay.
         begun: from where the first fit begins; the best of several goes on.
         rounds: a factor on the sensors' noise and steps, of each fit.
     """
     found: Curve | None = None
     for noise, steps in rounds:
-        fitter = Fitter(workshop.model, [louder(t, noise) for t in workshop.trials])
+        fitter = Fitter(ground.model, [louder(t, noise) for t in ground.trials])
         try:
-            tried = [(_fitted(fitter, workshop, beside, one, steps), one) for one in begun]
+            tried = [(fitted(fitter, ground, beside.hypothesis.sites, one, steps), one) for one in begun]
         except SimulationError:
             return found
         now, at = min(tried, key=lambda both: both[0].fit.cost)
-        factor = _rougher(now)
+        factor = rougher(now)
         if noise > 1.0:
             factor = max(factor, 1.0)  # what loud noise hides is not smooth
         else:
@@ -176,7 +154,7 @@ def _fitted_through(
                 break
         new = at.shape.rougher(factor)
         if new.of == "z":
-            far = (1.0 + 2.0 * MARGIN) * max(max(abs(x) for x in visited(workshop, now.fit, at.port)["z"]), 1e-6)
+            far = (1.0 + 2.0 * MARGIN) * max(max(abs(x) for x in visited(ground, now.fit, at.port)["z"]), 1e-6)
             new = replace(new, low=-far, high=far)
         begun = [at.after(now, new)]
     return found
@@ -193,15 +171,37 @@ def _start(shape: Shape, port: str, rate: float) -> dict[str, float]:
 def _carried(old: Curve, new: Shape) -> list[float]:
     """Parameters of the same curve in another shape."""
     values = old.fit.values()
-    others = [values[old.site.key(p.name)] for p in old.site.effect.parameters][old.shape.cells + 3 :]
+    others = [values[old.site.key(p.name)] for p in old.site.effect.parameters][old.shape.count :]
     inside = np.interp(new.places, old.shape.places, old.coefficients())
     return [*inside.tolist(), *others]
 
 
-def _fitted(fitter: Fitter, workshop: Workshop, beside: Fit, begun: _Begun, steps: int) -> Curve:
+def fitted(
+    fitter: Fitter,
+    ground: Ground,
+    beside: Sequence[Site],
+    begun: Begun,
+    steps: int,
+    rows: Mapping[str, np.ndarray] | None = None,
+) -> Curve:
+    """One fit of a curve beside effects, from where it is begun, in so many steps at most.
+
+    With derivatives that are known already, `rows`, it may end on these.
+
+    Raises:
+        SimulationError: the start cannot be simulated.
+    """
     site = Site(LearnedLaw(begun.shape), begun.port)
-    made = hypothesis(workshop.model.believed, [*beside.hypothesis.sites, site], begun.warm)
-    fit = fitter.fit(made, warm=begun.warm, initials=begun.initials, max_iterations=steps, robust=False)
+    made = hypothesis(ground.model.believed, [*beside, site], begun.warm)
+    fit = fitter.fit(
+        made,
+        warm=begun.warm,
+        initials=begun.initials,
+        max_iterations=steps,
+        robust=False,
+        rows=rows,
+        loose=rows is not None,
+    )
     return Curve(begun.shape, site, fit, evidence(fit))
 
 
@@ -221,7 +221,7 @@ def evidence(fit: Fit) -> float:
     return float(-0.5 * fit.cost + 0.5 * (volume + stated))
 
 
-def _rougher(curve: Curve) -> float:
+def rougher(curve: Curve) -> float:
     """Factor on the roughness: the bends' mean square over what their prior leaves determined (Fellner and Schall)."""
     shape = curve.shape
     bends = shape.bends()

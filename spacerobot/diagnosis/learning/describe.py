@@ -3,25 +3,27 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from spacerobot.diagnosis.learning.curves import Curve
+from spacerobot.diagnosis.learning.shaped import Term, bumps, shaped
 from spacerobot.diagnosis.terms.decision import SMALL
 from spacerobot.effects.formula import Formula, evaluated
 from spacerobot.effects.learned import Kind, Shape, Variable
 from spacerobot.effects.registry import all_effects
 
 MOST_TERMS = 3
-BUMPS = 24
-"""Places, and half as many widths, at which a local rise is tried before it is moved to its best."""
 KNOWN = 1e-9
 """Share of the best known combination's information, below which readings say nothing of one."""
 
 TRIFLE = 1e-6
 """Of a typical force."""
+
+ONE_WAY = 0.1
+"""Share of the far end of a range that its near end reaches where it was gone through one way alone."""
 
 VOCABULARY: dict[Kind, tuple[str, ...]] = {
     "force": ("one", "line", "up", "down", "odd", "cube", "square"),
@@ -31,13 +33,14 @@ VOCABULARY: dict[Kind, tuple[str, ...]] = {
 """Words of which a law of each kind is made, the plainer first; of forces and frictions a local rise besides."""
 
 
-@dataclass(frozen=True)
-class Term:
-    """A word, of a local rise with its place and width."""
-
-    word: str
-    place: float = 0.0
-    width: float = 1.0
+WIDER: tuple[tuple[str, tuple[str, ...]], ...] = (
+    ("power", ()),
+    ("power", ("one",)),
+    ("rise", ("one",)),
+    ("wave", ()),
+    ("wave", ("one",)),
+)
+"""Further formulas of machines without a wrist: a word with numbers of its own, and plain ones beside it."""
 
 
 @dataclass(frozen=True)
@@ -50,6 +53,7 @@ class Described:
         words: what it is like, in a sentence.
         like: effect of the catalogue, or "".
         price: what a further fitted number must earn in chi-squared [1].
+        off: how far it is from the curve, its numbers paid for, in chi-squared [1].
     """
 
     formula: Formula
@@ -57,6 +61,7 @@ class Described:
     words: str
     like: str
     price: float
+    off: float
 
     @property
     def numbers(self) -> int:
@@ -64,15 +69,16 @@ class Described:
         return len(self.values)
 
 
-def describe(curve: Curve) -> list[Described]:
+def describe(curve: Curve, wider: bool = False) -> list[Described]:
     """The best formula of one word, of two and of three, and the best local rise, each as near to the spline as it can.
 
-    Near by the likelihood of the spline's coefficients with everything else (and what is believed of it) marginalised;
-    no trial is simulated. A further number must earn its BIC, and be more than a small defect of the others.
+    With `wider` also powers and waves, and these and a rise beside plain words. Near by the likelihood of the spline's
+    coefficients with everything else (and what is believed of it) marginalised; no trial is simulated. A further number
+    must earn its BIC, and be more than a small defect of the others.
     """
     shape = curve.shape
-    own = shape.cells + 3
-    precision = np.linalg.inv(curve.covariance())
+    own = shape.count
+    precision = _inverse(curve.covariance())
     prior = np.asarray(curve.site.effect.precision)[:own, :own] / shape.size**2
     told, ways = np.linalg.eigh(0.5 * (precision - prior + (precision - prior).T))
     seen = told > KNOWN * told.max()  # elsewhere the prior alone speaks
@@ -89,28 +95,55 @@ def describe(curve: Curve) -> list[Described]:
         found = np.linalg.lstsq(design, sought, rcond=1e-9)[0]
         return float(np.sum((sought - design @ found) ** 2)), found
 
-    plain = {Term(w): column(Term(w)) for w in VOCABULARY[shape.kind]}
+    plain = {Term(w): column(Term(w)) for w in _vocabulary(shape, wider)}
     best = [
         min(itertools.combinations(plain, size), key=lambda terms: fitted([plain[t] for t in terms])[0])
-        for size in range(1, MOST_TERMS + 1)
+        for size in range(1, min(MOST_TERMS, len(plain)) + 1)
     ]
-    best += [(bump,) for bump in _bumps(shape, lambda t: fitted([column(t)])[0])]
+
+    def beside(words: tuple[str, ...]) -> Callable[[Term], float]:
+        others = [plain[Term(w)] for w in words]
+        return lambda term: fitted([column(term), *others])[0]
+
+    if shape.of != "q":
+        best += [(bump,) for bump in bumps(shape, beside(()))]
+    for word, words in WIDER if wider else ():
+        if set(words) <= {t.word for t in plain}:
+            found = bumps(shape, beside(words)) if word == "rise" else shaped(shape, word, beside(words))
+            best += [(term, *map(Term, words)) for term in found]
     price = float(np.log(float(curve.fit.samples)) + SMALL * float(sought @ sought))
-    return [_described(shape, terms, fitted([column(t) for t in terms])[1], price) for terms in best]
+    return [_described(shape, terms, *fitted([column(t) for t in terms]), price) for terms in best]
 
 
-def _described(shape: Shape, terms: tuple[Term, ...], found: np.ndarray, price: float) -> Described:
+def _inverse(covariance: np.ndarray) -> np.ndarray:
+    """Of a covariance; where a fit knows combinations of coefficients exactly, without these."""
+    try:
+        return np.asarray(np.linalg.inv(covariance))
+    except np.linalg.LinAlgError:
+        return np.asarray(np.linalg.pinv(covariance, hermitian=True))
+
+
+def _vocabulary(shape: Shape, wider: bool) -> list[str]:
+    """Of a law, without words that others say as well; of what repeats with its place, what repeats."""
+    if shape.of == "q":
+        return ["one"]
+    one_way = wider and min(abs(shape.low), abs(shape.high)) < ONE_WAY * max(abs(shape.low), abs(shape.high))
+    return [w for w in VOCABULARY[shape.kind] if not (one_way and w in ("up", "down", "square", "abs"))]
+
+
+def _described(shape: Shape, terms: tuple[Term, ...], off: float, found: np.ndarray, price: float) -> Described:
     """Its coefficients as they were found; what they are fitted on, no smaller than a trifle of the curve's size."""
     least = TRIFLE * shape.size / max(abs(shape.low), abs(shape.high)) ** 3
     sizes = tuple((t.word, max(abs(float(c)), least)) for t, c in zip(terms, found, strict=True))
-    formula = Formula(shape.kind, shape.of, shape.low, shape.high, sizes)
+    of: Variable = "d" if shape.of == "q" else shape.of  # what repeats says so itself
+    formula = Formula(shape.kind, of, shape.low, shape.high, sizes)
     values = {f"a_{k}": float(c) for k, c in enumerate(found, 1)}
     for k, t in enumerate(terms, 1):
-        if t.word == "rise":
-            values |= {f"a_{k}_place": t.place, f"a_{k}_width": t.width}
+        values |= t.numbers(f"a_{k}")
     first = terms[int(np.argmax(np.abs(found)))]
     said = "; ".join(likeness(shape.kind, shape.of, t.word) for t in terms)
-    return Described(formula, values, said, _like(_curve_of(shape.kind, shape.of, first.word)), price)
+    like = _like(_curve_of(shape.kind, shape.of, first.word))
+    return Described(formula, values, said, like, price, off + price * len(values))
 
 
 def _like(curve: str) -> str:
@@ -120,7 +153,7 @@ def _like(curve: str) -> str:
 
 def _curve_of(kind: Kind, of: Variable, word: str) -> str:
     """In the word of effects, the curve that a term is a relative of, or ""."""
-    if word in ("one", "rise"):
+    if word in ("one", "rise", "wave", "power"):
         return "a level of friction" if kind == "friction" and of != "N" else "a constant" if word == "one" else ""
     shapes = {"up": "a line", "down": "a line", "odd": "a square", "cube": "a cube"}
     return f"{shapes[word]} in {of}" if word in shapes and kind == "force" else ""
@@ -142,28 +175,6 @@ def likeness(kind: Kind, of: Variable, word: str) -> str:
         "odd": "growing with the square",
         "cube": "growing with the cube",
         "rise": "a local rise, which fades away from its place",
+        "wave": "a ripple, which repeats along the way",
+        "power": "growing as a power of its own",
     }[word]
-
-
-def _bumps(shape: Shape, cost: Callable[[Term], float]) -> Iterator[Term]:
-    """The best local rise there is."""
-    if shape.kind == "memory":
-        return
-    from scipy.optimize import minimize
-
-    low, high = shape.low, shape.high
-    places = np.linspace(low, high, BUMPS)
-    widths = np.geomspace(0.03, 0.5, BUMPS // 2) * (high - low)
-    start = min((Term("rise", p, w) for p in places.tolist() for w in widths.tolist()), key=cost)
-    scale = 0.05 * (high - low)
-
-    narrow = (high - low) / shape.cells
-
-    def moved(step: np.ndarray) -> Term:
-        place = float(np.clip(start.place + scale * step[0], low, high))
-        return Term("rise", place, float(max(start.width * np.exp(step[1]), narrow)))
-
-    def price(step: np.ndarray) -> float:
-        return cost(moved(step))
-
-    yield moved(minimize(price, np.zeros(2), method="Nelder-Mead").x)

@@ -6,15 +6,17 @@ trials that it has not seen as well as the curve does; each fold finds its own.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
+from spacerobot.diagnosis.learning.closed import closed
 from spacerobot.diagnosis.learning.curves import Curve, finished, fit_curve
 from spacerobot.diagnosis.learning.describe import Described, describe
+from spacerobot.diagnosis.learning.learnt import Learnt
 from spacerobot.diagnosis.selection.held_out import MOST_FOLDS, folds
 from spacerobot.diagnosis.selection.intervals import by_curvature
 from spacerobot.diagnosis.selection.judge import Judgement, moved
@@ -26,9 +28,7 @@ from spacerobot.diagnosis.selection.unseen import foretell
 from spacerobot.diagnosis.terms.decision import AS_GOOD, MARGIN
 from spacerobot.diagnosis.terms.hypothesis import Site
 from spacerobot.diagnosis.terms.kinds import LEARNED, SAME
-from spacerobot.effects.formula import FormulaLaw
 from spacerobot.effects.learned import Kind, Variable, ports_for
-from spacerobot.support.errors import SimulationError
 
 TRIED: tuple[tuple[str, Kind, Variable], ...] = (
     ("wrist", "force", "v"),
@@ -49,40 +49,6 @@ WITHIN = 1.05
 """Cost of a curve, over the best set's of the catalogue, up to which it may still cost less once fitted to its end:
 that was worth a fortieth where a drag stopped its target.
 """
-
-
-@dataclass(frozen=True, eq=False)
-class Learnt:
-    """A law that was learned.
-
-    Attributes:
-        curve: the most probable one.
-        lead: log of its odds over the next other kind or port.
-        held: how well trials are predicted by it that it was not fitted to; by the formulas, as what was selected.
-        told: its formula, where one says as much.
-        form: the fit with the formula in the curve's place.
-    """
-
-    curve: Curve
-    lead: float
-    held: Unseen | None
-    told: Described | None = None
-    form: Fit | None = None
-
-    @property
-    def trusted(self) -> bool:
-        """Whether it predicts trials that it has not seen better than the baseline does."""
-        return self.held is not None and self.held.check().passed
-
-    @property
-    def site(self) -> Site:
-        """The law at its port, as `fit` has it."""
-        return next(s for s in self.fit.hypothesis.sites if s.effect.learned)
-
-    @property
-    def fit(self) -> Fit:
-        """With the formula where there is one: beyond what was visited it goes on, the curve does not."""
-        return self.form or self.curve.fit
 
 
 def as_learned(said: Judgement, learnt: Learnt) -> Judgement:
@@ -144,12 +110,12 @@ def _learn(pool: Pool, beside: Fit, found: Found, report: Report) -> Learnt | No
     lead = best.evidence - curves[1].evidence if len(curves) > 1 else float("inf")
     held = _held(pool, best, beside, report)
     report("writing it down", 0, 1)
-    closed = pool.aside(_closed, best)()
-    if closed is None or held is None or not pool.workshop.left_by(closed[1]).adequate:
+    form = pool.aside(_closed, best)()
+    if form is None or held is None or not pool.workshop.left_by(form[1]).adequate:
         return Learnt(best, lead, held)
     if sum(held.selected.chi2.values()) > AS_GOOD**2 * sum(held.after.chi2.values()):
         return Learnt(best, lead, held)
-    return Learnt(best, lead, replace(held, after=held.selected), *closed)
+    return Learnt(best, lead, replace(held, after=held.selected), *form)
 
 
 def _hidden(curve: Curve, inflation: float) -> bool:
@@ -160,23 +126,14 @@ def _hidden(curve: Curve, inflation: float) -> bool:
 
 
 def _closed(workshop: Workshop, curve: Curve) -> tuple[Described, Fit] | None:
-    """The formula that costs least, its numbers paid for, when the simulation fits it; None where it can fit none."""
-    values = curve.fit.values()
-    tried: list[tuple[Described, Fit]] = []
-    for told in describe(curve):
-        law, where = FormulaLaw(told.formula), curve.site.where
-        fading = {p.name: values[curve.site.key(p.name)] for p in curve.site.effect.parameters if p.name in law.nulls}
-        start = {k: v for k, v in values.items() if not k.startswith(curve.site.effect.name)}
-        start |= {f"{law.name}@{where}.{k}": v for k, v in {**fading, **told.values}.items()}
-        sites = curve.fit.hypothesis.sites
-        label = tuple((law.name, where) if s.label == curve.site.label else s.label for s in sites)
-        try:
-            fit = workshop.run(Task(label, start, curve.fit.initials(), only=curve.fit.hypothesis.only))
-        except SimulationError:
-            continue
-        if fit is not None:
-            tried.append((told, fit))
-    return min(tried, key=lambda one: one[1].cost + one[0].numbers * one[0].price, default=None)
+    """The formula that costs least in the simulation."""
+    sites, only = curve.fit.hypothesis.sites, curve.fit.hypothesis.only
+
+    def fitted(site: Site, start: dict[str, float]) -> Fit | None:
+        label = tuple(site.label if s.label == curve.site.label else s.label for s in sites)
+        return workshop.run(Task(label, start, curve.fit.initials(), only=only))
+
+    return closed(curve, describe(curve), fitted)
 
 
 def _held(pool: Pool, curve: Curve, beside: Fit, report: Report) -> Unseen | None:
@@ -205,5 +162,5 @@ def _fold(workshop: Workshop, out: tuple[str, ...], beside: Task, where: str, ki
     form = None if curve is None else _closed(rest, curve)
     before = foretell(workshop.model, baseline, unseen)
     after = foretell(workshop.model, None if curve is None else curve.fit, unseen)
-    closed = after if form is None else foretell(workshop.model, form[1], unseen)
-    return Predictions(out, before, after, closed, SAME)
+    told = after if form is None else foretell(workshop.model, form[1], unseen)
+    return Predictions(out, before, after, told, SAME)

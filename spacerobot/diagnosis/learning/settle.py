@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from spacerobot.diagnosis.fitting.pool import Pool
-from spacerobot.diagnosis.learning.learn import Learnt, as_learned, learn
+from spacerobot.diagnosis.learning.learn import as_learned, learn
+from spacerobot.diagnosis.learning.learnt import Learnt
 from spacerobot.diagnosis.selection.check import Check
 from spacerobot.diagnosis.selection.checks import nested, synthetic, widened
 from spacerobot.diagnosis.selection.confirm import confirm

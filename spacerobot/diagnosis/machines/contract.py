@@ -16,6 +16,7 @@ from spacerobot.diagnosis.machines.touch import Moment
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed, Hypothesis, Site
 from spacerobot.effects.effect import Effect
+from spacerobot.effects.learned import Variable
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.registry import all_effects
 from spacerobot.effects.sizes import Sizes
@@ -50,6 +51,9 @@ FIRST_NOISE = 0.02
 
 FACTORS = (0.5, 2.0, 3.0)
 """By how much another trial changes a speed, a drive or a mass."""
+
+FURTHER = 0.3
+"""Of the typical force at a port, as which a further force there is typical."""
 
 CLOCK = "clock:"
 """Starts the name of a nuisance that is a clock's offset [s]: by how much its stream's readings are late."""
@@ -243,6 +247,25 @@ class Machine(ABC):
         name = f"{where}.position"
         shown = [t.channel(name)[1] for t in self.trials if name in t.channels]
         return np.asarray(np.abs(np.concatenate([np.zeros(0), *shown])))
+
+    def travelled(
+        self, port: str, mechanism: Mechanism, trial: TrialData, initial: np.ndarray
+    ) -> Mapping[Variable, np.ndarray]:
+        """What a law at a port reads in a trial: displacement "d" and rate "v", and where there is such a thing the
+        normal force "N" and what is remembered, "z"; shape (T,) each, in any order. Nothing where nobody knows.
+
+        Args:
+            port: of the mechanism.
+            mechanism: the trial's, edited.
+            trial: which.
+            initial: its own values, one a nuisance.
+        """
+        return {}
+
+    def typical_law(self, port: str, seen: Mapping[Variable, tuple[float, float]]) -> tuple[float, float]:
+        """How large a further force [N] and stiffness [N/m] at a port may well be, by the ranges that it visited."""
+        size = self.size_at(port)
+        return FURTHER * size.force, FURTHER * size.force / size.length
 
     def variants(self, trial: TrialData) -> Iterable[Variant]:
         """How trials like this one could be recorded otherwise; none where nothing can be changed."""

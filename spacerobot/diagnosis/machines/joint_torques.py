@@ -30,6 +30,7 @@ from spacerobot.diagnosis.terms.hypothesis import Believed, Site
 from spacerobot.dynamics.joint_kinds import joint_axis
 from spacerobot.effects.effect import Effect
 from spacerobot.effects.laws import DAMPER, SPRING
+from spacerobot.effects.learned import Variable
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import ChannelMap, Coordinate, Force, Readout
 from spacerobot.model.robot import Robot
@@ -336,6 +337,16 @@ class InverseDynamics(Machine):
             return np.zeros(0)
         index = self.joints.index(joint)
         return np.asarray(np.abs(np.concatenate([self._motion[t.id].position[:, index] for t in self.trials])))
+
+    def travelled(
+        self, port: str, mechanism: Mechanism, trial: TrialData, initial: np.ndarray
+    ) -> Mapping[Variable, np.ndarray]:
+        """Of a joint, along the measured motion."""
+        joint = port.removeprefix("joint.")
+        if joint not in self.compared:
+            return {}
+        index, motion = self.joints.index(joint), self._motion[trial.id]
+        return {"d": motion.position[:, index], "v": motion.velocity[:, index]}
 
     def measured(self, trial: TrialData) -> Motion:
         """The motion that a piece's balance runs along."""

@@ -27,12 +27,12 @@ def _along(laws: Any, law: int, d: Any, v: Any, aux: Any, p: Any, out: Any) -> N
 
 
 @jit
-def _sliding(laws: Any, law: int, v: Any, normal: Any, p: Any, out: Any) -> None:
+def _sliding(laws: Any, law: int, d: Any, v: Any, normal: Any, p: Any, out: Any) -> None:
     for i in range(v.size):
         if v[i] > 0.0:
-            out[i] = -call_law(laws[law], v[i], normal[i], 0.0, p, 0)
+            out[i] = -call_law(laws[law], v[i], normal[i], d[i], p, 0)
         elif v[i] < 0.0:
-            out[i] = call_law(laws[law], v[i], normal[i], 0.0, p, 0)
+            out[i] = call_law(laws[law], v[i], normal[i], d[i], p, 0)
         else:
             out[i] = 0.0
 
@@ -110,16 +110,18 @@ def port_forces(
         if friction.port not in moving or friction.normal is not None:
             continue
         law, p, sliding = LAWS.index(friction.level), padded(friction.p), seen(friction.port, velocity)
-        _sliding(LAWS.laws, law, sliding, np.ones(count), p, value)
+        places, pressed = seen(friction.port, position), np.ones(count)
+        _sliding(LAWS.laws, law, places, sliding, pressed, p, value)
         rubs = value.copy() if lens is None else lens.blurred(value)
         if friction.port in held and len(moving[friction.port]) == 1:
             needed, slow = held[friction.port]
-            most = np.empty(2)
-            _sliding(LAWS.laws, law, np.array([AT_REST, -AT_REST]), np.ones(2), p, most)
+            ends = np.empty(count), np.empty(count)
+            for end, way in zip(ends, (AT_REST, -AT_REST), strict=True):
+                _sliding(LAWS.laws, law, places, np.full(count, way), pressed, p, end)
             rest = np.abs(sliding) < slow
             (held_by,) = moving[friction.port]
             others = sum(moving[port].get(held_by, 0.0) * force for port, force in out.items())
-            rubs[rest] = np.clip(needed - others, *most)[rest]
+            rubs[rest] = np.clip(needed - others, *ends)[rest]
         out[friction.port] = out.get(friction.port, 0.0) + rubs
     return out
 

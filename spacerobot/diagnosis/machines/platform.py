@@ -28,7 +28,9 @@ from spacerobot.diagnosis.terms.data import Block, TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed, Site
 from spacerobot.dynamics.floating_base import floating_configuration
 from spacerobot.effects.effect import Effect
+from spacerobot.effects.learned import Variable
 from spacerobot.effects.mechanism import Mechanism
+from spacerobot.effects.plane import across
 from spacerobot.effects.primitives import Coordinate, Readout
 from spacerobot.effects.sizes import Sizes
 from spacerobot.model.robot import Robot
@@ -207,6 +209,15 @@ class Platform(Machine):
             maps = tuple(m for m in mechanism.maps if m.channel == channel)
             out.append(np.interp(block.time, grid, through_sensor(maps, track[channel], STEP))[None])
         return Predicted(tuple(out))
+
+    def travelled(
+        self, port: str, mechanism: Mechanism, trial: TrialData, initial: np.ndarray
+    ) -> Mapping[Variable, np.ndarray]:
+        """Along the measured track; the rate along it where it may go in several directions."""
+        places, rates = self._seen[trial.id]
+        along = [rates[p] for p in (port, *across(mechanism, port))]
+        rate = along[0] if len(along) == 1 else np.append(0.0, np.hypot(*along))
+        return {"d": places[port], "v": rate}
 
     def _outer(self, mechanism: Mechanism, trial: TrialData, shape: Shape) -> tuple[np.ndarray, np.ndarray]:
         """Force on the whole, shape (2, T), and torque about its centre of mass, shape (T,), in the world."""

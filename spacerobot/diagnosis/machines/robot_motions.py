@@ -8,6 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from spacerobot.diagnosis.machines.links import with_masses
+from spacerobot.dynamics.joint_kinds import joint_axis
 from spacerobot.model.robot import Robot
 from spacerobot.recordings.rig_robot import study_robot
 from spacerobot.recordings.study import Study
@@ -27,6 +28,7 @@ class RobotMotions:
 
     Attributes:
         chain: its joints from base to tip.
+        angles: "joint.NAME" of those that turn.
         axes: columns approach, lateral and up, world axes, shape (3, 3).
     """
 
@@ -45,6 +47,8 @@ class RobotMotions:
         self._poses = {t.id: tuple(study.pose(t)) for t in study.trials}
         self._where = str(study.path)
         self.chain = robot.chain
+        kinds = ((j, joint_axis(robot.model, robot.joint_id(j))[0]) for j in robot.chain)
+        self.angles = frozenset(f"joint.{joint}" for joint, turns in kinds if turns)
         self.axes = self._scene.axes
         self._kept: OrderedDict[tuple[tuple[float, ...], Masses], ServoArm] = OrderedDict()
 

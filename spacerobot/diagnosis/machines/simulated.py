@@ -15,10 +15,12 @@ from spacerobot.diagnosis.machines.windows import CHANGED, FOLDS, Drive, cut, lo
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed, Site
 from spacerobot.effects.effect import Effect
+from spacerobot.effects.learned import Variable
 from spacerobot.effects.mechanism import Mechanism
+from spacerobot.effects.plane import across
 from spacerobot.effects.primitives import Impulse, Readout
 from spacerobot.effects.sizes import Sizes
-from spacerobot.simulation.reduced.run import simulate
+from spacerobot.simulation.reduced.run import ReducedRun, simulate
 from spacerobot.simulation.sensors import read_channels
 from spacerobot.support.errors import InputError, SimulationError
 
@@ -215,6 +217,22 @@ class Simulated(Machine):
 
     def predict(self, mechanism: Mechanism, trial: TrialData, initial: np.ndarray) -> Predicted:
         """Simulate the window from its initial values and read its channels."""
+        run = self._run(mechanism, trial, initial)
+        return Predicted(
+            tuple(np.array(list(read_channels(run, mechanism, b.channels, b.time).values())) for b in trial.blocks)
+        )
+
+    def travelled(
+        self, port: str, mechanism: Mechanism, trial: TrialData, initial: np.ndarray
+    ) -> Mapping[Variable, np.ndarray]:
+        """In the simulated window; the rate of a body that moves in several directions is its speed."""
+        run = self._run(mechanism, trial, initial)
+        taken = run.sample(np.unique(np.concatenate([b.time for b in trial.blocks])))
+        rates = [run.port(p, taken.velocity) for p in (port, *across(mechanism, port))]
+        rate = rates[0] if len(rates) == 1 else np.append(0.0, np.sqrt(np.sum(np.square(rates), axis=0)))
+        return {"d": run.port(port, taken.position), "v": rate}
+
+    def _run(self, mechanism: Mechanism, trial: TrialData, initial: np.ndarray) -> ReducedRun:
         position: dict[str, float] = {}
         velocity: dict[str, float] = {}
         for nuisance, value in zip(self.nuisances(trial), initial, strict=True):
@@ -236,7 +254,7 @@ class Simulated(Machine):
                 mechanism = replace(mechanism, impulses=(*mechanism.impulses, *stops))
             else:
                 step = min(step, 2.0 * drive.step)
-        run = simulate(
+        return simulate(
             mechanism,
             position=position,
             velocity=velocity,
@@ -246,9 +264,6 @@ class Simulated(Machine):
             inputs=inputs,
             max_step=step,
             scale=self._absolute,
-        )
-        return Predicted(
-            tuple(np.array(list(read_channels(run, mechanism, b.channels, b.time).values())) for b in trial.blocks)
         )
 
 

@@ -65,7 +65,12 @@ def _spread(trials: Sequence[TrialData], channel: str) -> float:
 
 
 def scaled(effect: Effect, sizes: Sizes) -> Effect:
-    """The same effect, with its parameters' scales and starts of these sizes; null values and bounds are kept."""
+    """The same effect, with its parameters' scales and starts of these sizes; null values and bounds are kept.
+
+    A learned law knows its own.
+    """
+    if effect.learned:
+        return effect
     parameters = tuple(_scaled(p, sizes) for p in effect.parameters)
     made: Effect = type(
         type(effect).__name__, (type(effect),), {"parameters": parameters, "__doc__": type(effect).__doc__}

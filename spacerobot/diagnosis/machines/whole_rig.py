@@ -220,6 +220,10 @@ class WholeRig(RigModel):
                     row += np.interp(block.time, *beyond[channel])
         return replace(kept[2], blocks=blocks)
 
+    def turns(self, where: str) -> bool:
+        """Joints that do not slide, and the base about its axes."""
+        return where in self.robot.angles or where in BASE_PORTS[3:]
+
     def from_rest(self, trials: Sequence[TrialData]) -> tuple[TrialData, ...]:
         """Joints and base less what they read where the machine stands."""
         out = []

@@ -20,6 +20,7 @@ from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed, Hypothesis, Site
 from spacerobot.diagnosis.terms.parameters import zero_key
 from spacerobot.effects.effect import Effect
+from spacerobot.effects.learned import Variable
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import ChannelMap
 from spacerobot.effects.sizes import Sizes
@@ -54,6 +55,9 @@ CLOCK_SCALE = 1e-4
 ONSET_MASK = 0.7e-3
 """Force samples this close [s] to a predicted touch are left out: the force jumps there."""
 
+
+SHARE, STIFF = 0.03, 0.1
+"""Of the largest force in the contact and of the port's spring: as which a further force and what remembers begin."""
 
 SPEEDS = (0.5, 1.0, 2.0, 3.0)
 MASSES = (0.5, 1.0, 2.0)
@@ -264,6 +268,10 @@ class RigModel(Machine):
                 (velocity if nuisance.rate else position)[nuisance.coordinate] = float(value)
         return position, velocity
 
+    def turns(self, where: str) -> bool:
+        """Whether what moves at a place is an angle, and its effects are counted so."""
+        return False
+
     def from_rest(self, trials: Sequence[TrialData]) -> tuple[TrialData, ...]:
         """The trials with every channel counted from where the machine stands, as balances read them."""
         return tuple(trials)
@@ -274,6 +282,23 @@ class RigModel(Machine):
         """What a scene of the trial says of the robot: fields of `Scene`."""
         baseline = study.baseline
         return {"robot": study.robot_source or "pa10_wrist", "base": baseline.base, "joints": baseline.joints}
+
+    def travelled(
+        self, port: str, mechanism: Mechanism, trial: TrialData, initial: np.ndarray
+    ) -> Mapping[Variable, np.ndarray]:
+        """In the simulated trial, wherever something was read; of the contact while the surfaces touch."""
+        run = self.predict(mechanism, trial, initial).run
+        taken = run.sample(np.unique(np.concatenate([b.time for b in trial.blocks])))
+        place, rate = run.port(port, taken.position), run.port(port, taken.velocity)
+        if port == "contact":
+            place, rate = np.append(0.0, place[place > 0.0]), np.append(0.0, rate[place > 0.0])
+        remembered = taken.memory[:, -1:].ravel() if taken.memory.size else np.zeros(1)
+        return {"d": place, "v": rate, "N": np.append(0.0, run.contact_force(taken)), "z": remembered}
+
+    def typical_law(self, port: str, seen: Mapping[Variable, tuple[float, float]]) -> tuple[float, float]:
+        """By the largest force in the contact, wherever the law acts, and by the port's spring."""
+        spring = self.base["contact.stiffness" if port == "contact" else "wrist.stiffness"]
+        return SHARE * max(abs(x) for x in seen["N"]), STIFF * spring
 
     def add_beside(self, blocks: Sequence[np.ndarray], mechanism: Mechanism, trial: TrialData) -> None:
         """Take what other columns bring into the channels of a trial, by factors that are doubted, off what is shown.

@@ -43,13 +43,13 @@ def keep_aside(growth: Growth) -> Unseen:
     """Every trial of a part predicted by what was decided without it."""
     trials = growth.bench.model.trials
     done = [decided_without(growth, out) for _, out in folds(trials, MOST_FOLDS)]
-    before, after, selected = (_joined([by[name] for _, by in done]) for name in TOLD)
+    before, after, selected = (joined([by[name] for _, by in done]) for name in TOLD)
     own = ("each piece's own start, from its readings and the sensor's noise",)
     scheme, kept = scheme_of(trials, MOST_FOLDS), tuple(fold for fold, _ in done)
     return Unseen(scheme, kept, before, after, selected, taken=own)
 
 
-def _joined(parts: Sequence[HeldOut]) -> HeldOut:
+def joined(parts: Sequence[HeldOut]) -> HeldOut:
     """Of the trials of all."""
     columns = zip(*(vars(p).values() for p in parts), strict=True)
     return HeldOut(*({k: v for told in column for k, v in told.items()} for column in columns))
@@ -117,9 +117,9 @@ def decided_without(growth: Growth, out: Sequence[str]) -> tuple[Fold, Mapping[T
     try:
         said = decided(growth, out)
     except SimulationError as error:
-        nothing = _errors(whole, {}, None, unseen, str(error))
+        nothing = errors_of(whole, {}, None, unseen, str(error))
         return Fold(tuple(out), (), OTHER), dict.fromkeys(TOLD, nothing)
-    told = {name: _errors(whole, said.weights, said.fits[name], unseen, NOT_FITTED) for name in TOLD}
+    told = {name: errors_of(whole, said.weights, said.fits[name], unseen, NOT_FITTED) for name in TOLD}
     best = said.growth.after.label
     leads_to: LeadsTo
     if best == chosen:
@@ -149,7 +149,7 @@ def _in_play(growth: Growth, sites: Mapping[tuple[str, str], Site]) -> list[list
     return [[sites[one] for one in label] for label in dict.fromkeys([*open_to, *near[:RIVALS]])]
 
 
-def _errors(
+def errors_of(
     whole: Bench, weights: Mapping[str, float], fit: Fit | None, unseen: Sequence[TrialData], why: str
 ) -> HeldOut:
     """Errors of unseen trials by a fit to others, weighted as all trials are now; and which could not be predicted."""

@@ -43,6 +43,8 @@ class Part:
         checks: of the fit itself.
         unseen: what was decided and predicted without each trial; None before that was asked.
         knocks: that struck it in single trials.
+        uncut: where knocks were found, the search before the trials were cut there; a law may be what they are.
+        not_learned: where nothing of the catalogue explains it, why no law was learned either.
     """
 
     growth: Growth
@@ -50,6 +52,8 @@ class Part:
     checks: tuple[Check, ...] = field(default=())
     unseen: Unseen | None = None
     knocks: tuple[Knock, ...] = ()
+    uncut: Growth | None = None
+    not_learned: str = ""
 
     @property
     def model(self) -> Machine:

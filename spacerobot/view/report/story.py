@@ -24,6 +24,7 @@ from spacerobot.view.report.words import (
     parameter_label,
     parameters_text,
     percent,
+    place,
     quantity,
     unit_of_name,
 )
@@ -185,6 +186,7 @@ def _unknown(verdict: Mapping[str, Any], evidence: Evidence) -> Story:
     sentence = f"Something real is missing that no effect of the catalogue explains{size}; nothing is named."
     more = (
         f"The residual's surface is shown below as measured; no physical parameter is quoted from it.{where}",
+        *(f"{capital(line)}." for line in verdict.get("why", ()) if "no law was learned" in line),
         *_moved(verdict),
     )
     return Story("Unknown", "open", "Physics outside the catalogue", sentence, more)
@@ -202,7 +204,8 @@ def _learned(verdict: Mapping[str, Any], evidence: Evidence) -> Story:
     said = _LAWS.get(law["kind"], "a law").format(on=joined(law["depends_on"]))
     gained = improvement(verdict)
     like = law.get("like")
-    sentence = f"What is missing is {said}, at the {law['where']}: learned from the recordings, which nothing in the "
+    where = f"at the {law['where']}" if law["where"] in ("wrist", "contact", "target") else place(law["where"])
+    sentence = f"What is missing is {said}, {where}: learned from the recordings, which nothing in the "
     sentence += f"catalogue explains. With it, {gained}." if gained else "catalogue explains."
     more = (
         (f"Its curve {like['words']}." if like["words"].startswith("rises") else f"It is {like['words']}.",)

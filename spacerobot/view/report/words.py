@@ -76,6 +76,8 @@ def of_body(verdict: Mapping[str, Any], name: str = "body") -> dict[str, Any]:
         return out
     for key, field in (("effects", "where"), ("detectable", "where"), ("located", "balance")):
         out[key] = [{**e, field: floating(str(e[field]), name)} for e in verdict[key]]
+    if "learned" in verdict:
+        out["learned"] = [{**law, "where": floating(str(law["where"]), name)} for law in verdict["learned"]]
     out["alternatives"] = [
         {**a, "effects": [{**e, "where": floating(str(e["where"]), name)} for e in a["effects"]]}
         for a in verdict["alternatives"]
@@ -319,14 +321,22 @@ def per_unit(verdict: Mapping[str, Any]) -> dict[str, Any]:
 
     out = {k: [of(e, owner(e)) for e in verdict[k]] for k in ("effects", "detectable")}
     sets = [_set_per_unit(a, of, owner) for a in verdict.get("alternatives") or ()]
+    if "learned" in verdict:
+        out["learned"] = [_law_per_unit(law, of, owner(law)) for law in verdict["learned"]]
     return {**verdict, **out, "alternatives": sets}
+
+
+def _law_per_unit(law: Mapping[str, Any], of: Callable[..., dict[str, Any]], owner: str) -> dict[str, Any]:
+    """A learned law in such units, its table with it."""
+    force = of({"where": law["where"], "unit": law["table"]["value_unit"]}, owner)["unit"]
+    return {**of(law, owner), "table": {**law["table"], "value_unit": force}}
 
 
 def _set_per_unit(
     one: Mapping[str, Any], of: Callable[..., dict[str, Any]], owner: Callable[..., str]
 ) -> dict[str, Any]:
     """An alternative in such units; its own parameters, "effect@where.name", are numbers in the unit of the name."""
-    from spacerobot.diagnosis.answer.part_verdict import turning_unit
+    from spacerobot.diagnosis.answer.turning import turning_unit
 
     parts = str(one.get("part") or "").split(", ")
     mine = {"part": parts[0]} if len(parts) == 1 and parts[0] else {}

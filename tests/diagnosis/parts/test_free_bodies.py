@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from spacerobot.diagnosis.answer.part_verdict import of_turning, turning_unit
+from spacerobot.diagnosis.answer.turning import of_turning, turning_unit
 from spacerobot.diagnosis.machines.impacts import _impulse
 from spacerobot.diagnosis.machines.windows import Drive, commanded
 from spacerobot.diagnosis.selection.model_choice import slack

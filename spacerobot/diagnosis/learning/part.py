@@ -1,0 +1,192 @@
+"""A law learned at a part: a joint, an axis, a body. What decides is what trials kept aside say, as everywhere there.
+
+Every kind of law at every port of the part is fitted as a curve, beside the effects that the catalogue had to offer.
+The one that predicts best is taken. Effects that it makes idle go, one that shows only beside it comes. It must predict
+unseen trials clearly better than the catalogue's best, and where the noise is stated leave no more than that.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from spacerobot.diagnosis.fitting.fitted import Fit
+from spacerobot.diagnosis.fitting.noise import squares_of
+from spacerobot.diagnosis.learning.beside import beside_it, better_of, form_of, from_where_it_is, tested, without_curve
+from spacerobot.diagnosis.learning.curves import Curve
+from spacerobot.diagnosis.learning.describe import Described
+from spacerobot.diagnosis.learning.weighed import Law, begun, misfit, settled, shape_for
+from spacerobot.diagnosis.machines.contract import Machine
+from spacerobot.diagnosis.selection.bench import Bench
+from spacerobot.diagnosis.selection.candidate import Candidate
+from spacerobot.diagnosis.selection.forward_selection import unshown
+from spacerobot.diagnosis.selection.growth import Growth
+from spacerobot.diagnosis.selection.model_choice import pays, ratio
+from spacerobot.diagnosis.selection.search_state import Report
+from spacerobot.diagnosis.terms.decision import LOUD, TIE
+from spacerobot.effects.plane import across
+from spacerobot.support.errors import SimulationError
+
+TRIED = 3
+"""Kinds of law, those that fit best, that are tried on unseen trials."""
+
+LEVEL = "a level of friction"
+"""The curve of effects where dry friction may act."""
+
+
+@dataclass(frozen=True, eq=False)
+class Taken:
+    """The law that predicts best.
+
+    Attributes:
+        bench: of the part, under the weights that the curve asks for.
+        law: its kind and port.
+        curve: as fitted.
+        before, best, after: the baseline, the catalogue's best and the curve's model, as unseen trials have them.
+        form: the curve's formula, and the model with it as unseen trials have it; None where none can be fitted.
+        lead: log of its odds over the next other kind or port.
+        next: held-out rms of the next other kind or port over its own [1].
+    """
+
+    bench: Bench
+    law: Law
+    curve: Curve
+    before: Candidate
+    best: Candidate
+    after: Candidate
+    form: tuple[Described, Candidate] | None
+    lead: float
+    next: float
+
+    @property
+    def better(self) -> Candidate:
+        """Of curve and formula, what predicts better: beyond what a fold has visited a curve says nothing."""
+        return self.after if self.form is None or self.form[1].error > self.after.error else self.form[1]
+
+
+def laws_of(growth: Growth) -> Iterator[Law]:
+    """Every kind of law at every port of a part where something is known to move, the plainer first."""
+    model = growth.bench.model
+    plain, fit = model.plain(), growth.after.fit
+    trial = growth.bench.trials[0]
+    rubbed = {s.where for s in growth.sites if s.effect.curve == LEVEL}
+    beside = {other for p in plain.ports for other in across(plain, p)}
+    for port in plain.ports:
+        mechanism = model.trial_mechanism(fit.hypothesis, fit.z, trial)
+        if not model.travelled(port, mechanism, trial, fit.trials[trial.id].initial):
+            continue
+        turns = plain.angular(port)
+        if port not in beside:  # against the velocity, whatever its direction
+            yield Law(port, "force", "v", turns)
+        yield Law(port, "force", "d", turns)
+        if port in rubbed and not across(plain, port):
+            yield Law(port, "friction", "d", turns)
+        if port.startswith("joint."):
+            yield Law(port, "force", "q", turns)
+
+
+def take(growth: Growth, report: Report) -> Taken | str:
+    """The law that predicts a part's unseen trials best, or why there is none.
+
+    Args:
+        growth: of the part, to what the catalogue comes down.
+        report: told of progress.
+    """
+    laws = list(laws_of(growth))
+    if not laws:
+        return "nothing of it moves along a port at which a law could be learned"
+    if len(growth.bench.left_out) < 2:
+        return "there are too few trials to keep one aside"
+    found = []
+    for done, law in enumerate(laws):
+        report(f"learning a law at {law.where}", done, len(laws))
+        bench = _bench(growth)
+        curve = None
+        with contextlib.suppress(SimulationError):
+            shape = shape_for(bench, growth.after.fit, law)
+            if shape is not None:
+                curve = settled(bench, growth.after.sites, begun(shape, law.where, growth.after.fit))
+        if curve is not None:
+            found.append((misfit(bench, curve.fit), bench, law, curve))
+    if not found:
+        return "no curve could be fitted"
+    found.sort(key=lambda one: one[0])
+    readings = max(growth.after.fit.samples, 1)
+    gone = 1.0 - float(np.exp(0.5 * (found[0][0] - misfit(growth.bench, growth.after.fit)) / readings))
+    if gone < TIE:
+        return f"no curve at a port of it takes more than {100.0 * max(gone, 0.0):.2g} % of what is left"
+    bench = found[0][1]  # the weights of the one that fits best, for all
+    tried = []
+    for place, (_, _, law, curve) in enumerate(found[:TRIED]):
+        report(f"predicting unseen trials by a law at {law.where}", place, TRIED)
+        again = settled(bench, without_curve(curve), from_where_it_is(curve), listen=False)
+        if again is not None:
+            tried.append((law, again, better_of(bench, again)))
+    if not tried:
+        return "no curve could be fitted"
+    least = min(tried, key=lambda one: one[2].error)
+    near = [one for one in tried if ratio(one[2], least[2]) <= 1.0 + TIE]
+    law, curve, after = min(near, key=lambda one: one[1].determined())
+    others = [one for one in tried if one[0] is not law]
+    lead = min((curve.evidence - one[1].evidence for one in others), default=float("inf"))
+    following = min((ratio(one[2], after) for one in others), default=float("inf"))
+    report("learning what stands beside it", 0, 1)
+    curve = beside_it(growth, bench, curve)
+    before, best = (tested(bench, c.fit) for c in (growth.before, growth.after))
+    after = Candidate(curve.fit, bench.held_out(curve.fit))
+    return Taken(bench, law, curve, before, best, after, form_of(bench, curve), lead, following)
+
+
+def refused(taken: Taken) -> str:
+    """Why a law is not believed; empty where it is."""
+    trials, said = taken.bench.trials, f"the law that predicts best ({words(taken.law)})"
+    if not pays(taken.better, taken.best, trials):
+        share = 100.0 * ratio(taken.better, taken.best)
+        return f"{said} leaves {share:.3g} % of the error of the catalogue's best on trials kept aside, not throughout"
+    if loud := louder(taken.bench, taken.curve.fit):
+        return f"{said} still leaves {loud:.3g} times the stated noise"
+    if why := unshownbeside(taken.curve.fit):
+        return f"{said} is told from no effect beside it: {why}"
+    return ""
+
+
+def words(law: Law) -> str:
+    """A kind of law in words."""
+    of = {"v": "rate", "d": "displacement", "q": "displacement within a period"}[law.of]
+    return f"{'dry friction' if law.kind == 'friction' else 'a force'} of its {of} at {law.where}"
+
+
+def noise(bench: Bench, fit: Fit) -> dict[str, float]:
+    """By channel, the noise that is stated of what is compared; empty where none is."""
+    expected = dict(bench.model.expected(fit.values()))
+    for trial in bench.model.trials:
+        for block in trial.blocks:
+            for channel, weight in zip(block.channels, block.weight, strict=True):
+                if channel in bench.model.stated and weight.any():
+                    expected.setdefault(channel, 1.0 / float(weight.max()))
+    return expected
+
+
+def louder(bench: Bench, fit: Fit) -> float:
+    """What a fit leaves over the stated noise of the loudest channel; nothing where none is stated or it is no more."""
+    sums = squares_of(fit.residuals(), bench.trials)
+    ratios = (float(np.sqrt(sums[c][0] / max(sums[c][1], 1))) / s for c, s in noise(bench, fit).items())
+    most = max(ratios, default=0.0)
+    return most if most > LOUD else 0.0
+
+
+def unshownbeside(fit: Fit) -> str:
+    """Why an effect beside a curve is not shown; empty where all are."""
+    sites = tuple(s for s in fit.hypothesis.sites if not s.effect.learned)
+    return unshown(replace(fit, hypothesis=replace(fit.hypothesis, sites=sites)))
+
+
+def _bench(growth: Growth, model: Machine | None = None) -> Bench:
+    """A bench of a part under the weights that its chosen model asks for."""
+    own = growth.bench
+    bench = Bench(own.model if model is None else model, own.threads, own.kept.within("learning"))
+    bench.weights = own.weights
+    return bench
