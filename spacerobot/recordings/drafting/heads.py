@@ -72,6 +72,13 @@ gravity = [0, 0, 0]
 mass = "unknown"           # kg, or kg m2 where it turns; state what you know
 damping = 0.0              # N s/m, or N m s/rad
 # stiffness =              # N/m, or N m/rad: of a spring that holds it where it reads 0
+# gain =                   # N m, or N, for one unit of what drives it, where that is a current or a voltage
+
+# How well you know them: one standard deviation, relative; a size with its unit where the value is 0.
+[baseline.sigma]
+# joint.axis.mass =
+# joint.axis.damping =     # as "0.1 N s/m" or "0.1 N m s/rad"
+# joint.axis.gain =
 """
 
 _PENDULUM = """[baseline]                 # a pendulum that swings freely

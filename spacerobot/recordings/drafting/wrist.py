@@ -12,16 +12,13 @@ from spacerobot.recordings.drafting.approach import CERTAIN, Rest, Track, contac
 from spacerobot.recordings.drafting.clocks import out_of_step, runs_apart, turned
 from spacerobot.recordings.drafting.columns import Reading
 from spacerobot.recordings.drafting.groups import Trial
-from spacerobot.recordings.drafting.lines import Line
+from spacerobot.recordings.drafting.lines import LARGEST_RIG, Line
 from spacerobot.recordings.drafting.tracks import span, track, values
 from spacerobot.recordings.series import estimate_noise
 from spacerobot.recordings.units import UNITS
 
 MOST_TRIALS = 16
 """Trials whose approach is looked at; zeroes and noise are medians over them."""
-
-LARGEST_RIG = 10.0
-"""Further than a target drifts on any table [m]."""
 
 ALONG = 1e-3
 """Share of the travel that an axis may miss and still be taken for its direction: a tenth of what labs know
