@@ -25,7 +25,7 @@ from spacerobot.recordings.drafting.groups import Group, Trial, groups_of, trial
 from spacerobot.recordings.drafting.heads import head
 from spacerobot.recordings.drafting.hints import loose
 from spacerobot.recordings.drafting.lines import Line, comment, toml
-from spacerobot.recordings.drafting.machines import AXIS, draft_machine, kind_of
+from spacerobot.recordings.drafting.machines import AXIS, as_platform, draft_machine, kind_of
 from spacerobot.recordings.drafting.names import ENDINGS
 from spacerobot.recordings.drafting.own_rates import by_rate
 from spacerobot.recordings.drafting.pendulum import hang, pendulum_urdf, swing_of
@@ -36,6 +36,7 @@ from spacerobot.recordings.drafting.remarks import (
     settle_by_all,
     unrecognised,
 )
+from spacerobot.recordings.drafting.rigs import RIGS
 from spacerobot.recordings.drafting.robots import joints_of
 from spacerobot.recordings.drafting.run_list import RunList, run_lists, sheet_list
 from spacerobot.recordings.drafting.several_hits import apart
@@ -133,10 +134,6 @@ class Draft:
         return "\n".join(lines) + "\n"
 
 
-RIGS = ("wrist", "arm", "platform", "body", "axis", "pendulum")
-"""Kinds of rig that a draft may be of."""
-
-
 def draft_study(folder: str | Path, robot: str | None = None, *, rig: str = "", files: str = "*") -> str:
     """The text of a first study.toml for the recordings in `folder`, as `spacerobot study new` writes it.
 
@@ -195,6 +192,8 @@ def draft(folder: Path, robot: str | None = None, *, rig: str = "", pattern: str
     elif kind == "" or rig:
         seen = by_each_other(seen, trials, rig)
         kind = rig or kind_of(seen)
+    if kind == "platform":
+        seen, named = as_platform(seen), as_platform(named)
     if kind == "wrist" and not any(r.thing == "wrist" for found in seen.values() for r in found):
         seen = with_slider(seen, trials)
     if kind == "wrist" and not any(r.thing == "target" for found in seen.values() for r in found):
@@ -331,18 +330,42 @@ def _readable(made: Draft, folder: Path) -> Draft:
             path.write_text(made.text(), encoding="utf-8")
             study = load_study(path, data=folder)
             faults = []
+            seen: dict[str, list[float]] = {}
             for trial in made.trials:
                 try:
-                    load_trial(study.streams, study.root, study.trial(trial.id))
+                    recording = load_trial(study.streams, study.root, study.trial(trial.id))
                 except InputError as error:
                     faults.append((trial, error))
-            if not faults:
+                    continue
+                for series in recording.values():
+                    good = series.good()[1]
+                    seen.setdefault(series.name, []).extend([float(good.min()), float(good.max())])
+            if not faults and not _without_the_still(made, {n for n, own in seen.items() if min(own) == max(own)}):
                 return made
             for trial, fault in faults:
                 _mend(made, trial, fault, folder)
     raise InputError(
         "the folder holds no recording that can be read", given=str(folder), valid="; ".join(made.remarks[-5:])
     )
+
+
+def _without_the_still(made: Draft, still: set[str]) -> bool:
+    """Whether channels were left out that read the same throughout every trial: nothing can be weighed by them.
+
+    A wrist rig's are weighed together.
+    """
+    if made.kind == "wrist":
+        return False
+    dropped = False
+    for stream, lines in list(made.lines.items()):
+        dead = [x for x in lines if x.use == "output" and x.channel in still and not x.channel.startswith("aux.")]
+        if not dead or len(dead) == len(lines):
+            continue
+        made.lines[stream] = [x for x in lines if x not in dead]
+        names = ", ".join(x.reading.column for x in dead)
+        made.remarks.append(f"{stream}: {names}: the same reading throughout every trial")
+        dropped = True
+    return dropped
 
 
 def _mend(made: Draft, trial: Trial, error: InputError, folder: Path) -> None:

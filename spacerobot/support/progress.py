@@ -73,6 +73,12 @@ class _Heart:
 _heart = _Heart()
 
 
+def plural(noun: str) -> str:
+    """Several of a noun: trials, studies."""
+    ends = noun[-1:] == "y" and noun[-2:-1] not in "aeiou"
+    return f"{noun[:-1]}ies" if ends else f"{noun}s"
+
+
 class Progress:
     """A count that moves towards `total`. A context manager.
 
@@ -127,7 +133,7 @@ class Progress:
     def line(self) -> str:
         """Where the work is, in a line."""
         of = "" if self._total is None else f" of {self._total}"
-        return f"{self._what}: {self._count}{of} {self._unit}s, {time.monotonic() - self._begun:.0f} s"
+        return f"{self._what}: {self._count}{of} {plural(self._unit)}, {time.monotonic() - self._begun:.0f} s"
 
     def advance(self, steps: int = 1, note: str = "") -> None:
         """Count `steps` more; `note` says what was done."""

@@ -193,3 +193,33 @@ def test_places_too_far_for_a_table_are_asked_for_their_unit(tmp_path: Path) -> 
     study = studied(tmp_path)
     assert "no unit is stated, and readings span 39" in study.path.read_text()
     assert np.ptp(study.recording(study.trials[0])["body.position.y"].value) < 0.02
+
+
+def spot(folder: Path) -> None:
+    """What a platform's own log has: its track, its thrusters, a marker on its arm, and one that nobody stuck on."""
+    t = np.arange(0, 40, 0.1)
+    rng = np.random.default_rng(3)
+    for n in (1, 2):
+        place = [0.1 * n * np.sin(0.1 * t), 0.1 * np.cos(0.1 * t), 0.2 * np.sin(0.2 * t)]
+        columns = [x + rng.normal(0, 1e-3, len(t)) for x in (*place, *place[:2])]
+        head = "Time,RED_Px,RED_Py,RED_Rz,ARM_Elbow_Px,ARM_Elbow_Py,ARM_Wrist_Px,RED_Fx_Sat"
+        table(folder / f"RED_run{n}.csv", head, t, *columns, 0 * t, np.sign(np.sin(t)))
+
+
+def test_a_channel_that_never_changes_is_left_out_with_a_word(tmp_path: Path) -> None:
+    spot(tmp_path)
+    made = draft(tmp_path)
+    channels = [line.channel for lines in made.lines.values() for line in lines]
+    assert "marker.elbow.position.x" in channels
+    assert not any("wrist" in c for c in channels)
+    assert any("ARM_Wrist_Px: the same reading throughout every trial" in r for r in made.remarks)
+
+
+def test_what_is_said_to_be_a_platform_is_one_and_a_links_place_is_no_joints_angle(tmp_path: Path) -> None:
+    spot(tmp_path)
+    (tmp_path / "two.urdf").write_text(ARM)
+    text = draft_study(tmp_path, rig="platform")
+    for column, channel in (("RED_Px", "base.position.x"), ("RED_Rz", "base.yaw"), ("RED_Fx_Sat", "base.force.x")):
+        assert f'"{column}" = {{ is = "{channel}"' in text
+    assert '"ARM_Elbow_Px" = { is = "link.elbow.position.x"' in text  # though the URDF has a joint of that name
+    assert "# ?" not in text  # its author said which rig it is

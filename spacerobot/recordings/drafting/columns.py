@@ -41,6 +41,8 @@ _PLACES = ("p", "r", "s")
 """What mathematics calls a place, beside the name of a thing: p_target, r_wrist."""
 _OF_JOINTS = words_of("q dq qd qdot tau joint joints theta effort efforts torques current currents moment")
 """Words of arrays that hold a number for each joint."""
+_PLACED = ("px", "py", "pz")
+"""Last words of a place in space, of whatever link."""
 _OF_MOTORS = ("position", "velocity", "torque", "current", "voltage")
 
 
@@ -156,6 +158,8 @@ def _reading(
     ):
         quantity, axis = "orientation", next((w[-1] for w in reversed(words) if re.fullmatch(r"q?[wxyz]", w)), "")
     thing = _joint(name, said, joints)
+    if thing.startswith("joint:") and quantity == "position" and said[-1:] and said[-1] in _PLACED:
+        thing = f"body:{thing.removeprefix('joint:')}"  # where the link is, not how far its joint has turned
     if not thing:
         thing = next((t for w in said for t, called in THINGS.items() if w in called), "")
     if not thing:

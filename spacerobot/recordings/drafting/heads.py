@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from spacerobot.recordings.drafting.lines import toml
+from spacerobot.recordings.drafting.rigs import RIGS
 
 _TOP = """format = 1
 draft = true               # diagnose waits until you have read this through and deleted this line
@@ -99,7 +100,7 @@ torque = 0                 # nothing drives it
 """
 
 _UNTOLD = """# No column was recognised. Below, each says what it does and what it could be. Say which rig it is, and
-# the draft has its beliefs: spacerobot study new FOLDER --overwrite --rig wrist, arm, platform, body, axis or pendulum.
+# the draft has its beliefs: spacerobot study new FOLDER --overwrite --rig {rigs}.
 [baseline]                 # ? which rig is this, and which of its channels are the columns
 robot = "pa10_wrist"
 """
@@ -126,4 +127,5 @@ def head(title: str, kind: str, robot: str | None, joints: Sequence[str], masses
         named = toml(robot if robot and joints else "pa10")
         base = '"free"' if kind == "platform" else '"fixed"'
         return top + _ARM.format(words=words, robot=named, asked=asked, base=base)
-    return top + {"body": _BODY, "axis": _AXIS, "pendulum": _PENDULUM}.get(kind, _UNTOLD)
+    untold = _UNTOLD.format(rigs=f"{', '.join(list(RIGS)[:-1])} or {list(RIGS)[-1]}")
+    return top + {"body": _BODY, "axis": _AXIS, "pendulum": _PENDULUM}.get(kind, untold)

@@ -52,6 +52,17 @@ def kind_of(readings: Mapping[str, Sequence[Reading]]) -> str:
     return "axis" if single else ""
 
 
+def as_platform(readings: Mapping[str, Sequence[Reading]]) -> dict[str, list[Reading]]:
+    """The readings of what is said to be a platform: where none is called so, it is the body that nothing names."""
+    every = [r for found in readings.values() for r in found]
+    if any(r.thing == "base" and r.quantity == "position" for r in every):
+        return {stream: list(found) for stream, found in readings.items()}
+    return {
+        stream: [replace(r, thing="base") if r.thing == "" and r.axis and r.quantity else r for r in found]
+        for stream, found in readings.items()
+    }
+
+
 def draft_machine(
     kind: str, readings: Mapping[str, Sequence[Reading]], files: Mapping[str, Found], *, driven: bool = True
 ) -> dict[str, list[Line]]:
@@ -167,12 +178,13 @@ def _body_line(kind: str, reading: Reading, main: str) -> Line | None:
     body = "base" if kind == "platform" else "body"
     if kind == "body" and reading.thing not in (main, ""):
         if reading.thing.startswith("body:") and reading.quantity == "position" and reading.axis in ("x", "y", "z"):
-            marker = re.sub(r"[^A-Za-z0-9_-]+", "_", reading.thing.removeprefix("body:")).strip("_") or "other"
-            return Line(reading, f"marker.{marker}.position.{reading.axis}")
+            return Line(reading, f"marker.{_in_ascii(reading.thing)}.position.{reading.axis}")
         return None
     quantity, axis = reading.quantity, reading.axis
     if kind in ("arm", "platform") and quantity == "force" and not reading.command and reading.thing in ("", "hand"):
         return Line(reading, f"hand.force.{axis}" if axis in ("x", "y", "z") else "contact.force")
+    if kind == "platform" and reading.thing.startswith("body:") and quantity == "position" and axis in ("x", "y", "z"):
+        return Line(reading, f"link.{_in_ascii(reading.thing)}.position.{axis}")
     if kind == "arm" or (kind == "platform" and reading.thing != "base"):
         return None
     if quantity in ("force", "torque") and axis in ("x", "y", "z", "yaw"):
@@ -190,3 +202,8 @@ def _body_line(kind: str, reading: Reading, main: str) -> Line | None:
     if quantity == "velocity":
         return Line(reading, f"{body}.velocity.{axis}")
     return None
+
+
+def _in_ascii(thing: str) -> str:
+    """A body's own name as a channel has it."""
+    return re.sub(r"[^A-Za-z0-9_-]+", "_", thing.removeprefix("body:")).strip("_") or "other"
