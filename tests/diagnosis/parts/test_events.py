@@ -105,6 +105,19 @@ def test_the_satellite_is_touched_and_its_clock_is_behind() -> None:
     assert len(said) == 3
 
 
+def test_a_clock_that_is_set_in_many_trials_has_one_sentence() -> None:
+    def clock(trial: str, late: float) -> dict[str, object]:
+        value = {"value": late, "ci95": [late - 0.001, late + 0.001], "unit": "s"}
+        told = {"effect": "time_offset", "where": "camB", "against": "camA", "why": "the touch shows on both"}
+        return {**told, "trial": trial, "parameters": {"delay_s": value}}
+
+    few = [clock("01", -0.15), clock("02", 0.3)]
+    assert len(happened({"clocks": few})) == 2
+    (said,) = happened({"clocks": [*few, clock("03", 0.1)]})
+    assert "in each of 3 trials" in said
+    assert "from 0.1500 s behind it in trial 01 to 0.3000 s ahead of it in trial 02, each within 0.0010 s" in said
+
+
 def test_figures_that_others_state_are_read_or_refused(tmp_path: Path) -> None:
     assert quoted(tmp_path) is None
     file = tmp_path / FILE
