@@ -177,8 +177,8 @@ def _text(report: dict[str, Any]) -> str:
             )
         lines.append(f"trial {trial['id']}  ({trial['condition']})  {'; '.join(sizes.values())}".rstrip())
         lines += [f"  note: {note}" for note in trial["notes"]]
-    many = len(report["conditions"])
-    lines += ["", f"{len(report['trials'])} trials in {many} condition{'s' * (many != 1)}"]
+    counts = [(len(report["trials"]), "trial"), (len(report["conditions"]), "condition")]
+    lines += ["", " in ".join(f"{n} {noun}{'s' * (n != 1)}" for n, noun in counts)]
     lines += [f"warning: {w}" for w in report["warnings"]]
     lines += [f"error: {e}" for e in report["errors"]]
     if report["draft"]:

@@ -6,10 +6,12 @@ from pathlib import Path
 
 import h5py
 import numpy as np
+import openpyxl
 import pytest
 from helpers_labs import SPEEDS, columns_of, rig
 from scipy.io import savemat
 
+from spacerobot.diagnosis.study_check import check_study
 from spacerobot.recordings.draft import draft, draft_study
 from spacerobot.recordings.study import Study, load_study
 from spacerobot.recordings.table import Floats
@@ -223,3 +225,64 @@ def test_what_is_said_to_be_a_platform_is_one_and_a_links_place_is_no_joints_ang
         assert f'"{column}" = {{ is = "{channel}"' in text
     assert '"ARM_Elbow_Px" = { is = "link.elbow.position.x"' in text  # though the URDF has a joint of that name
     assert "# ?" not in text  # its author said which rig it is
+
+
+@pytest.mark.parametrize(
+    ("first", "rest"), [("1-2", "3"), ("run1 to run2", "run3"), ("1, 2", "3"), ("1 and 2", "3"), ("01..02", "03")]
+)
+def test_a_list_may_name_several_runs_in_a_cell(tmp_path: Path, first: str, rest: str) -> None:
+    for n, speed in enumerate(SPEEDS, 1):
+        t, target, wrist, _ = rig(speed)
+        table(tmp_path / f"run{n}.csv", "t [s],target [m],slider [m]", t, target, wrist)
+    (tmp_path / "index.csv").write_text(f'shots,target_mass_kg\n"{first}",12.5\n"{rest}",30.0\n')
+    study = studied(tmp_path)
+    assert [study.value("target.mass", t) for t in study.trials] == [12.5, 12.5, 30.0]
+
+
+def test_a_date_is_no_list_of_runs(tmp_path: Path) -> None:
+    for n, speed in enumerate(SPEEDS, 1):
+        t, target, wrist, _ = rig(speed)
+        table(tmp_path / f"run{n}.csv", "t [s],target [m],slider [m]", t, target, wrist)
+    (tmp_path / "index.csv").write_text("day,target_mass_kg\n2025-06-01,12.5\n2025-06-02,30.0\n")
+    assert "target.mass = 12.5" not in draft_study(tmp_path)
+
+
+def test_a_workbooks_mass_may_stand_in_a_cell_with_its_unit(tmp_path: Path) -> None:
+    for n, speed in enumerate(SPEEDS, 1):
+        book = openpyxl.Workbook()
+        sheet = book.active
+        assert sheet is not None
+        for row in (["Experiment", "capture"], ["Target mass", f"{4.5 + n} kg"], [], ["Time", "Target", "Wrist"]):
+            sheet.append(row)
+        sheet.append(["s", "m", "m"])
+        for row in np.column_stack(rig(speed)[:3]).tolist():
+            sheet.append(row)
+        book.save(tmp_path / f"Exp{n}.xlsx")
+    study = studied(tmp_path)
+    assert [study.value("target.mass", t) for t in study.trials] == [5.5, 6.5, 7.5]
+
+
+def test_one_trial_alone_has_its_zero_found(tmp_path: Path) -> None:
+    t, target, wrist, force = rig(0.06)
+    head = "t(s),x_target(mm),x_wrist(mm),F(N)"
+    table(tmp_path / "test.csv", head, t, 1e3 * target + 300, 1e3 * wrist, force)
+    study = studied(tmp_path)
+    seen = study.recording(study.trials[0])["target.x"]
+    assert np.median(seen.value - target) == pytest.approx(0.0, abs=5e-4)
+    report = check_study(study)
+    assert not [e for e in report["errors"] if "zero" in e]
+
+
+def test_a_torque_about_the_tables_normal_turns_the_body(tmp_path: Path) -> None:
+    t = np.arange(0, 20, 0.02)
+    rng = np.random.default_rng(5)
+    torque = np.where(t % 8 < 0.8, 0.03, 0.0)
+    rate = np.cumsum(torque / 0.42) * 0.02
+    for n in (1, 2):
+        places = [x + rng.normal(0, 2e-4, len(t)) for x in (0.03 * n * t, -0.02 * t, np.cumsum(rate) * 0.02)]
+        table(tmp_path / f"floater_{n}.csv", "time [s],x [m],y [m],heading [rad],cmd_Tz [Nm]", t, *places, torque)
+    study = studied(tmp_path)
+    study.path.write_text(study.path.read_text().replace("# mass =", "mass = 18.0 #").replace("draft = true", ""))
+    report = check_study(load_study(tmp_path))
+    assert report["errors"] == []
+    assert report["not_predicted"] == []

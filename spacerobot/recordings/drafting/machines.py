@@ -187,6 +187,8 @@ def _body_line(kind: str, reading: Reading, main: str) -> Line | None:
         return Line(reading, f"link.{_in_ascii(reading.thing)}.position.{axis}")
     if kind == "arm" or (kind == "platform" and reading.thing != "base"):
         return None
+    if quantity == "torque" and axis == "z":
+        axis = "yaw"  # about the table's normal, as every plane's machine calls it
     if quantity in ("force", "torque") and axis in ("x", "y", "z", "yaw"):
         if quantity == "force" and axis == "yaw":
             return None

@@ -242,6 +242,7 @@ def _place_target(drafted: Drafted, places: Mapping[str, tuple[str, list[Reading
     (stream, target), (wrist_stream, wrist) = lines["target.x"], lines["wrist.x"]
     same = UNITS[target.reading.unit or "m"].factor / UNITS[wrist.reading.unit or "m"].factor
     zeros: list[float] = []
+    errors: list[float] = []
     for trial in trials:
         body, slider = _combined(trial, stream, target), _combined(trial, wrist_stream, wrist)
         if body is None or slider is None:
@@ -260,10 +261,13 @@ def _place_target(drafted: Drafted, places: Mapping[str, tuple[str, list[Reading
         found = contact_zero(body, scaled, still, 1)
         if found is not None:
             zeros.append(found[0])
+            errors.append(found[1])
     if not zeros:
         target.question = target.question or "offset: target.x must be 0 where the target first touches the wrist"
         return
-    error = 1.2533 * float(np.std(zeros, ddof=1)) / math.sqrt(len(zeros)) if len(zeros) > 1 else abs(zeros[0])
+    # Of one trial, no better than a reading: what the fit's own error leaves out shows only between trials.
+    spread = 1.2533 * float(np.std(zeros, ddof=1)) / math.sqrt(len(zeros)) if len(zeros) > 1 else target.sigma or 0.0
+    error = max(spread, errors[0]) if len(zeros) == 1 else spread
     zero = float(np.median(zeros))
     if abs(zero) > CERTAIN * error:
         target.offset, target.offset_sigma = _round(-zero, error), error
