@@ -26,8 +26,10 @@ from spacerobot.simulation.scene_file import read_scene
 from spacerobot.simulation.simulate import default_duration, simulate
 from spacerobot.simulation.trajectory import Trajectory
 from spacerobot.support.errors import InputError
+from spacerobot.support.jit import nothing_kept
 from spacerobot.support.jsonio import dumps
 from spacerobot.support.numbers import parse_assignments, parse_numbers, to_radians
+from spacerobot.support.progress import Progress
 from spacerobot.support.runs import RunFolder, combined_hash
 
 _PARTS: dict[str, dict[str, str]] = {
@@ -184,6 +186,13 @@ def _effect(text: str) -> EffectAt:
 
 
 def _answer(scene: Scene, settings: dict[str, Any], said: list[str]) -> tuple[dict[str, Any], Trajectory]:
+    # The whole robot's equations take minutes to compile, which nobody would guess from silence.
+    what = "compiling, once after an installation, and simulating" if nothing_kept() else "simulating"
+    with Progress(what, 1, unit="scene"):
+        return _simulated(scene, settings, said)
+
+
+def _simulated(scene: Scene, settings: dict[str, Any], said: list[str]) -> tuple[dict[str, Any], Trajectory]:
     end = scene.duration if scene.duration is not None else default_duration(scene)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("ignore", StartWarning)  # said above, in the command's own words
