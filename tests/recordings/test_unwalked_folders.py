@@ -13,6 +13,7 @@ from scipy.io import savemat
 
 from spacerobot.diagnosis.study_check import check_study
 from spacerobot.recordings.draft import draft, draft_study
+from spacerobot.recordings.lacking import lacks
 from spacerobot.recordings.study import Study, load_study
 from spacerobot.recordings.table import Floats
 
@@ -286,3 +287,14 @@ def test_a_torque_about_the_tables_normal_turns_the_body(tmp_path: Path) -> None
     report = check_study(load_study(tmp_path))
     assert report["errors"] == []
     assert report["not_predicted"] == []
+
+
+def test_a_rig_whose_target_nobody_tracked_asks_for_it(tmp_path: Path) -> None:
+    for n, speed in enumerate(SPEEDS, 1):
+        t, _, wrist, force = rig(speed)
+        table(tmp_path / f"run{n}.csv", "t [s],slider [m],force [N]", t, wrist, force)
+    assert "which column is target.x" in lacks(studied(tmp_path))
+    for n, speed in enumerate(SPEEDS, 1):
+        t, target, wrist, _ = rig(speed)
+        table(tmp_path / f"run{n}.csv", "t [s],slider [m],target [m]", t, wrist, target)
+    assert "which column is target.x" not in lacks(studied(tmp_path))
