@@ -26,7 +26,6 @@ from spacerobot.simulation.scene_file import read_scene
 from spacerobot.simulation.simulate import default_duration, simulate
 from spacerobot.simulation.trajectory import Trajectory
 from spacerobot.support.errors import InputError
-from spacerobot.support.jit import nothing_kept
 from spacerobot.support.jsonio import dumps
 from spacerobot.support.numbers import parse_assignments, parse_numbers, to_radians
 from spacerobot.support.progress import Progress
@@ -186,9 +185,7 @@ def _effect(text: str) -> EffectAt:
 
 
 def _answer(scene: Scene, settings: dict[str, Any], said: list[str]) -> tuple[dict[str, Any], Trajectory]:
-    # The whole robot's equations take minutes to compile, which nobody would guess from silence.
-    what = "compiling, once after an installation, and simulating" if nothing_kept() else "simulating"
-    with Progress(what, 1, unit="scene"):
+    with Progress("simulating", 1, unit="scene"):  # which says so where it compiles for minutes, the first time
         return _simulated(scene, settings, said)
 
 
