@@ -28,6 +28,7 @@ from spacerobot.simulation.trajectory import Trajectory
 from spacerobot.support.errors import InputError
 from spacerobot.support.jsonio import dumps
 from spacerobot.support.numbers import parse_assignments, parse_numbers, to_radians
+from spacerobot.support.progress import Progress
 from spacerobot.support.runs import RunFolder, combined_hash
 
 _PARTS: dict[str, dict[str, str]] = {
@@ -184,6 +185,11 @@ def _effect(text: str) -> EffectAt:
 
 
 def _answer(scene: Scene, settings: dict[str, Any], said: list[str]) -> tuple[dict[str, Any], Trajectory]:
+    with Progress("simulating", 1, unit="scene"):  # which says so where it compiles for minutes, the first time
+        return _simulated(scene, settings, said)
+
+
+def _simulated(scene: Scene, settings: dict[str, Any], said: list[str]) -> tuple[dict[str, Any], Trajectory]:
     end = scene.duration if scene.duration is not None else default_duration(scene)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("ignore", StartWarning)  # said above, in the command's own words

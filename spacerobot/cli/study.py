@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from spacerobot.recordings.drafting.rigs import RIGS, UNKNOWN
 from spacerobot.support.errors import InputError
 from spacerobot.support.files import may_write, write_text
 from spacerobot.support.jsonio import dumps
@@ -32,17 +33,6 @@ _EPILOG = """examples:
 """
 
 
-_KINDS = {
-    "wrist": "a wrist rig",
-    "arm": "an arm with joint logs",
-    "platform": "a floating platform with an arm",
-    "body": "a free body",
-    "axis": "one driven axis",
-    "pendulum": "a pendulum that swings freely",
-    "": "a rig of which no column was recognised",
-}
-
-
 def configure(parser: argparse.ArgumentParser) -> None:
     """Arguments of the command."""
     parser.epilog = _EPILOG
@@ -51,8 +41,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     new.add_argument("folder", type=Path, metavar="FOLDER", help="folder that holds the recordings")
     new.add_argument("--out", type=Path, metavar="FILE", help="where to write it (default: FOLDER/study.toml)")
     new.add_argument("--robot", metavar="NAME", help="the arm that was logged (default: the URDF among the files)")
-    rigs = [kind for kind in _KINDS if kind]
-    new.add_argument("--rig", choices=rigs, default="", help="kind of rig (default: by what the columns are called)")
+    new.add_argument(
+        "--rig", choices=list(RIGS), default="", help="kind of rig (default: by what the columns are called)"
+    )
     new.add_argument("--files", default="*", metavar="PATTERN", help="read only files of such names, as 'run_*'")
     new.add_argument("--overwrite", action="store_true", help="replace a study that is there")
     new.add_argument("--json", action="store_true", help="one JSON object on stdout")
@@ -106,7 +97,7 @@ def _new(args: argparse.Namespace) -> int:
     if args.json:
         print(dumps(answer))
         return 0
-    print(f"{path}: {_KINDS[made.kind]}; {len(names)} trial{'s' if len(names) > 1 else ''}")
+    print(f"{path}: {RIGS.get(made.kind, UNKNOWN)}; {len(names)} trial{'s' if len(names) > 1 else ''}")
     for name, lines in made.lines.items():
         left = f"; left out: {', '.join(made.left[name][:6])}" if made.left[name] else ""
         print(f"  {name}: {', '.join(line.channel for line in lines[:8])}{', ...' if len(lines) > 8 else ''}{left}")
@@ -132,7 +123,7 @@ def _advice(made: Draft) -> str:
     if len(made.groups) > 1:
         said.append(f"files of one rig alone: --files '{_pattern(group)}'")
     if not made.kind:
-        said.append(f"the rig, whose beliefs the draft then has: --rig {', '.join(k for k in _KINDS if k)}")
+        said.append(f"the rig, whose beliefs the draft then has: --rig {', '.join(RIGS)}")
     number = made.lines[silent[0]][0].reading.index
     said.append(
         "the columns, in the study, where each line says what it does and could be;\n"
@@ -186,8 +177,8 @@ def _text(report: dict[str, Any]) -> str:
             )
         lines.append(f"trial {trial['id']}  ({trial['condition']})  {'; '.join(sizes.values())}".rstrip())
         lines += [f"  note: {note}" for note in trial["notes"]]
-    many = len(report["conditions"])
-    lines += ["", f"{len(report['trials'])} trials in {many} condition{'s' * (many != 1)}"]
+    counts = [(len(report["trials"]), "trial"), (len(report["conditions"]), "condition")]
+    lines += ["", " in ".join(f"{n} {noun}{'s' * (n != 1)}" for n, noun in counts)]
     lines += [f"warning: {w}" for w in report["warnings"]]
     lines += [f"error: {e}" for e in report["errors"]]
     if report["draft"]:

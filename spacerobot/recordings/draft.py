@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from spacerobot.recordings.drafting.angles import in_degrees
-from spacerobot.recordings.drafting.behaviour import by_behaviour
+from spacerobot.recordings.drafting.behaviour import by_behaviour, with_slider, with_target
 from spacerobot.recordings.drafting.cells import trials_in
 from spacerobot.recordings.drafting.column_lists import column_lists, with_lists
 from spacerobot.recordings.drafting.columns import Reading, joints_by_place, readings
@@ -25,7 +25,7 @@ from spacerobot.recordings.drafting.groups import Group, Trial, groups_of, trial
 from spacerobot.recordings.drafting.heads import head
 from spacerobot.recordings.drafting.hints import loose
 from spacerobot.recordings.drafting.lines import Line, comment, toml
-from spacerobot.recordings.drafting.machines import AXIS, draft_machine, kind_of
+from spacerobot.recordings.drafting.machines import AXIS, as_platform, draft_machine, kind_of
 from spacerobot.recordings.drafting.names import ENDINGS
 from spacerobot.recordings.drafting.own_rates import by_rate
 from spacerobot.recordings.drafting.pendulum import hang, pendulum_urdf, swing_of
@@ -36,8 +36,10 @@ from spacerobot.recordings.drafting.remarks import (
     settle_by_all,
     unrecognised,
 )
+from spacerobot.recordings.drafting.rigs import RIGS
 from spacerobot.recordings.drafting.robots import joints_of
 from spacerobot.recordings.drafting.run_list import RunList, run_lists, sheet_list
+from spacerobot.recordings.drafting.several_hits import apart
 from spacerobot.recordings.drafting.time_files import with_times
 from spacerobot.recordings.drafting.unnamed import by_each_other
 from spacerobot.recordings.drafting.wrist import Drafted, draft_wrist, is_wrist
@@ -120,6 +122,8 @@ class Draft:
     def _trial(self, trial: Trial) -> str:
         asked = f"   # ? {comment(trial.question)}" if trial.question else ""
         lines = ["[[trials]]", f"id = {toml(trial.id)}{asked}"]
+        if trial.window is not None:
+            lines.append(f"window = [{trial.window[0]:.6g}, {trial.window[1]:.6g}]   # s, as recorded")
         mass, source = self._mass(trial)
         owner = "body" if self.kind == "body" else "target"
         if mass is not None:
@@ -128,10 +132,6 @@ class Draft:
             lines.append("# target.mass =             # kg, if it is not the same in all trials")
         lines += [f"{name} = {_source(file)}" for name, file in trial.files.items() if name in self.lines]
         return "\n".join(lines) + "\n"
-
-
-RIGS = ("wrist", "arm", "platform", "body", "axis", "pendulum")
-"""Kinds of rig that a draft may be of."""
 
 
 def draft_study(folder: str | Path, robot: str | None = None, *, rig: str = "", files: str = "*") -> str:
@@ -171,8 +171,8 @@ def draft(folder: Path, robot: str | None = None, *, rig: str = "", pattern: str
         raise InputError("the folder holds no recording that can be read", given=str(folder), valid=listed)
     files = with_lists(files, column_lists(folder))
     runs = _list_of_runs(folder, files)
-    apart = [t for f in files if runs is None or f.label != runs.file for t in trials_in(f)]
-    files = with_times([part for file in apart for part in by_rate(file)])
+    every = [t for f in files if runs is None or f.label != runs.file for t in trials_in(f)]
+    files = with_times([part for file in every for part in by_rate(file)])
     robot, joints = joints_of(robots_in(folder), folder, [f.relative for f in files], robot)
     groups = groups_of(files)
     placed = joints_by_place({g.name: g.leanest for g in groups})
@@ -192,8 +192,14 @@ def draft(folder: Path, robot: str | None = None, *, rig: str = "", pattern: str
     elif kind == "" or rig:
         seen = by_each_other(seen, trials, rig)
         kind = rig or kind_of(seen)
+    if kind == "platform":
+        seen, named = as_platform(seen), as_platform(named)
     if kind == "wrist" and not any(r.thing == "wrist" for found in seen.values() for r in found):
-        seen = _with_slider(seen, trials)
+        seen = with_slider(seen, trials)
+    if kind == "wrist" and not any(r.thing == "target" for found in seen.values() for r in found):
+        seen = with_target(seen, trials)
+    if kind == "wrist":
+        trials = apart(seen, trials)
     swinging = swing_of(seen, trials, named) if kind in ("axis", "pendulum") else None
     kind = "axis" if kind == "pendulum" else kind
     representative = {g.name: g.leanest for g in groups}
@@ -208,6 +214,7 @@ def draft(folder: Path, robot: str | None = None, *, rig: str = "", pattern: str
     told = [g for g in groups if drafted.lines.get(g.name)] or groups
     if len(told) < len(groups):  # files of which nothing was recognised would only part what belongs together
         trials = trials_of(told)
+        trials = apart(seen, trials) if kind == "wrist" else trials
         refused += [second(g, kind, seen[g.name]) or unrecognised(g) for g in groups if g not in told]
     taken: set[str] = set()
     lines = {g.name: drafted.lines.get(g.name) or loose(seen[g.name], g.leanest, kind, taken) for g in told}
@@ -254,18 +261,6 @@ def _list_of_runs(folder: Path, files: Sequence[Found]) -> RunList | None:
         if others and runs.masses(trials_of(groups_of(others))):
             return runs
     return None
-
-
-def _with_slider(seen: dict[str, list[Reading]], trials: Sequence[Trial]) -> dict[str, list[Reading]]:
-    """The readings, with the wrist where none is called so: what is pushed as far as the target goes on."""
-    told = by_behaviour(seen, trials, slider=True) or seen
-    return {
-        stream: [
-            new if new.thing == "wrist" and old.quantity != "force" else old
-            for old, new in zip(found, told[stream], strict=True)
-        ]
-        for stream, found in seen.items()
-    }
 
 
 def _no_plane(seen: Mapping[str, Sequence[Reading]]) -> bool:
@@ -335,18 +330,42 @@ def _readable(made: Draft, folder: Path) -> Draft:
             path.write_text(made.text(), encoding="utf-8")
             study = load_study(path, data=folder)
             faults = []
+            seen: dict[str, list[float]] = {}
             for trial in made.trials:
                 try:
-                    load_trial(study.streams, study.root, study.trial(trial.id))
+                    recording = load_trial(study.streams, study.root, study.trial(trial.id))
                 except InputError as error:
                     faults.append((trial, error))
-            if not faults:
+                    continue
+                for series in recording.values():
+                    good = series.good()[1]
+                    seen.setdefault(series.name, []).extend([float(good.min()), float(good.max())])
+            if not faults and not _without_the_still(made, {n for n, own in seen.items() if min(own) == max(own)}):
                 return made
             for trial, fault in faults:
                 _mend(made, trial, fault, folder)
     raise InputError(
         "the folder holds no recording that can be read", given=str(folder), valid="; ".join(made.remarks[-5:])
     )
+
+
+def _without_the_still(made: Draft, still: set[str]) -> bool:
+    """Whether channels were left out that read the same throughout every trial: nothing can be weighed by them.
+
+    A wrist rig's are weighed together.
+    """
+    if made.kind == "wrist":
+        return False
+    dropped = False
+    for stream, lines in list(made.lines.items()):
+        dead = [x for x in lines if x.use == "output" and x.channel in still and not x.channel.startswith("aux.")]
+        if not dead or len(dead) == len(lines):
+            continue
+        made.lines[stream] = [x for x in lines if x not in dead]
+        names = ", ".join(x.reading.column for x in dead)
+        made.remarks.append(f"{stream}: {names}: the same reading throughout every trial")
+        dropped = True
+    return dropped
 
 
 def _mend(made: Draft, trial: Trial, error: InputError, folder: Path) -> None:

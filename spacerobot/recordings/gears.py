@@ -15,6 +15,7 @@ import numpy as np
 from spacerobot.recordings.channel import ChannelSpec
 from spacerobot.recordings.document import Document
 from spacerobot.recordings.stream import StreamSpec
+from spacerobot.recordings.units import SI
 from spacerobot.support.errors import InputError, NotFoundError
 
 _KEYS = ("streams", "joints", "ratio", "torque_per_ampere")
@@ -97,7 +98,7 @@ def _at_joints(stream: StreamSpec, gears: Gears) -> StreamSpec:
             raise InputError("the motors' channels need one unit", given=logged[0].name, where=logged[0].where)
         matrix = inverse if quantity in _MOTION else gears.ratio.T
         if quantity == "current" and gears.torque_per_ampere is not None:
-            matrix = matrix * gears.torque_per_ampere
+            matrix = matrix * gears.torque_per_ampere  # below, a current's unit goes into its factor
         for k, motor in enumerate(motors):
             if motor is not None:
                 found[found.index(motor)] = _joint(motor, motors, matrix[k], k, gears.joints, quantity)
@@ -114,20 +115,25 @@ def _joint(
 ) -> ChannelSpec:
     """A joint's channel from its row of factors on the motors'."""
     plus: list[tuple[str, float]] = []
-    square = 0.0
+    square, offset, doubt = 0.0, 0.0, 0.0
+    counted = own.factor if quantity == "current" else 1.0
     for k, (motor, factor) in enumerate(zip(motors, row.tolist(), strict=True)):
         if factor == 0.0:
             continue
         if motor is None:
             raise InputError(f"{own.name} needs the motor of {joints[k]}, which is not logged", where=own.where)
         square = square + (math.nan if motor.sigma is None else (factor * motor.sigma) ** 2)
-        plus += [(motor.column, factor * motor.scale)] if k != index else []
-        plus += [(column, factor * share) for column, share in motor.plus]
+        offset += counted * factor * motor.offset
+        doubt += (counted * factor * motor.offset_sigma) ** 2
+        plus += [(motor.column, counted * factor * motor.scale)] if k != index else []
+        plus += [(column, counted * factor * share) for column, share in motor.plus]
     return replace(
         own,
         name=own.name.removesuffix("current") + "torque" if quantity == "current" else own.name,
-        unit=None if quantity == "current" else own.unit,
-        scale=float(row[index]) * own.scale,
+        unit=SI["torque"] if quantity == "current" else own.unit,
+        scale=counted * float(row[index]) * own.scale,
+        offset=offset,
+        offset_sigma=math.sqrt(doubt),
         plus=tuple(plus),
         sigma=math.sqrt(square) if math.isfinite(square) else None,
     )

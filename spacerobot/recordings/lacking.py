@@ -44,6 +44,8 @@ def lacks(study: Study) -> str:
     parts = []
     if values:
         parts.append(f'to state, or to call "unknown": {", ".join(values)}')
+    if needed(study) == WRIST and "target.x" not in study.channels():
+        parts.append("to say which column is target.x, where the target is along its travel: without it no hit is told")
     if asked:
         more = f"; and {len(asked) - 4} more" if len(asked) > 4 else ""
         parts.append(f"to answer (then delete the comment): {'; '.join(asked[:4])}{more}")

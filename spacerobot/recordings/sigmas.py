@@ -13,6 +13,9 @@ from spacerobot.support.errors import InputError
 TURNING = {"N": ("force", "torque"), "m": ("length", "angle"), "rad": ("angle", "length")}
 """Units of a joint's values, which slide or turn -> what they may measure."""
 
+TURNED = {"N s/m": "N m s/rad", "N/m": "N m/rad", "kg": "kg m2"}
+"""Unit of a value of a joint that slides -> of one that turns."""
+
 
 def read_sigma(
     document: Document, table: Mapping[str, Any], values: Mapping[str, float]
@@ -83,11 +86,19 @@ def _size(raw: str, name: str, unit: str, where: str) -> float:
     if not 0.0 < size < float("inf"):
         raise InputError(f"sigma of {name} must be above 0", given=raw, valid=valid, where=where)
     said = said.strip()
-    if said == unit:
+    if said == unit or (name.startswith("joint.") and said == TURNED.get(unit)):
         return size
     measured: tuple[str, ...] = (units.UNITS[unit].dimension,) if unit in units.UNITS else ()
     if name.startswith("joint."):
         measured = TURNING.get(unit, measured)
     if not measured:
-        raise InputError(f"sigma of {name} is in another unit", given=raw, valid=f'"{number} {unit}"', where=where)
+        raise InputError(
+            f"sigma of {name} is in another unit", given=raw, valid=_either(number, name, unit), where=where
+        )
     return size * units.factor(said, measured, where=where)
+
+
+def _either(number: str, name: str, unit: str) -> str:
+    """A size in the value's unit, of a joint that slides or turns."""
+    turned = f' or "{number} {TURNED[unit]}"' if name.startswith("joint.") and unit in TURNED else ""
+    return f'"{number} {unit}"{turned}'

@@ -151,7 +151,7 @@ def _effects(tables: Any) -> tuple[EffectAt, ...]:
             raise InputError("parameters must be a table", given=parameters, where=where)
         values: dict[str, float | str] = {}
         for name, value in parameters.items():
-            if name == "kind" and isinstance(value, str):  # of a filter
+            if isinstance(value, str):  # which of an effect's forms is meant; the effect refuses what names none
                 values[name] = value
                 continue
             infinite = isinstance(value, float) and math.isinf(value)  # a null value may be infinite

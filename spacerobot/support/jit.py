@@ -15,6 +15,8 @@ from pathlib import Path
 from types import FunctionType
 from typing import Any
 
+from spacerobot.support.progress import compiling
+
 _PACKAGE = Path(__file__).resolve().parent.parent
 _COMPILED = ("support", "theory", "model", "dynamics", "effects", "simulation")
 _ABOVE = (
@@ -58,7 +60,22 @@ def numba() -> Any:
     import numba as module
 
     setattr(module.config, "CACHE_DIR", str(cache_folder()))  # noqa: B010 - numba's own stubs do not know it
+    _tell_of_compiling()
     return module
+
+
+def _tell_of_compiling() -> None:
+    """Have progress say while something compiles: minutes, the first time, which nobody would guess."""
+    from numba.core import event
+
+    class Told(event.Listener):  # type: ignore[misc]
+        def on_start(self, event: object) -> None:
+            compiling(1)
+
+        def on_end(self, event: object) -> None:
+            compiling(-1)
+
+    event.register("numba:compile", Told())
 
 
 def inlined(function: Any) -> Any:

@@ -23,6 +23,15 @@ class _Bar(tqdm):
 SILENT = 10.0
 """Seconds after which work that nobody watches says where it is, and again every so many."""
 
+_compiling = 0
+"""How many functions are being compiled right now, one within another."""
+
+
+def compiling(more: int) -> None:
+    """Say that so many more functions (fewer, where negative) are being compiled: what waits for it says so."""
+    global _compiling
+    _compiling = max(0, _compiling + more)
+
 
 class _Heart:
     """Prints a line of the innermost work by the alarm clock of the process: no thread, which a fork would not copy.
@@ -71,6 +80,12 @@ class _Heart:
 
 
 _heart = _Heart()
+
+
+def plural(noun: str) -> str:
+    """Several of a noun: trials, studies."""
+    ends = noun[-1:] == "y" and noun[-2:-1] not in "aeiou"
+    return f"{noun[:-1]}ies" if ends else f"{noun}s"
 
 
 class Progress:
@@ -127,7 +142,8 @@ class Progress:
     def line(self) -> str:
         """Where the work is, in a line."""
         of = "" if self._total is None else f" of {self._total}"
-        return f"{self._what}: {self._count}{of} {self._unit}s, {time.monotonic() - self._begun:.0f} s"
+        waits = " (compiling, once after an installation)" if _compiling else ""
+        return f"{self._what}: {self._count}{of} {plural(self._unit)}, {time.monotonic() - self._begun:.0f} s{waits}"
 
     def advance(self, steps: int = 1, note: str = "") -> None:
         """Count `steps` more; `note` says what was done."""

@@ -24,6 +24,7 @@ EDITS: dict[str, dict[str, str]] = {
     "newcomer/semicolons": {},
     "newcomer/motive_and_ati": {},
     "real/tiago_arm": {},
+    "real/spot_free_floating_arm": {},
     "real/emps": {ASKED: '\n"vir" = { is = "joint.axis.torque", scale = 35.1507, use = "input" }'},
     "real/staubli_tx40": {
         "ratio = [1, 1, 1, 1, 1, 1]   # ?": f"ratio = {COUPLED}   #",

@@ -108,3 +108,20 @@ def test_a_draft_of_joints_has_none(tmp_path: Path) -> None:
     file = tmp_path / "log.csv"
     file.write_text(file.read_text().replace("i1,i2,i3", "tau1,tau2,tau3"))
     assert "[gears]" not in draft_study(tmp_path)
+
+
+def test_a_currents_unit_and_zero_become_the_torques(tmp_path: Path) -> None:
+    q, torque = log(tmp_path, COUPLED, 0.07)
+    plain = study(tmp_path, COUPLED)
+    text = plain.path.read_text()
+    for k in (1, 2, 3):  # the same currents, said to be in mA, and each from a zero of its own
+        text = text.replace(
+            f'i{k} = {{ is = "joint.{"abc"[k - 1]}.current"',
+            f'i{k} = {{ is = "joint.{"abc"[k - 1]}.current", unit = "mA", scale = 1000, offset = {k}',
+        )
+    plain.path.write_text(text)
+    seen = load_study(tmp_path).recording("1")
+    zeros = 0.07 * COUPLED.T @ np.array([1e-3, 2e-3, 3e-3])
+    for k, joint in enumerate("abc"):
+        np.testing.assert_allclose(seen[f"joint.{joint}.torque"].value, torque[:, k] + zeros[k], atol=1e-9)
+    assert q.shape[1] == 3

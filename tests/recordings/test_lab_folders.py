@@ -200,6 +200,6 @@ def test_a_bodys_twist_and_attitude_and_never_a_quaternion(tmp_path: Path) -> No
         "sat.twist.linear.x": ("body.velocity.x", "output"),
         "sat.twist.angular.z": ("body.velocity.yaw", "output"),
         "thr_fx_N": ("body.force.x", "input"),
-        "thr_mz_Nm": ("body.torque.z", "input"),
+        "thr_mz_Nm": ("body.torque.yaw", "input"),
         "sat_att_deg": ("body.yaw", "output"),
     }

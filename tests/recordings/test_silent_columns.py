@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from helpers_labs import columns_of
 
-from spacerobot.recordings.draft import RIGS, draft, draft_study
+from spacerobot.recordings.draft import draft, draft_study
 from spacerobot.recordings.drafting.hints import hint
+from spacerobot.recordings.drafting.rigs import RIGS
 from spacerobot.recordings.study import Study, load_study
 from spacerobot.support.errors import InputError, NotFoundError
 

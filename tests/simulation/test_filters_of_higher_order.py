@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,9 @@ from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import ChannelMap, Coordinate, Readout
 from spacerobot.effects.registry import effect
 from spacerobot.simulation.parts.effect_at import EffectAt
+from spacerobot.simulation.scene import Scene
 from spacerobot.simulation.sensors import read_channels
+from spacerobot.simulation.simulate import simulate
 from spacerobot.support.errors import InputError, NotFoundError
 
 FORMS = [(order, kind) for order in ORDERS for kind in ANALOGUE]
@@ -119,3 +122,10 @@ def test_an_unknown_form_is_refused_with_those_there_are(wrong: dict[str, Any]) 
         effect("low_pass~3_bessel")
     with pytest.raises(NotFoundError):
         effect("bias~2_bessel")
+
+
+def test_a_word_that_names_no_form_is_refused_where_the_effect_is_read(tmp_path: Path) -> None:
+    words = 'effect = "coulomb_friction"\nwhere = "wrist"\nparameters = { force_N = "strong" }'
+    (tmp_path / "scene.toml").write_text(f"[wrist]\nstiffness = 530\n[[effects]]\n{words}\n")
+    with pytest.raises(InputError, match=r"force_N.*not a number.*strong"):
+        simulate(Scene.from_toml(tmp_path / "scene.toml"))

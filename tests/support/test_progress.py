@@ -8,7 +8,7 @@ import time
 import pytest
 
 from spacerobot.support import progress
-from spacerobot.support.progress import Progress, say
+from spacerobot.support.progress import Progress, plural, say
 from tests.processes import eventually
 
 
@@ -83,3 +83,9 @@ def test_somebody_else_s_alarm_is_left_alone(monkeypatch: pytest.MonkeyPatch) ->
         assert not rung
     finally:
         signal.signal(signal.SIGALRM, before)
+
+
+@pytest.mark.parametrize(("noun", "several"), [("trial", "trials"), ("study", "studies"), ("day", "days")])
+def test_nouns_have_their_plural(noun: str, several: str) -> None:
+    assert plural(noun) == several
+    assert Progress("diagnosing", 3, unit=noun, quiet=True).line().startswith(f"diagnosing: 0 of 3 {several}, ")

@@ -346,3 +346,12 @@ def test_values_that_moved_and_those_held_exact_are_listed() -> None:
     text = page(found, read_evidence(evidence()))
     assert text.index("wrist.equivalent_damping") < text.index("wrist.stiffness</code>")
     assert "Held exactly as stated: target.mass" in text
+
+
+def test_an_error_without_a_sigma_is_a_share_of_the_spread_in_its_card_too(tmp_path: Path) -> None:
+    told = verdict("named")
+    told["held_out"]["unit"] = "spread"
+    told["held_out"]["overall"] |= {"rms_before": 0.0171, "rms_after": 0.000572}
+    html = report(tmp_path, told)
+    assert "1.71 % of the spread" in html
+    assert "0.0572 % of the spread" in html

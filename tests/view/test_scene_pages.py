@@ -176,6 +176,18 @@ def test_writing_a_page_opens_no_socket_and_loads_no_server(tmp_path: Path) -> N
     assert (tmp_path / "a.html").stat().st_size > 800_000
 
 
+def test_a_robots_scene_loads_neither_the_simulation_nor_the_diagnosis() -> None:
+    program = (
+        "import sys\n"
+        "from spacerobot.view.scene3d.choose import film_of\n"
+        "film_of('pa10_wrist')\n"
+        "heavy = ('scipy.stats', 'spacerobot.simulation.multibody', 'spacerobot.diagnosis.diagnose')\n"
+        "print([m for m in heavy if m in sys.modules])\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert done.stdout == "[]\n", done.stderr
+
+
 @pytest.fixture
 def server():  # type: ignore[no-untyped-def]
     server = PageServer(lambda: "<p>here</p>")

@@ -61,7 +61,8 @@ def some_models_for(study: Study) -> tuple[Machine, ...]:
         raise InputError(
             "nothing that was recorded can be compared with this baseline",
             given=", ".join(study.channels()[:8]),
-            valid="a wrist that meets a target; joints with position and torque; a body that is tracked",
+            valid="a wrist that meets a target; joints with position and torque; a body that is tracked; a free base"
+            " that is tracked while nothing pushes it (its window), with its joints' positions or references",
             where=str(study.path),
         )
     return found

@@ -303,7 +303,7 @@ class InverseDynamics(Machine):
         for trial, log in self._raw.items():
             asked = self._arm.torque(log.position, log.velocity, log.acceleration, log.turned(self._arm))
             rest = log.torque - asked
-            moment = first_shock(log.time, rest, SHARP * log.step)
+            moment = first_shock(log.time, rest, SHARP * log.step, log.velocity)
             if moment is not None:
                 found[trial] = moment
         return found

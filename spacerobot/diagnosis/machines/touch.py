@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from spacerobot.recordings.series import estimate_noise
+
 PAST = 1.0
 """Time [s] before a moment that says how much the balance is shaken anyway."""
 
@@ -24,6 +26,12 @@ LOUD = 50.0
 SHARE = 0.2
 """Stretches with this share of the loudest one's ratio belong to shocks as well."""
 
+CLEAR = 6.0
+"""Times its noise that a velocity goes one way: fewer than one in 1e8 of Gaussian readings at rest."""
+
+STEADY = 5
+"""Times SLOW that a joint goes one way, then the other, where it turns back by itself: what a blow shakes does not."""
+
 EPISODE = 1.0
 """All of them lie within this time [s]; else the balance is shaken again and again, by the machine itself."""
 
@@ -37,13 +45,17 @@ class Moment:
     high: float
 
 
-def first_shock(time: np.ndarray, residual: np.ndarray, smear: float = 0.0) -> Moment | None:
+def first_shock(
+    time: np.ndarray, residual: np.ndarray, smear: float = 0.0, velocity: np.ndarray | None = None
+) -> Moment | None:
     """The moment at which a balance that was quiet is first shaken; None where it never is, or all the time.
 
     Args:
         time: shape (T,) [s], even.
         residual: of each joint's balance, shape (T, J) [N m or N].
         smear: half the width [s] of the filter that the residual went through.
+        velocity: of each joint, shape (T, J) [rad/s or m/s]: where one turns back its friction does too, and that
+            shakes its balance without a touch.
     """
     step = float(np.median(np.diff(time)))
     past, blind, slow, ahead = (max(1, round(x / step)) for x in (PAST, BLIND, SLOW, AHEAD))
@@ -51,10 +63,15 @@ def first_shock(time: np.ndarray, residual: np.ndarray, smear: float = 0.0) -> M
         return None
     fast = residual - _trailing(residual, slow)
     square = fast**2
+    counted = np.ones_like(square)
+    if velocity is not None:
+        counted[_turning(velocity, slow, ahead, max(1, round(smear / step)))] = 0.0
+    square *= counted
     loud = _trailing(square, ahead)[past + blind + ahead :]  # of the stretch that ends at a moment
     quiet = _trailing(square, past)[past : past + loud.shape[0]]  # of the past that ends BLIND before it begins
     ends = time[past + blind + ahead :]
-    ratio = (loud / np.maximum(quiet, 1e-300)).max(axis=1)
+    share = _trailing(counted, past)[past : past + loud.shape[0]]
+    ratio = (loud * share / np.maximum(quiet, 1e-300)).max(axis=1)
     most = float(ratio.max())
     clear = np.flatnonzero(ratio > SHARE * most)
     if most < LOUD or ends[clear[-1]] - ends[clear[0]] > EPISODE:
@@ -70,3 +87,28 @@ def _trailing(value: np.ndarray, count: int) -> np.ndarray:
     index = np.arange(value.shape[0])
     first = np.maximum(index - count, 0)
     return np.asarray((total[index] - total[first]) / np.maximum(index - first, 1)[:, None])
+
+
+def _turning(velocity: np.ndarray, slow: int, ahead: int, smeared: int) -> np.ndarray:
+    """Which samples of which joint are about a moment at which it turns back, shape (T, J); rest's noise is none.
+
+    Args:
+        velocity: shape (T, J).
+        slow: samples to either side by which it clearly goes one way, then the other.
+        ahead: samples of the stretch that is compared.
+        smeared: samples over which a filter made the velocity smooth, whose noise shows between such steps only.
+    """
+    count, width = velocity.shape
+    turns = np.zeros((count, width), dtype=bool)
+    reach = STEADY * slow
+    if count <= 2 * reach:
+        return turns
+    noise = CLEAR * np.array([estimate_noise(column[::smeared]) for column in velocity.T])
+    ways = np.where(np.abs(velocity) > noise, np.sign(velocity), 0.0)
+    offsets = range(slow, reach + 1, slow)
+    before = sum(ways[reach - k : count - reach - k] for k in offsets)
+    after = sum(ways[reach + k : count - reach + k] for k in offsets)
+    turns[-reach:] = True  # what follows is not recorded
+    turns[reach:-reach] = (np.abs(before) == STEADY) & (before == -after)
+    spread = np.ones(2 * (slow + ahead + smeared) + 1)
+    return np.column_stack([np.convolve(column, spread, mode="same") > 0.5 for column in turns.T.astype(float)])

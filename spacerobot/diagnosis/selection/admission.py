@@ -59,7 +59,10 @@ def of_study(study: Study) -> Iterator[InputError]:
             for model in models:
                 yield from of_model(study, model)
     elif len(study.trials) < 2:
-        yield InputError("a diagnosis needs at least two trials", given=len(study.trials), where=str(study.path))
+        valid = "a second trial, which a fit to the first is tried on (hits in one recording: a `window` for each)"
+        yield InputError(
+            "a diagnosis needs at least two trials", given=len(study.trials), valid=valid, where=str(study.path)
+        )
 
 
 def enough(study: Study, recording: Recording) -> None:

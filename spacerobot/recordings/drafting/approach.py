@@ -19,6 +19,9 @@ CLEAR = 6.0
 CERTAIN = 3.0
 """Standard errors within which a zero is taken for zero."""
 
+STRAIGHT = 1.5
+"""Times its noise that a track may scatter about a line and still be taken to keep to it."""
+
 FEWEST = 8
 """Samples of an approach: the noise estimate needs as many."""
 
@@ -110,9 +113,30 @@ def _straight(axes: Sequence[Track]) -> float:
             break
         t = time[within] - time[0]
         bent = (float(np.std(a.value[within] - np.polyval(np.polyfit(t, a.value[within], 1), t))) for a in axes)
-        if all(b <= 1.5 * estimate_noise(a.value) for b, a in zip(bent, axes, strict=True)):
+        if all(b <= STRAIGHT * estimate_noise(a.value) for b, a in zip(bent, axes, strict=True)):
             return end
     return float(time[0] + (time[-1] - time[0]) / 3)
+
+
+def straight(track: Track, start: float, limit: float, *, back: bool = False) -> float:
+    """How far from `start` towards `limit` a track keeps to a line.
+
+    Args:
+        track: readings.
+        start, limit: times, s.
+        back: whether `limit` is before `start`.
+    """
+    sigma = estimate_noise(track.value)
+    for share in np.linspace(1.0, 0.02, 50):
+        end = start + share * (limit - start)
+        inside = (track.time >= end) & (track.time <= start) if back else (track.time >= start) & (track.time <= end)
+        if inside.sum() < FEWEST:
+            break
+        t = track.time[inside] - start
+        bent = track.value[inside] - np.polyval(np.polyfit(t, track.value[inside], 1), t)
+        if float(np.std(bent)) <= STRAIGHT * sigma:
+            return float(end)
+    return float(start)
 
 
 def crest(track: Track, height: float) -> float | None:

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from spacerobot.recordings.drafting.approach import CLEAR, Rest, Track, drift, rest
-from spacerobot.recordings.drafting.columns import Reading
+from spacerobot.recordings.drafting.columns import Reading, stem_of
 from spacerobot.recordings.drafting.groups import Trial
 from spacerobot.recordings.drafting.shapes import in_steps, turn_of
 from spacerobot.recordings.drafting.tracks import track
@@ -62,28 +62,64 @@ def by_behaviour(
     return out
 
 
+def with_slider(readings: Mapping[str, Sequence[Reading]], trials: Sequence[Trial]) -> dict[str, list[Reading]]:
+    """The readings, with the wrist where none is called so: what is pushed as far as the target goes on."""
+    told = by_behaviour(readings, trials, slider=True) or readings
+    return {
+        stream: [
+            new if new.thing == "wrist" and old.quantity != "force" else old
+            for old, new in zip(found, told[stream], strict=True)
+        ]
+        for stream, found in readings.items()
+    }
+
+
+def with_target(readings: Mapping[str, Sequence[Reading]], trials: Sequence[Trial]) -> dict[str, list[Reading]]:
+    """The readings, with the target where none is called so: what drifts until the touch, and its other axes."""
+    told = by_behaviour(readings, trials)
+    if told is None:
+        return {stream: list(found) for stream, found in readings.items()}
+    out: dict[str, list[Reading]] = {}
+    for stream, found in readings.items():
+        place = next((n for n, new in enumerate(told[stream]) if new.thing == "target" and not found[n].thing), None)
+        out[stream] = list(found)
+        if place is None:
+            continue
+        drifts = found[place]
+        if drifts.quantity == "position" and drifts.axis and (stem := stem_of(drifts.column)):
+            own = [r.quantity == "position" and not r.thing and stem_of(r.column) == stem for r in found]
+            out[stream] = [replace(r, thing="target") if mine else r for r, mine in zip(found, own, strict=True)]
+        else:
+            out[stream][place] = told[stream][place]
+    return out
+
+
 def _roles(readings: Mapping[str, Sequence[Reading]], trial: Trial) -> dict[tuple[str, str], Role]:
     """(stream, column) -> its role in one trial."""
     moving: dict[tuple[str, str], tuple[tuple[bool, float], Track]] = {}
     pushed: dict[tuple[str, str], tuple[Track, Rest]] = {}
     metres: dict[tuple[str, str], float] = {}
+    named: set[tuple[str, str]] = set()
     for stream, found in readings.items():
         for reading in found if stream in trial.files else ():
             own = track(trial.files[stream], reading.column)
-            if reading.command or reading.thing not in ("", "target") or own is None:
+            slid = reading.thing == "wrist" and reading.quantity == "position"
+            if reading.command or not (slid or reading.thing in ("", "target")) or own is None:
                 continue
             if in_steps(own.value) or turn_of(own.value):
                 continue  # a status, or an angle that starts anew
             if reading.unit and UNITS[reading.unit].dimension == "length":
                 metres[stream, reading.column] = UNITS[reading.unit].factor
-            if reading.thing:
+            if reading.thing and not slid:
                 if reading.quantity == "position":
                     moving[stream, reading.column] = (True, _turned_back(own)), own
                 continue
             still = rest(own)
+            if slid:
+                named.add((stream, reading.column))
             if still is not None and still.leaves is not None and _strength(own, still) > 2 * CLEAR:
                 pushed[stream, reading.column] = own, still
-            elif still is None and (bent := _turned_back(own)) > 0.0:
+            elif still is None and not slid and (bent := _turned_back(own)) > 0.0:
                 moving[stream, reading.column] = (False, bent), own
     if not moving or not pushed:
         return {}
@@ -97,7 +133,7 @@ def _roles(readings: Mapping[str, Sequence[Reading]], trial: Trial) -> dict[tupl
     out = {place: "target"}
     if abs(further[slider] - 1.0) < ALIKE:
         out[slider] = "wrist"
-    forces = {p: _strength(*pushed[p]) for p in pushed if p != slider or slider not in out}
+    forces = {p: _strength(*pushed[p]) for p in pushed if p not in named and (p != slider or slider not in out)}
     if forces:
         out[max(forces, key=lambda p: forces[p])] = "force"
     return out

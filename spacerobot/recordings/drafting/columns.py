@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 from spacerobot.recordings.drafting.files import Found
 from spacerobot.recordings.drafting.languages import words_in
+from spacerobot.recordings.drafting.numbered import joint_of, motors
 from spacerobot.recordings.drafting.vocabulary import (
     ARM,
     COMMAND,
@@ -40,6 +41,9 @@ _PLACES = ("p", "r", "s")
 """What mathematics calls a place, beside the name of a thing: p_target, r_wrist."""
 _OF_JOINTS = words_of("q dq qd qdot tau joint joints theta effort efforts torques current currents moment")
 """Words of arrays that hold a number for each joint."""
+_PLACED = ("px", "py", "pz")
+"""Last words of a place in space, of whatever link."""
+_OF_MOTORS = ("position", "velocity", "torque", "current", "voltage")
 
 
 @dataclass(frozen=True)
@@ -85,6 +89,7 @@ def readings(file: Found, joints: Sequence[str]) -> list[Reading]:
     others = _of_others(words, file.named.words)
     found: list[Reading] = []
     arrays = _arrays(names)
+    numbered = motors([ws if c.names else [] for ws, c in zip(words, columns, strict=True)])
     for j in file.usable:
         if j == clock or (clock is not None and len(file.table.columns[j].values) != file.rows):
             continue
@@ -104,7 +109,9 @@ def readings(file: Found, joints: Sequence[str]) -> list[Reading]:
             and [*own[:-1], "w"] in words
         ):
             reading = replace(reading, quantity="orientation", axis=own[-1])  # a quaternion's parts, by the fourth
-        if reading is not None and (stem := _stem(names[j])) in arrays:
+        if reading is not None and j in numbered and reading.quantity in _OF_MOTORS and not reading.axis:
+            reading = replace(reading, thing=joint_of(numbered[j], joints))
+        if reading is not None and (stem := stem_of(names[j])) in arrays:
             reading = _in_array(reading, own, _place(names[j]), arrays[stem], joints)
         if reading is not None and not own and unnamed >= len(names) - 1:
             reading = _by_place(file, reading, clock, joints)
@@ -151,6 +158,8 @@ def _reading(
     ):
         quantity, axis = "orientation", next((w[-1] for w in reversed(words) if re.fullmatch(r"q?[wxyz]", w)), "")
     thing = _joint(name, said, joints)
+    if thing.startswith("joint:") and quantity == "position" and said[-1:] and said[-1] in _PLACED:
+        thing = f"body:{thing.removeprefix('joint:')}"  # where the link is, not how far its joint has turned
     if not thing:
         thing = next((t for w in said for t, called in THINGS.items() if w in called), "")
     if not thing:
@@ -212,7 +221,7 @@ def _of_file(file: Found) -> str:
     return _quantity([w for w in file.named.words if w not in ("x", "y", "z", "u")])
 
 
-def _stem(name: str) -> str:
+def stem_of(name: str) -> str:
     """What comes before a number at the end: "q[3]" and "actual_q_3" are places in "q" and "actual_q"."""
     found = _PLACE.fullmatch(name)
     return found.group(1) if found else ""
@@ -227,7 +236,7 @@ def _arrays(names: Sequence[str]) -> dict[str, int]:
     """Stem -> how many columns are numbered behind it, from 0 and without a gap: an array of the logger's program."""
     places: dict[str, set[int]] = {}
     for name in names:
-        if stem := _stem(name):
+        if stem := stem_of(name):
             places.setdefault(stem, set()).add(_place(name))
     return {stem: len(own) for stem, own in places.items() if len(own) > 1 and own == set(range(len(own)))}
 

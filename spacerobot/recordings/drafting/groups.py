@@ -38,11 +38,13 @@ class Trial:
         id: its name.
         files: stream -> file.
         question: what could not be told, None where all is clear.
+        window: first and last time that count, s, in the recording's own time; None for all.
     """
 
     id: str
     files: dict[str, Found]
     question: str | None = None
+    window: tuple[float, float] | None = None
 
 
 def groups_of(files: Sequence[Found]) -> list[Group]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from spacerobot.recordings.drafting.lines import toml
+from spacerobot.recordings.drafting.rigs import RIGS
 
 _TOP = """format = 1
 draft = true               # diagnose waits until you have read this through and deleted this line
@@ -72,6 +73,13 @@ gravity = [0, 0, 0]
 mass = "unknown"           # kg, or kg m2 where it turns; state what you know
 damping = 0.0              # N s/m, or N m s/rad
 # stiffness =              # N/m, or N m/rad: of a spring that holds it where it reads 0
+# gain =                   # N m, or N, for one unit of what drives it, where that is a current or a voltage
+
+# How well you know them: one standard deviation, relative; a size with its unit where the value is 0.
+[baseline.sigma]
+# joint.axis.mass =
+# joint.axis.damping =     # as "0.1 N s/m" or "0.1 N m s/rad"
+# joint.axis.gain =
 """
 
 _PENDULUM = """[baseline]                 # a pendulum that swings freely
@@ -92,7 +100,7 @@ torque = 0                 # nothing drives it
 """
 
 _UNTOLD = """# No column was recognised. Below, each says what it does and what it could be. Say which rig it is, and
-# the draft has its beliefs: spacerobot study new FOLDER --overwrite --rig wrist, arm, platform, body, axis or pendulum.
+# the draft has its beliefs: spacerobot study new FOLDER --overwrite --rig {rigs}.
 [baseline]                 # ? which rig is this, and which of its channels are the columns
 robot = "pa10_wrist"
 """
@@ -119,4 +127,5 @@ def head(title: str, kind: str, robot: str | None, joints: Sequence[str], masses
         named = toml(robot if robot and joints else "pa10")
         base = '"free"' if kind == "platform" else '"fixed"'
         return top + _ARM.format(words=words, robot=named, asked=asked, base=base)
-    return top + {"body": _BODY, "axis": _AXIS, "pendulum": _PENDULUM}.get(kind, _UNTOLD)
+    untold = _UNTOLD.format(rigs=f"{', '.join(list(RIGS)[:-1])} or {list(RIGS)[-1]}")
+    return top + {"body": _BODY, "axis": _AXIS, "pendulum": _PENDULUM}.get(kind, untold)

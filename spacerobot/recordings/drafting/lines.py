@@ -10,6 +10,9 @@ from spacerobot.recordings.drafting.columns import Reading
 from spacerobot.recordings.units import UNITS
 from spacerobot.simulation.parts.checks import LARGEST, SMALLEST
 
+LARGEST_RIG = 10.0
+"""Further than a body drifts on any table [m]."""
+
 
 @dataclass
 class Line:

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
 
 from spacerobot.recordings.drafting.columns import Reading
 from spacerobot.recordings.drafting.files import Found
-from spacerobot.recordings.drafting.lines import Line
+from spacerobot.recordings.drafting.lines import LARGEST_RIG, Line
 from spacerobot.recordings.series import estimate_noise
+from spacerobot.recordings.table import Floats
 from spacerobot.recordings.units import UNITS
 
 AXIS = """<?xml version="1.0"?>
@@ -48,6 +52,17 @@ def kind_of(readings: Mapping[str, Sequence[Reading]]) -> str:
     return "axis" if single else ""
 
 
+def as_platform(readings: Mapping[str, Sequence[Reading]]) -> dict[str, list[Reading]]:
+    """The readings of what is said to be a platform: where none is called so, it is the body that nothing names."""
+    every = [r for found in readings.values() for r in found]
+    if any(r.thing == "base" and r.quantity == "position" for r in every):
+        return {stream: list(found) for stream, found in readings.items()}
+    return {
+        stream: [replace(r, thing="base") if r.thing == "" and r.axis and r.quantity else r for r in found]
+        for stream, found in readings.items()
+    }
+
+
 def draft_machine(
     kind: str, readings: Mapping[str, Sequence[Reading]], files: Mapping[str, Found], *, driven: bool = True
 ) -> dict[str, list[Line]]:
@@ -78,10 +93,47 @@ def draft_machine(
                 noise = estimate_noise(values)
                 line.remark = f"scatter about {noise:.2g} as read: sigma = ?" if noise > 0 else ""
             found.setdefault(stream, []).append(line)
+    if kind == "body":
+        for stream, lines in found.items():
+            _too_far_for_metres(lines, files[stream])
+    if kind == "axis":
+        _as_torque([line for lines in found.values() for line in lines])
     if kind == "axis" and driven and found and not any(x.use == "input" for lines in found.values() for x in lines):
         first = next(iter(found.values()))[0]
         first.question = 'which column drives the axis: joint.axis.torque or .voltage, with use = "input"'
     return {stream: sorted(lines, key=lambda x: x.reading.index) for stream, lines in found.items()}
+
+
+def _too_far_for_metres(lines: Sequence[Line], file: Found) -> None:
+    """Millimetres, and a question, where a body's places state no unit and in metres would be off any table."""
+    places = [x for x in lines if re.fullmatch(r"(?:body|marker\..+)\.position\.[xyz]", x.channel)]
+    places = [x for x in places if x.reading.unit is None]
+    spans = {id(x): float(np.nanmax(v) - np.nanmin(v)) for x in places if len(v := _values(x, file))}
+    if not spans or max(spans.values()) <= LARGEST_RIG:
+        return
+    for line in places:
+        line.reading = replace(line.reading, unit="mm")
+    furthest = max(places, key=lambda x: spans.get(id(x), 0.0))
+    furthest.question = (
+        f"no unit is stated, and readings span {max(spans.values()):.3g}: mm, cm, or pixels (then scale)"
+    )
+
+
+def _values(line: Line, file: Found) -> Floats:
+    values = file.table.columns[line.reading.index].values
+    return values[np.isfinite(values)]
+
+
+def _as_torque(lines: Sequence[Line]) -> None:
+    """What drives an axis, where no torque is logged: its current or voltage, for which the baseline has a constant."""
+    drives = [x for x in lines if x.channel in ("joint.axis.current", "joint.axis.voltage")]
+    if len(drives) != 1 or any(x.channel == "joint.axis.torque" for x in lines):
+        return
+    line, unit = drives[0], drives[0].reading.unit
+    counted = "A" if line.channel.endswith("current") else "V"
+    line.channel, line.scale = "joint.axis.torque", UNITS[unit].factor if unit else 1.0
+    line.reading = replace(line.reading, unit=None)
+    line.question = f"in {counted}: state joint.axis.gain above, its N m (or N where it slides) for each"
 
 
 def _main_thing(readings: Mapping[str, Sequence[Reading]]) -> str:
@@ -118,7 +170,7 @@ def _joint_line(reading: Reading, joint: str) -> Line | None:
     if reading.command and drives:
         line.remark = "as it was asked for, not measured"
     if quantity == "current":
-        line.question = "a current: state the torque per ampere as scale of joint.NAME.torque, or keep it"
+        line.question = "a current: state what torque it is, as torque_per_ampere of [gears]"
     return line
 
 
@@ -126,14 +178,17 @@ def _body_line(kind: str, reading: Reading, main: str) -> Line | None:
     body = "base" if kind == "platform" else "body"
     if kind == "body" and reading.thing not in (main, ""):
         if reading.thing.startswith("body:") and reading.quantity == "position" and reading.axis in ("x", "y", "z"):
-            marker = re.sub(r"[^A-Za-z0-9_-]+", "_", reading.thing.removeprefix("body:")).strip("_") or "other"
-            return Line(reading, f"marker.{marker}.position.{reading.axis}")
+            return Line(reading, f"marker.{_in_ascii(reading.thing)}.position.{reading.axis}")
         return None
     quantity, axis = reading.quantity, reading.axis
     if kind in ("arm", "platform") and quantity == "force" and not reading.command and reading.thing in ("", "hand"):
         return Line(reading, f"hand.force.{axis}" if axis in ("x", "y", "z") else "contact.force")
+    if kind == "platform" and reading.thing.startswith("body:") and quantity == "position" and axis in ("x", "y", "z"):
+        return Line(reading, f"link.{_in_ascii(reading.thing)}.position.{axis}")
     if kind == "arm" or (kind == "platform" and reading.thing != "base"):
         return None
+    if quantity == "torque" and axis == "z":
+        axis = "yaw"  # about the table's normal, as every plane's machine calls it
     if quantity in ("force", "torque") and axis in ("x", "y", "z", "yaw"):
         if quantity == "force" and axis == "yaw":
             return None
@@ -149,3 +204,8 @@ def _body_line(kind: str, reading: Reading, main: str) -> Line | None:
     if quantity == "velocity":
         return Line(reading, f"{body}.velocity.{axis}")
     return None
+
+
+def _in_ascii(thing: str) -> str:
+    """A body's own name as a channel has it."""
+    return re.sub(r"[^A-Za-z0-9_-]+", "_", thing.removeprefix("body:")).strip("_") or "other"

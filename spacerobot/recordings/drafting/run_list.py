@@ -10,7 +10,7 @@ from pathlib import Path, PurePath
 
 import numpy as np
 
-from spacerobot.recordings.drafting.files import Found
+from spacerobot.recordings.drafting.files import MOST_FILES, Found
 from spacerobot.recordings.drafting.groups import Trial
 from spacerobot.recordings.drafting.masses import is_mass
 from spacerobot.recordings.drafting.names import same, without_ending
@@ -27,6 +27,11 @@ HEAD = 2000
 """Bytes in which its columns are named."""
 
 _SEPARATORS = ("\t", ";", ",")
+
+_RANGE = re.compile(r"[^\W\d]*[ _]?(\d{1,5})\s*(?:-|–|:|\.{2,3}|…|to|bis|through)\s*[^\W\d]*[ _]?(\d{1,5})")
+"""From one run to another."""
+_AND = re.compile(r"\s*[,;+&/]\s*|\s+(?:and|und)\s+|\s+")
+_RUN = re.compile(r"[^\W\d]*_?\d{1,5}")
 
 
 @dataclass(frozen=True)
@@ -123,7 +128,16 @@ def _made(file: str, head: Sequence[str], rest: Iterable[Sequence[str]], *, comm
 
 
 def _means(cell: str, trial: Trial) -> bool:
-    """Whether a cell names the trial: one of its files, with or without folder and ending, or its number."""
+    """Whether a cell names the trial: a file of it, with or without folder and ending, its number, or some with it."""
     names = {n for f in trial.files.values() for n in (f.relative, PurePath(f.relative).name)}
     names |= {without_ending(n) for n in names} | {part for n in names for part in PurePath(n).parts[:-1]}
-    return bool(cell) and (cell in names or same(cell) == same(trial.id))
+    return bool(cell) and (cell in names or same(cell) == same(trial.id) or same(trial.id) in _several(cell))
+
+
+def _several(cell: str) -> set[str]:
+    """The numbers that a cell gives for several runs: "1-4", "run5 to run8", "1, 3 and 7"; none of one."""
+    if between := _RANGE.fullmatch(cell):
+        first, last = int(between[1]), int(between[2])
+        return {str(n) for n in range(first, last + 1)} if last - first < MOST_FILES else set()
+    parts = [p for p in _AND.split(cell) if p]
+    return set(map(same, parts)) if len(parts) > 1 and all(_RUN.fullmatch(p) for p in parts) else set()

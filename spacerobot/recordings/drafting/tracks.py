@@ -12,12 +12,12 @@ from spacerobot.recordings.units import UNITS
 
 
 def clock(file: Found) -> Floats | None:
-    """The file's times, s; None without a clock."""
+    """The file's times, s, from 0 at the rate that is stated where it has no clock; None where nothing says them."""
     if file.times is not None:
         return file.times[2]
     index = file.clock
     if index is None:
-        return None
+        return np.arange(file.rows) / file.rate if file.rate is not None else None
     column = file.table.columns[index]
     return column.values * UNITS[unsaid_unit(column) or time_unit(column)].factor
 
@@ -51,7 +51,7 @@ def track(file: Found, column: str, readings: Floats | None = None) -> Track | N
     time = clock(file)
     value = values(file, column) if readings is None else readings
     if time is None:
-        time = np.arange(len(value)) / (file.rate or UNTIMED)
+        time = np.arange(len(value)) / UNTIMED
     if len(value) != len(time):
         return None
     good = np.isfinite(time) & np.isfinite(value)

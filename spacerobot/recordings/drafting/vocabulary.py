@@ -21,7 +21,7 @@ ARM = words("elbow shoulder forearm upperarm")
 
 QUANTITY = {
     "position": words(
-        "pos position positions angle angles theta yaw heading psi q encoder encoders enc x y z px py pz "
+        "pos position positions angle angles theta yaw heading psi q encoder encoders enc x y z xyz px py pz "
         "rz height pose efpose att attitude disp displ displacement defl deflection stroke"
     ),
     "velocity": words(

@@ -12,16 +12,13 @@ from spacerobot.recordings.drafting.approach import CERTAIN, Rest, Track, contac
 from spacerobot.recordings.drafting.clocks import out_of_step, runs_apart, turned
 from spacerobot.recordings.drafting.columns import Reading
 from spacerobot.recordings.drafting.groups import Trial
-from spacerobot.recordings.drafting.lines import Line
+from spacerobot.recordings.drafting.lines import LARGEST_RIG, Line
 from spacerobot.recordings.drafting.tracks import span, track, values
 from spacerobot.recordings.series import estimate_noise
 from spacerobot.recordings.units import UNITS
 
 MOST_TRIALS = 16
 """Trials whose approach is looked at; zeroes and noise are medians over them."""
-
-LARGEST_RIG = 10.0
-"""Further than a target drifts on any table [m]."""
 
 ALONG = 1e-3
 """Share of the travel that an axis may miss and still be taken for its direction: a tenth of what labs know
@@ -245,6 +242,7 @@ def _place_target(drafted: Drafted, places: Mapping[str, tuple[str, list[Reading
     (stream, target), (wrist_stream, wrist) = lines["target.x"], lines["wrist.x"]
     same = UNITS[target.reading.unit or "m"].factor / UNITS[wrist.reading.unit or "m"].factor
     zeros: list[float] = []
+    errors: list[float] = []
     for trial in trials:
         body, slider = _combined(trial, stream, target), _combined(trial, wrist_stream, wrist)
         if body is None or slider is None:
@@ -263,10 +261,13 @@ def _place_target(drafted: Drafted, places: Mapping[str, tuple[str, list[Reading
         found = contact_zero(body, scaled, still, 1)
         if found is not None:
             zeros.append(found[0])
+            errors.append(found[1])
     if not zeros:
         target.question = target.question or "offset: target.x must be 0 where the target first touches the wrist"
         return
-    error = 1.2533 * float(np.std(zeros, ddof=1)) / math.sqrt(len(zeros)) if len(zeros) > 1 else abs(zeros[0])
+    # Of one trial, no better than a reading: what the fit's own error leaves out shows only between trials.
+    spread = 1.2533 * float(np.std(zeros, ddof=1)) / math.sqrt(len(zeros)) if len(zeros) > 1 else target.sigma or 0.0
+    error = max(spread, errors[0]) if len(zeros) == 1 else spread
     zero = float(np.median(zeros))
     if abs(zero) > CERTAIN * error:
         target.offset, target.offset_sigma = _round(-zero, error), error

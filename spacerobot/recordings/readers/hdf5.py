@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -16,6 +17,7 @@ from spacerobot.support.errors import InputError
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 _MOST = 5000
+_MOST_ATTRIBUTES = 200
 
 
 class Hdf5Reader(Reader):
@@ -35,7 +37,7 @@ class Hdf5Reader(Reader):
 
 
 def hdf5_arrays(path: Path, *, transpose: bool = False) -> dict[str, Floats]:
-    """Dotted name -> array of an HDF5 file. Runs in the child process.
+    """Dotted name -> array of an HDF5 file, and its groups' own numbers. Runs in the child process.
 
     Links to other files and data kept in other files are not followed.
 
@@ -54,6 +56,8 @@ def hdf5_arrays(path: Path, *, transpose: bool = False) -> dict[str, Floats]:
 
     def visit(name: str, item: Any) -> bool | None:
         nonlocal total
+        if isinstance(item, h5py.Group):
+            found.update(_numbers(f"{name.strip('/').replace('/', '.')}.", item))
         if not isinstance(item, h5py.Dataset) or item.external or item.is_virtual or "#refs#" in name:
             return None
         if item.dtype.kind not in "biufV" or not item.size:
@@ -71,5 +75,14 @@ def hdf5_arrays(path: Path, *, transpose: bool = False) -> dict[str, Floats]:
         return True if len(found) > _MOST else None
 
     with h5py.File(path, "r") as file:
+        found.update(_numbers("", file))
         file.visititems(visit)
     return found
+
+
+def _numbers(prefix: str, group: Any) -> dict[str, Floats]:
+    """The single numbers that are attributes of a group, as arrays of one: a trial's mass, say."""
+    every = ((str(key), np.asarray(value)) for key, value in itertools.islice(group.attrs.items(), _MOST_ATTRIBUTES))
+    return {
+        f"{prefix}{key}": v.reshape(1).astype(np.float64) for key, v in every if v.size == 1 and v.dtype.kind in "iuf"
+    }

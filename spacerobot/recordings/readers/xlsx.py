@@ -115,6 +115,8 @@ def _above(lines: list[list[str]]) -> dict[str, Floats]:
     found: dict[str, Floats] = {}
     for line in lines:
         name, *rest = [cell for cell in line if cell] or [""]
+        if len(rest) == 1:  # "5.5 kg" in one cell
+            rest = rest[0].split(maxsplit=1)
         value = number(rest[0]) if rest and len(rest) < 3 else None
         if value is not None and number(name) is None:
             found[f"{_ABOVE}::{name}{f' [{rest[1]}]' if rest[1:] else ''}"] = np.array([value])

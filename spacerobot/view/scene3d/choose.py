@@ -13,14 +13,10 @@ from spacerobot.model.robot import Robot
 from spacerobot.recordings.study import Study, bundled_studies, load_study
 from spacerobot.simulation.scene import Scene
 from spacerobot.simulation.scene_file import read_scene
-from spacerobot.simulation.simulate import simulate
 from spacerobot.simulation.trajectory import Trajectory
 from spacerobot.support.errors import InputError
 from spacerobot.view.scene3d.film import Film
 from spacerobot.view.scene3d.robot_film import robot_film
-from spacerobot.view.scene3d.study_film import study_film
-from spacerobot.view.scene3d.trajectory_film import trajectory_film
-from spacerobot.view.scene3d.verdict_film import verdict_film
 
 
 def film(
@@ -49,13 +45,13 @@ def film(
     if isinstance(what, Robot):
         return robot_film(what, None if pose is None else np.asarray(pose, dtype=float))
     if isinstance(what, Study):
-        return study_film(what, trial)
+        return _of_study(what, trial)
     if isinstance(what, Scene):
-        return trajectory_film(simulate(what), what)
+        return _simulated(what)
     if isinstance(what, Trajectory):
-        return trajectory_film(what)
+        return _of_trajectory(what)
     if isinstance(what, tuple) and len(what) == 2:
-        return trajectory_film(*what)
+        return _of_trajectory(*what)
     valid = "a robot, scene, trajectory or study, or its name"
     raise InputError("no film can be made of this", given=type(what).__name__, valid=valid)
 
@@ -79,19 +75,41 @@ def film_of(what: str, *, trial: str | None = None, data: str | None = None, pos
     """
     kind, path = kind_of(what, trial=trial, data=data, q=pose)
     if kind == "trajectory":
-        return trajectory_film(Trajectory.load(path))
+        return _of_trajectory(Trajectory.load(path))
     if kind == "verdict":
+        from spacerobot.view.scene3d.verdict_film import verdict_film
+
         return verdict_film(path)
     if kind == "study":
-        return study_film(load_study(path, data), trial)
+        return _of_study(load_study(path, data), trial)
     if kind == "scene":
-        scene = read_scene(path)
-        return trajectory_film(simulate(scene), scene)
+        return _simulated(read_scene(path))
     robot = load(Path(what) if path.is_file() else what)
     if pose is not None and len(pose) != len(robot.chain):
         valid = f"{len(robot.chain)} numbers, one each for {', '.join(robot.chain)}"
         raise InputError("wrong length", given=f"{len(pose)} numbers", valid=valid, where="--q")
     return robot_film(robot, None if pose is None else np.array(pose))
+
+
+# Simulation and diagnosis take seconds to load, and a robot's scene needs neither.
+
+
+def _of_study(study: Study, trial: str | None) -> Film:
+    from spacerobot.view.scene3d.study_film import study_film
+
+    return study_film(study, trial)
+
+
+def _of_trajectory(trajectory: Trajectory, scene: Scene | None = None) -> Film:
+    from spacerobot.view.scene3d.trajectory_film import trajectory_film
+
+    return trajectory_film(trajectory) if scene is None else trajectory_film(trajectory, scene)
+
+
+def _simulated(scene: Scene) -> Film:
+    from spacerobot.simulation.simulate import simulate
+
+    return _of_trajectory(simulate(scene), scene)
 
 
 _WANTED = {"trial": "study", "data": "study", "q": "robot", "joints": "robot"}

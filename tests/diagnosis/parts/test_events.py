@@ -40,6 +40,31 @@ def test_a_machine_that_is_never_touched_or_shakes_itself_again_and_again_has_no
     assert first_shock(TIME, balance(None, every=1.7)) is None
 
 
+def reversing(moment: float) -> tuple[np.ndarray, np.ndarray]:
+    """Velocities of a joint that turns back once, and of one that rests; and the steps that friction makes of that."""
+    random = np.random.default_rng(2)
+    velocity = np.column_stack([0.8 * (TIME - moment), 0.0 * TIME]) + 1e-3 * random.standard_normal((TIME.size, 2))
+    residual = 0.01 * random.standard_normal((TIME.size, 2))
+    residual[:, 0] += 0.2 * np.sign(TIME - moment)
+    return velocity, residual
+
+
+def test_a_joint_that_turns_back_was_not_touched_whatever_its_friction() -> None:
+    velocity, residual = reversing(4.0)
+    assert first_shock(TIME, residual) is not None  # so it seems to who does not look at the motion
+    assert first_shock(TIME, residual, 0.005, velocity) is None
+
+
+def test_a_blow_is_found_beside_a_reversal_and_at_rest() -> None:
+    velocity, residual = reversing(4.0)
+    for joint in (0, 1):
+        struck = residual.copy()
+        struck[:, joint] += balance(6.1)[:, 1] - balance(None)[:, 1]
+        found = first_shock(TIME, struck, 0.005, velocity)
+        assert found is not None
+        assert found.low <= 6.1 <= found.high
+
+
 def spinning(kind: str) -> np.ndarray:
     random = np.random.default_rng(1)
     noise = 0.02 * random.standard_normal(TIME.size)
@@ -78,6 +103,19 @@ def test_the_satellite_is_touched_and_its_clock_is_behind() -> None:
     said = happened({"events": [written(t.entry()) for t in seen], "clocks": [written(late)]})
     assert any("behind" in s for s in said)
     assert len(said) == 3
+
+
+def test_a_clock_that_is_set_in_many_trials_has_one_sentence() -> None:
+    def clock(trial: str, late: float) -> dict[str, object]:
+        value = {"value": late, "ci95": [late - 0.001, late + 0.001], "unit": "s"}
+        told = {"effect": "time_offset", "where": "camB", "against": "camA", "why": "the touch shows on both"}
+        return {**told, "trial": trial, "parameters": {"delay_s": value}}
+
+    few = [clock("01", -0.15), clock("02", 0.3)]
+    assert len(happened({"clocks": few})) == 2
+    (said,) = happened({"clocks": [*few, clock("03", 0.1)]})
+    assert "in each of 3 trials" in said
+    assert "from 0.1500 s behind it in trial 01 to 0.3000 s ahead of it in trial 02, each within 0.0010 s" in said
 
 
 def test_figures_that_others_state_are_read_or_refused(tmp_path: Path) -> None:
