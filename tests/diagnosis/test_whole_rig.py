@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from spacerobot.diagnosis.diagnose import diagnose
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
 from spacerobot.diagnosis.locate.locate import locate
@@ -91,3 +92,16 @@ def test_a_joint_that_rubs_opens_the_robots_balances_alone(tmp_path: Path) -> No
         opened = {r.balance for r in rows if r.p < LOCATED}
         assert bool(opened) == bool(planted)
         assert all(b == "hand" or b.startswith("arm.") for b in opened)
+
+
+@pytest.mark.slow
+def test_a_chaser_whose_elbow_rubs_is_named_so(tmp_path: Path) -> None:
+    """The search is made again about what it found; a joint's friction is a torque."""
+    study = moving_robot(tmp_path, "free", EffectAt(*ELBOW, {"force_N": 0.1}), floating=True)
+    verdict = diagnose(study).verdict
+    assert verdict.verdict == "named", verdict.why
+    (found,) = verdict.effects
+    assert (found.effect, found.where) == ELBOW
+    low, high = found.parameters["force_Nm"].ci95
+    assert low < 0.1 < high
+    assert found.parameters["force_Nm"].unit == "N m"
