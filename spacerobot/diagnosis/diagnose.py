@@ -89,14 +89,14 @@ def diagnose(
     if jobs > 1:
         help_compiling(workshop)
     workshop = of_whole_robot(workshop)
-    for last in range(PASSES):
+    for number in range(PASSES):
         sites = workshop.model.sites(e for e in all_effects().values() if e.name not in without)
-        kept = store if store is None or not last else Apart(store, f"pass-{last}")
+        kept = store if store is None or not number else Apart(store, f"pass-{number}")
         with Pool(workshop, jobs, effects_files, kept, workers) as pool:
             # with the believed values: a refit that lacks the physics bends them until every balance is a little wrong
             locating = pool.aside(_located)
             decided = decide(pool, sites, report)
-            if last < PASSES - 1 and apart(workshop, decided.judgement.chosen) > NEAR:
+            if number < PASSES - 1 and apart(workshop, decided.judgement.chosen) > NEAR:
                 locating.cancel()
                 workshop = of_whole_robot(workshop, decided.judgement.chosen)
                 continue

@@ -17,7 +17,7 @@ from spacerobot.diagnosis.selection.precompile import as_believed
 from spacerobot.diagnosis.terms.hypothesis import hypothesis
 from spacerobot.simulation.multibody.run import integrate_scene
 from spacerobot.simulation.sensors import read_channels
-from spacerobot.support.errors import SimulationError
+from spacerobot.support.errors import SpacerobotError
 
 TOLERANCE = 1e-7
 """Of the whole robot's run, relative to its motion."""
@@ -44,7 +44,7 @@ def of_whole_robot(workshop: Workshop, near: Fit | None = None) -> Workshop:
             if near is None or apart(workshop, near) < NEAR:
                 break
             workshop = _about(workshop, near)
-        except SimulationError:  # nothing is known of the whole robot: its check will say so
+        except SpacerobotError:  # nothing is known of the whole robot: its check will say so
             break
     return workshop
 
@@ -53,7 +53,10 @@ def as_whole_robot(workshop: Workshop) -> Workshop:
     """The workshop whose machine bends as the whole robot does as believed; of a plain rig the same."""
     if not isinstance(workshop.model, WholeRig):
         return workshop
-    return _about(workshop, as_believed(workshop))
+    try:
+        return _about(workshop, as_believed(workshop))
+    except SpacerobotError:  # small motions are shown as they are
+        return workshop
 
 
 def _about(workshop: Workshop, fit: Fit) -> Workshop:
@@ -61,10 +64,16 @@ def _about(workshop: Workshop, fit: Fit) -> Workshop:
 
 
 def apart(workshop: Workshop, fit: Fit) -> float:
-    """By how much the machine and the whole robot differ at a fit, in sensor sigmas: rms of the worst trial."""
+    """By how much the machine and the whole robot differ at a fit, in sensor sigmas: rms of the worst trial.
+
+    Nothing where the whole robot cannot be simulated there; its check says so (`confirm.py`).
+    """
     if not isinstance(workshop.model, WholeRig):
         return 0.0
-    return max(difference(workshop, fit, trial) for trial in workshop.trials)
+    try:
+        return max(difference(workshop, fit, trial) for trial in workshop.trials)
+    except SpacerobotError:
+        return 0.0
 
 
 def _fitted(workshop: Workshop, near: Fit | None) -> Fit | None:
@@ -82,7 +91,7 @@ def beyond(workshop: Workshop, fit: Fit) -> Beyond:
     could be added.
 
     Raises:
-        SimulationError: the whole robot cannot be simulated there.
+        SpacerobotError: the whole robot cannot be simulated there.
     """
     small = rig_model(workshop.study, workshop.trials)
     found: dict[str, dict[str, tuple[np.ndarray, np.ndarray]]] = {}
