@@ -15,7 +15,7 @@ AFTERWARDS = ("batch.py", "code_hash.py", "proved.py", "published.py", "rates.py
 
 _OTHERS = {
     "diagnosis": "forward diagnose_parts overlay study_check",
-    "diagnosis/machines": "axis body choose grid impacts joint_torques links platform prescribed simulated "
+    "diagnosis/machines": "axis body choose grid impacts joint_torques platform prescribed simulated "
     "stated_noise test_functions tossed",
     "diagnosis/locate": "of_model series velocity_jump",
     "diagnosis/selection": "forward_selection nested_laws part_fold part_limits",

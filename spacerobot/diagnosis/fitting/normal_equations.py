@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import lsq_linear
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,15 +47,20 @@ class Normal:
     def step(
         self, damping: float, z: np.ndarray, low: np.ndarray, high: np.ndarray
     ) -> tuple[np.ndarray, list[np.ndarray], float]:
-        """The best damped step within bounds: global part, own parts (in scales), and the promised fall of the cost.
-
-        The best one, not the free step cut short: cut short, it may promise nothing, and the fit would end beside a
-        bound with all other values where they were.
-        """
-        damped = self.reduced + damping * np.diag(np.maximum(np.diag(self.reduced), 1e-8))
-        dz = -np.linalg.lstsq(damped, self.gradient, rcond=1e-13)[0]
-        if np.any((z + dz < low) | (z + dz > high)):
-            dz = _bounded(damped, self.gradient, low - z, high - z)
+        """Damped step within bounds: global part, own parts (in scales), and the promised fall of the cost."""
+        free = np.ones(z.size, dtype=bool)
+        dz = np.zeros(z.size)
+        for _ in range(z.size + 1):
+            index = np.flatnonzero(free)
+            a = self.reduced[np.ix_(index, index)]
+            a = a + damping * np.diag(np.maximum(np.diag(a), 1e-8))
+            dz[:] = 0.0
+            dz[index] = -np.linalg.lstsq(a, self.gradient[index], rcond=1e-13)[0]
+            out = free & (((z + dz < low) & (z <= low + 1e-12)) | ((z + dz > high) & (z >= high - 1e-12)))
+            if not out.any():
+                break
+            free &= ~out
+        dz = np.clip(z + dz, low, high) - z
         largest = np.abs(dz).max(initial=0.0)
         if largest > 20.0:
             dz *= 20.0 / largest
@@ -64,15 +68,3 @@ class Normal:
         profile = float(sum(t @ np.linalg.solve(i, t) for i, _, t in self.own))
         promised = -(2.0 * self.gradient @ dz + dz @ self.reduced @ dz) + profile
         return dz, dn, float(promised)
-
-
-def _bounded(matrix: np.ndarray, gradient: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """Where d A d + 2 g d is least between bounds (Stark and Parker's bounded-variable least squares), shape (G,)."""
-    found: np.ndarray = np.minimum(low, high)
-    moves = low < high  # a value that is held has one bound for both
-    gradient = (gradient + matrix[:, ~moves] @ found[~moves])[moves]
-    values, vectors = np.linalg.eigh(matrix[np.ix_(moves, moves)])
-    root = np.sqrt(np.maximum(values, 1e-13 * max(values.max(initial=0.0), 1e-300)))
-    bounds = low[moves], high[moves]
-    found[moves] = lsq_linear(root[:, None] * vectors.T, -(vectors.T @ gradient) / root, bounds, method="bvls").x
-    return found
