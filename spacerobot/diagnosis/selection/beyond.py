@@ -101,11 +101,11 @@ def beyond(workshop: Workshop, fit: Fit) -> Beyond:
         mechanism = small.trial_mechanism(fit.hypothesis, fit.z, trial)
         plain = replace(mechanism, maps=())  # sensors act on the sum
         shown = small.predict(plain, trial, fit.trials[trial.id].initial)
+        unmapped = replace(run.mechanism, maps=())
         own = found.setdefault(trial.recorded, {})
         for block, values in zip(trial.blocks, shown.blocks, strict=True):
             channels = [c for c in block.channels if c != "contact.force"]
-            unmapped = replace(run.mechanism, maps=())
             for channel, whole in read_channels(run, unmapped, channels, block.time - trial.start).items():
-                apart = whole - values[block.channels.index(channel)]
-                own[channel] = block.time, np.asarray(apart - (0.0 if is_rate(channel) else apart[0]))
+                more = whole - values[block.channels.index(channel)]
+                own[channel] = block.time, np.asarray(more - (0.0 if is_rate(channel) else more[0]))
     return found

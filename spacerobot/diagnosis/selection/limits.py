@@ -71,8 +71,7 @@ def must_lead(dearer: float) -> float:
     Args:
         dearer: by how much the effect's parameters cost more than the rival's.
     """
-    root = NORMAL_95**2 + MARGIN + dearer
-    return (NORMAL_95 + math.sqrt(root)) ** 2 if root > 0.0 else 0.0
+    return float(_must_lead(np.asarray(dearer)))
 
 
 def _must_lead(dearer: np.ndarray) -> np.ndarray:
