@@ -16,8 +16,22 @@ UPDATE = "SPACEROBOT_UPDATE_PICTURES"
 """Environment variable; when it is set, stored pictures are written anew instead of compared."""
 
 
+FRAMES = 20
+"""Pictures taken until two in a row are the same: a slow machine may be a frame behind what was asked of the page."""
+
+
 def picture(page: Any, selector: str | None = None) -> np.ndarray:
-    """What is to be seen, (height, width, 3), 0 to 1."""
+    """What is to be seen once it stands still, (height, width, 3), 0 to 1; of what moves, the last of `FRAMES`."""
+    seen = _frame(page, selector)
+    for _ in range(FRAMES):
+        page.evaluate("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+        before, seen = seen, _frame(page, selector)
+        if np.array_equal(before, seen):
+            break
+    return seen
+
+
+def _frame(page: Any, selector: str | None) -> np.ndarray:
     data = page.locator(selector).screenshot() if selector else page.screenshot()
     return np.asarray(Image.open(io.BytesIO(data)).convert("RGB"), dtype=float) / 255.0
 
