@@ -22,7 +22,7 @@ from spacerobot.view.proof.again import page
 NAME = "proof_again"
 """Of the page, unless it is given another."""
 
-_ELSE = ("resume", "seed", "quick", "kinds")
+_ELSE = ("resume", "seed", "quick", "kinds", "scenes")
 """Arguments that choose what is played; here the records do."""
 
 

@@ -6,7 +6,7 @@ import argparse
 import json
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -14,12 +14,13 @@ from typing import Any
 
 from spacerobot import __version__
 from spacerobot.proof.batch import draw_seed, run_batch
-from spacerobot.proof.code_hash import WRIST, code_hashes
+from spacerobot.proof.code_hash import WRIST, code_hashes, group
 from spacerobot.proof.driven import orders as driven
-from spacerobot.proof.orders import FULL, KINDS, QUICK, Order, schedule
+from spacerobot.proof.orders import FULL, KINDS, QUICK, Order, of_family, schedule
 from spacerobot.proof.published import as_lines, changed, check_orders, read_batch, seed_of, still_valid
 from spacerobot.proof.rates import Record
-from spacerobot.proof.summary import as_json
+from spacerobot.proof.summary import SCENES, as_json
+from spacerobot.proof.whole import orders as whole
 from spacerobot.support.errors import InputError, NotFoundError
 from spacerobot.support.executors.choose import executor, not_both
 from spacerobot.support.files import atomic, write_text
@@ -35,7 +36,8 @@ from spacerobot.view.proof.page import page
 
 def run_batches(args: argparse.Namespace) -> int:
     """Play the batch, or what is left of it, and write its page."""
-    kinds = _kinds(args.kinds)
+    kinds = _some(args.kinds, KINDS, "kind of concealment", "--kinds")
+    scenes = _some(args.scenes, SCENES, "scene", "--scenes")
     share = parse_numbers([args.share], "--share", count=1)[0]
     if not 0.0 < share <= 1.0:
         raise InputError("not a share", given=share, valid="above 0, up to 1", where="--share")
@@ -45,13 +47,13 @@ def run_batches(args: argparse.Namespace) -> int:
     codes = code_hashes()
     begun, known = _begun(args.resume, asked, codes)
     seed = begun["seed"] if begun else asked
-    key = combined_hash("prove", args.quick, sorted(kinds), share, not args.no_rivals, seed)
+    key = combined_hash("prove", args.quick, sorted(kinds), sorted(scenes), share, not args.no_rivals, seed)
     with RunFolder(args.out, "prove", key, overwrite=args.overwrite, code=" ".join(codes.values())) as folder:
         if not folder.finished:
             begun = folder.load("batch") or begun or _new(asked)
             folder.save("batch", begun)
             say(f"seed {seeds_in_words(begun)}, code {in_words(codes)}")
-            orders = orders_of(args.quick, begun, kinds, share)
+            orders = orders_of(args.quick, begun, kinds, share, scenes)
             _take_up(folder, orders, known, args.resume)
             _play(folder, args, orders, begun, jobs, codes, minutes)
         text = (folder.folder / "proof.json").read_text(encoding="utf-8")
@@ -146,9 +148,11 @@ def seeds_in_words(batch: Mapping[str, Any]) -> str:
     return f"{batch['seed']}, {batch['date']}" + (f" ({'; '.join(own)})" if own else "")
 
 
-def orders_of(quick: bool, batch: Mapping[str, Any], kinds: list[str], share: float) -> list[Order]:
+def orders_of(
+    quick: bool, batch: Mapping[str, Any], kinds: Sequence[str], share: float, scenes: Sequence[str] = tuple(SCENES)
+) -> list[Order]:
     """The campaigns of a batch, from its seeds."""
-    size, arm = (QUICK, driven.QUICK) if quick else (FULL, driven.FULL)
+    size = QUICK if quick else FULL
 
     def some(count: int) -> int:
         return count and max(1, round(share * count))
@@ -160,23 +164,27 @@ def orders_of(quick: bool, batch: Mapping[str, Any], kinds: list[str], share: fl
         short_repeats=some(size.short_repeats),
         withheld_rounds=some(size.withheld_rounds),
     )
-    logged = {kind: some(count) for kind, count in arm.items()}
-    every = (*schedule(smaller, seed_of(batch, WRIST)), *driven.schedule(logged, seed_of(batch, driven.FAMILY)))
-    orders = [o for o in every if o.kind in kinds]
+    every = schedule(smaller, seed_of(batch, WRIST))
+    for own in (driven, whole):
+        counts = {kind: some(count) for kind, count in (own.QUICK if quick else own.FULL).items()}
+        every += of_family(own.FAMILY, counts, seed_of(batch, group(own.FAMILY)))
+    orders = [o for o in every if o.kind in kinds and o.family in scenes]
     if not orders:
-        raise InputError("this batch has no campaign of these kinds", given=" ".join(kinds), where="--kinds")
+        raise InputError(
+            "this batch has no campaign of these kinds in these scenes", given=" ".join(kinds), where="--kinds"
+        )
     return orders
 
 
-def _kinds(given: list[str] | None) -> list[str]:
+def _some(given: list[str] | None, every: Iterable[str], what: str, where: str) -> list[str]:
     if given is None:
-        return list(KINDS)
-    known = {k.replace(" ", "_"): k for k in KINDS}
+        return list(every)
+    known = {k.replace(" ", "_"): k for k in every}
     found = []
     for token in (t for text in given for t in text.split(",") if t):
         name = token.replace(" ", "_")
         if name not in known:
-            raise NotFoundError("kind of concealment", token, known, where="--kinds")
+            raise NotFoundError(what, token, known, where=where)
         found.append(known[name])
     return list(dict.fromkeys(found))
 
@@ -185,6 +193,7 @@ def _command(args: argparse.Namespace) -> str:
     words = ["spacerobot prove", "--quick" if args.quick else ""]
     words += [
         f"--kinds {' '.join(args.kinds)}" if args.kinds else "",
+        f"--scenes {' '.join(args.scenes)}" if args.scenes else "",
         f"--share {args.share}" if args.share != "1" else "",
     ]
     return " ".join(w for w in words if w)
