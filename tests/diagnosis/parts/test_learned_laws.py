@@ -72,6 +72,7 @@ def rippling(tmp_path_factory: pytest.TempPathFactory) -> tuple[Study, LearnedPa
     return study, part
 
 
+@pytest.mark.slow
 def test_a_torque_that_ripples_with_the_angle_is_learned_beside_friction(rippling: tuple[Study, LearnedPart]) -> None:
     _, part = rippling
     learnt, values = law_of(part), part.fit.values()
@@ -86,6 +87,7 @@ def test_a_torque_that_ripples_with_the_angle_is_learned_beside_friction(ripplin
     assert max(part.loudness.values()) < 1.3
 
 
+@pytest.mark.slow
 def test_it_is_said_shown_and_runs_again(
     rippling: tuple[Study, LearnedPart], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

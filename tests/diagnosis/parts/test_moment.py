@@ -81,6 +81,7 @@ def found(study: Study) -> tuple[dict[tuple[str, str], list[float]], float]:
     return effects, part["values"].get("joint.j.delay", 0.0)
 
 
+@pytest.mark.slow
 def test_a_held_command_is_early_by_half_a_sample_and_nothing_else_is_missing(tmp_path: Path) -> None:
     effects, delay = found(followed(tmp_path, viscous=9.0))
     assert list(effects) == [("viscous_friction", "joint.j")]
@@ -88,6 +89,7 @@ def test_a_held_command_is_early_by_half_a_sample_and_nothing_else_is_missing(tm
     assert delay == pytest.approx(-0.5 * STEP, rel=0.1)
 
 
+@pytest.mark.slow
 def test_what_sticks_is_no_sluggish_log(tmp_path: Path) -> None:
     effects, delay = found(followed(tmp_path, dry=1.5))
     assert list(effects) == [("coulomb_friction", "joint.j")]
