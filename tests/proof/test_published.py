@@ -8,12 +8,12 @@ from pathlib import Path
 import pytest
 
 from spacerobot.cli.main import main
-from spacerobot.cli.prove_run import seeds_in_words
 from spacerobot.proof.code_hash import code_hashes
 from spacerobot.proof.driven.orders import FAMILY
 from spacerobot.proof.orders import QUICK, schedule
 from spacerobot.proof.published import SCORED, as_lines, changed, check_orders, read_batch, seed_of, still_valid
 from spacerobot.support.errors import InputError
+from spacerobot.view.proof.prove import seeds_in_words
 
 BATCH = {"seed": 7, "date": "2026-01-02", "codes": {"wrist": "c0de", FAMILY: "c1de"}}
 RECORDS = [
