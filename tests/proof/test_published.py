@@ -69,7 +69,7 @@ def test_scenes_whose_code_has_changed_have_a_seed_of_their_own(tmp_path: Path) 
     ("text", "reason"),
     [
         ("", "not the records of a batch"),
-        ('{"format": 2}\n', "not the records of a batch"),
+        ('{"format": 2}\n', "newer spacerobot"),
         ('{"format": 1, "seed": "7", "date": "d", "codes": {}}\n', "states no seed"),
         ('{"format": 1, "seed": 7, "date": "d", "codes": {}}\n{"name": "a"', "not a line of JSON"),
         ('{"format": 1, "seed": 7, "date": "d", "codes": {}}\n[1]\n', "not a JSON object"),
