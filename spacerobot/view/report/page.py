@@ -20,7 +20,7 @@ from spacerobot.view.report.formula import mathml
 from spacerobot.view.report.story import capital, change_text, confidence_text, few_trials, improvement, tell
 from spacerobot.view.report.traces_json import embedded
 from spacerobot.view.report.unseen import unseen
-from spacerobot.view.report.words import finite, of_body, per_unit, with_own_units
+from spacerobot.view.report.words import finite, of_body, per_unit, rivals_with_own_units, with_own_units
 
 RIVALS = 200
 """Screened hypotheses listed one by one; the others are counted."""
@@ -46,7 +46,9 @@ def page(verdict: Mapping[str, Any], evidence: Evidence) -> str:
     data, kept = embedded(evidence.traces)
     scripts, styles = assets()
     hero = _hero(verdict, evidence)
-    fitted, screened, more = _rivals(_with_held_out(verdict, evidence.hypotheses))
+    fitted, screened, more = _rivals(
+        _with_held_out(verdict, rivals_with_own_units(evidence.hypotheses, evidence.channels))
+    )
     unit = " σ" if (verdict.get("held_out") or {}).get("unit", "sigma") == "sigma" else ""
     surfaces = [(s, charts.surface_chart(s).inline()) for s in evidence.surfaces[:24]]
     template = _environment().get_template("page.html")
