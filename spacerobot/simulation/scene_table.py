@@ -28,7 +28,7 @@ def rows(scene: Any) -> list[tuple[str, Any, str]]:
         if record is not None:
             found += [(f"{part}: {_words(k)}", v, UNITS.get(f"{part}.{k}", "")) for k, v in _stated(part, record)]
     if scene.hand_speed:
-        found.append(("chaser: hand speed", scene.hand_speed, UNITS["hand_speed"]))
+        found.append(("chaser: hand speed", scene.hand_speed, UNITS["chaser.hand_speed"]))
     if any(scene.gravity):
         found.append(("gravity", brief(scene.gravity), UNITS["gravity"]))
     for item in scene.effects:  # the unit is part of a parameter's name

@@ -6,7 +6,7 @@ UNITS: dict[str, str] = {
     "pose": "rad or m",
     "gravity": "m/s^2",
     "duration": "s",
-    "hand_speed": "m/s",
+    "chaser.hand_speed": "m/s",
     "others": "rad or m",
     "wrist.mass": "kg",
     "wrist.stiffness": "N/m",

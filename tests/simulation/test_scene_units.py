@@ -24,6 +24,7 @@ OF_A_SCENE = {"robot", "base", "joints", "tip", "approach", "effects", "backend"
 def test_every_number_of_a_scene_has_a_unit() -> None:
     parts = {f"{part}.{f.name}" for part, kind in PARTS.items() for f in dataclasses.fields(kind)} - NO_NUMBERS
     plain = {f.name for f in dataclasses.fields(Scene)} - OF_A_SCENE
+    plain = plain - {"hand_speed"} | {"chaser.hand_speed"}  # which the file has in a table of its own
     assert set(UNITS) == parts | plain
 
 

@@ -17,9 +17,13 @@ def scene_file() -> str:
             table = line.strip("[]") + "."
         key = table + line.partition(" = ")[0]
         stated.add(key)
-        lines.append(f"{line:40} # {UNITS[key]}" if key in UNITS else line)
-    further = [f"| `{key}` | {unit} |" for key, unit in UNITS.items() if key not in stated]
+        lines.append(f"{line:40} # {_said(UNITS[key])}" if key in UNITS else line)
+    further = [f"| `{key}` | {_said(unit)} |" for key, unit in UNITS.items() if key not in stated]
     return "\n".join(["```toml", *lines, "```", "", "| further key | unit |", "|---|---|", *further])
+
+
+def _said(unit: str) -> str:
+    return "no unit" if unit == "1" else unit
 
 
 def verdict_file() -> str:
