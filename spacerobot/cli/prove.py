@@ -12,6 +12,7 @@ examples:
   spacerobot prove --out proof --minutes 60 --docs docs
   spacerobot prove --out proof --resume docs/proof_records.jsonl --docs docs
   spacerobot prove --out proof --kinds nothing_missing outsider --seed 7 --json
+  spacerobot prove --out whole --scenes whole_machine --minutes 60
   spacerobot prove --out again --again docs/proof_records.jsonl --jobs 2
   spacerobot prove --list
 
@@ -41,6 +42,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--list", action=_List, help="which effects the proof hides, and which are not yet proved")
     parser.add_argument("--quick", action="store_true", help="a handful of campaigns, a few minutes")
     parser.add_argument("--kinds", nargs="+", metavar="KIND", help="only these kinds of concealment")
+    parser.add_argument(
+        "--scenes", nargs="+", metavar="SCENE", help="only these: rig, spinning, chaser, servo_arm, ..."
+    )
     parser.add_argument("--share", metavar="X", default="1", help="this share of each kind's campaigns; default: 1")
     parser.add_argument("--minutes", metavar="M", help="begin no campaign after so long; the next run goes on")
     parser.add_argument("--seed", metavar="N", help="of the batch; drawn from the operating system if absent")

@@ -15,7 +15,7 @@ from spacerobot.support.progress import say
 from spacerobot.view.proof.prove import prove, require_minutes
 from spacerobot.view.proof.prove_again import prove_again
 
-_ELSE = ("resume", "seed", "quick", "kinds")
+_ELSE = ("resume", "seed", "quick", "kinds", "scenes")
 """Arguments that choose what is played; with --again the records do."""
 
 
@@ -30,6 +30,7 @@ def _batch(args: argparse.Namespace) -> int:
         args.out,
         quick=args.quick,
         kinds=args.kinds,
+        scenes=args.scenes,
         share=parse_numbers([args.share], "--share", count=1)[0],
         minutes=minutes,
         seed=None if args.seed is None else parse_whole(args.seed, "--seed"),

@@ -19,6 +19,7 @@ from spacerobot.proof.scenes import hideable, scene
 from spacerobot.proof.sizes import Kind, kind, peak_stroke
 from spacerobot.proof.spoiled import WAYS
 from spacerobot.proof.strength import DRAWN, NEAR, Strength, measure, reach
+from spacerobot.proof.whole.orders import FAMILY
 from spacerobot.recordings.study import load_study
 from spacerobot.support.errors import InputError
 from spacerobot.support.scratch import scratch
@@ -131,7 +132,10 @@ def _wrong_value(order: Order, rng: np.random.Generator) -> Concealed:
 
 
 def _unlabelled(order: Order, rng: np.random.Generator) -> Concealed:
-    hidden, found = _one(order, rng, limits=order.limits or _strength(rng))
+    def choose(key: tuple[str, str]) -> bool:  # of a whole machine, joints and the wrist in turn
+        return order.family != FAMILY or (key[1] == "wrist") == bool(order.number % 2)
+
+    hidden, found = _one(order, rng, limits=order.limits or _strength(rng), choose=choose)
     return _as_effect(order, hidden, found)
 
 
@@ -174,14 +178,20 @@ def _two(order: Order, rng: np.random.Generator) -> Concealed:
     campaign = scene(order.family, rng)
     for _ in range(100):
         first, second = (_draw(campaign, rng) for _ in range(2))
-        group = {APART.get(first[0], first[0]), APART.get(second[0], second[0])}
+        group = {_group(first), _group(second)}
         sensors = {first[1], second[1]} & {"force_sensor", "mocap"}
-        if len(group) == 2 and not (len(sensors) == 1 and first[1] == second[1]):
+        apart = order.family != FAMILY or "wrist" in (first[1], second[1])
+        if apart and len(group) == 2 and not (len(sensors) == 1 and first[1] == second[1]):
             break
     one, _ = reach(campaign, kind(*first, rng, campaign), limits=_strength(rng, lowest=8.0), near=DRAWN)
     other, _ = reach(campaign, kind(*second, rng, campaign), limits=_strength(rng, lowest=8.0), near=DRAWN)
     both = campaign.with_missing(*one.missing, *other.missing)
     return _as_effect(order, both, measure(both))
+
+
+def _group(key: tuple[str, str]) -> str:
+    effect, where = key
+    return where if where.startswith("joint.") else APART.get(effect, effect)
 
 
 def _outsider(order: Order, rng: np.random.Generator) -> Concealed:

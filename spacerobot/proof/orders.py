@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import hashlib
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -126,6 +127,19 @@ def schedule(size: Size, seed: int) -> list[Order]:
     """All orders of a batch, each with its own seed drawn from `seed`; a larger batch contains a smaller one's."""
     orders = list(_orders(size))
     return [replace(o, seed=_seed(seed, o)) for o in orders]
+
+
+def of_family(family: str, counts: Mapping[str, int], seed: int) -> list[Order]:
+    """All orders of one family, each with its own seed drawn from `seed`; more of a kind contain fewer."""
+
+    def drawn(text: str) -> int:
+        return int.from_bytes(hashlib.sha256(text.encode()).digest()[:4], "big")
+
+    return [
+        Order(kind, family, number, seed=drawn(f"{seed} {kind} {number}"))
+        for kind, count in counts.items()
+        for number in range(count)
+    ]
 
 
 def _orders(size: Size) -> Iterator[Order]:

@@ -18,6 +18,7 @@ from spacerobot.proof.conceal import conceal
 from spacerobot.proof.judge import Judgement, band_share, judge, labels, outside
 from spacerobot.proof.oracle import Bench, Fitted, fitted_labels, only_of, starts_of
 from spacerobot.proof.orders import Order
+from spacerobot.proof.whole.orders import FAMILY
 from spacerobot.support.errors import InputError, SimulationError
 from spacerobot.support.jsonio import plain
 
@@ -58,7 +59,7 @@ def play(order: Order, folder: Path, *, rivals: bool = False, command: Sequence[
         sealed=seal(made.campaign, made.about()),
         trials=len(made.campaign.trials),
         withheld=made.withheld,
-        scored=partial(_scored, rivals=rivals),
+        scored=partial(_scored, family=order.family, rivals=rivals),
     )
     return blind(order, folder, ready, began, command)
 
@@ -119,8 +120,10 @@ def blind(order: Order, folder: Path, ready: Ready, began: float, command: Seque
 
 
 def _scored(
-    study: Path, truth: dict[str, Any], judged: Judgement, verdict: dict[str, Any] | None, *, rivals: bool
+    study: Path, truth: dict[str, Any], judged: Judgement, verdict: dict[str, Any] | None, *, family: str, rivals: bool
 ) -> dict[str, Any]:
+    if family == FAMILY:  # the bench has no machine of its own for it
+        return {"claimed_held_out": _claimed(verdict), "same": False, "equal": False}
     band = None if verdict is None else band_share(truth, verdict)
     out = {
         "claimed_held_out": _claimed(verdict),

@@ -11,7 +11,9 @@ from spacerobot.proof import air_bed
 from spacerobot.proof.campaign import Belief, Campaign, Trial
 from spacerobot.proof.engine.arm import POSE, arm_mass
 from spacerobot.proof.engine.sensors import Channel
-from spacerobot.proof.sizes import places
+from spacerobot.proof.sizes import JOINTS, places
+from spacerobot.proof.whole.orders import FAMILY
+from spacerobot.proof.whole.scene import whole_machine
 
 CHASER_MASSES = (4.0, 9.0, 16.0)
 """Targets [kg] that a free chaser meets: light ones, so that it turns little while it is watched."""
@@ -30,6 +32,8 @@ def scene(family: str, rng: np.random.Generator, *, effect: tuple[str, str] | No
     """
     if family in ("chaser", "servo arm"):
         return _arm(family, rng)
+    if family == FAMILY:
+        return whole_machine(_arm("chaser", rng), rng)
     name = effect[0] if effect else ""
     marker = name == "arm_compliance" or (not name and bool(rng.random() < 0.5))
     turning = name in ("eccentric_contact",)
@@ -43,6 +47,8 @@ def hideable(campaign: Campaign, *, outside: bool = False) -> list[tuple[str, st
     """(effect, place) that a scene can hide, of the catalogue or of those outside it."""
     channels = {c.name for s in campaign.streams for c in s.channels}
     found = places(turning="target.y" in channels, outside=outside)
+    if campaign.family == FAMILY:
+        return [] if outside else [("coulomb_friction", "wrist"), *JOINTS]
     if campaign.family == "servo arm" and not outside:
         return [("arm_compliance", "arm")]
     if "target.yaw" in channels:  # the oscillator moves along a line, not with a body that turns

@@ -15,6 +15,7 @@ from spacerobot.proof.campaign import Campaign, Trial
 from spacerobot.proof.engine.arm import arm_mass
 from spacerobot.proof.engine.missing import Missing
 from spacerobot.proof.engine.outsiders import OUTSIDERS
+from spacerobot.proof.whole.scene import BENDING
 from spacerobot.support.errors import NotFoundError
 
 Values = dict[str, float]
@@ -63,6 +64,8 @@ def kind(effect: str, where: str, rng: np.random.Generator, campaign: Campaign) 
         NotFoundError: the rig cannot have it there.
     """
     key = (effect, where)
+    if key in JOINTS:
+        return Kind(effect, where, *_one("force_Nm", 0.05)(rng, campaign))
     if key not in DRAWS:
         raise NotFoundError("hidden effect", f"{effect} at {where}", [f"{e} at {w}" for e, w in DRAWS])
     values, largest = DRAWS[key](rng, campaign)
@@ -222,6 +225,9 @@ DRAWS: dict[tuple[str, str], Draw] = {
     ("cogging", "wrist"): _cogging,
 }
 """(effect, place) -> how its numbers are drawn. Delays are late ones: an early stream is the other one late."""
+
+JOINTS = tuple(("coulomb_friction", f"joint.{name}") for name in BENDING)
+"""Friction in the joints of a whole machine, whose motion shows it."""
 
 TURNING = ("contact_friction", "eccentric_contact", "magnus")
 """Effects that only a target which turns can show."""

@@ -16,12 +16,17 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.stats import chi2, ncx2
 
+from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.fitting.starts import fit_from
+from spacerobot.diagnosis.machines.bent import NOTHING, Bent, Beyond
+from spacerobot.diagnosis.machines.whole_rig import rig_model
 from spacerobot.diagnosis.machines.wrist_rig import RigModel
 from spacerobot.diagnosis.terms.data import trial_data
+from spacerobot.diagnosis.terms.hypothesis import hypothesis
 from spacerobot.proof.campaign import Campaign, Readings, perform, write_study
 from spacerobot.proof.sizes import Kind
+from spacerobot.proof.whole.scene import WholeMachine
 from spacerobot.recordings.study import load_study
 from spacerobot.support.errors import InputError, SimulationError
 from spacerobot.support.scratch import scratch
@@ -71,13 +76,40 @@ class Strength:
         return 1.0 + self.noncentrality / self.samples
 
 
-def measure(campaign: Campaign) -> Strength:
+def measure(campaign: Campaign, plain: Readings | None = None) -> Strength:
     """Refit the baseline to the readings without noise; believed values are centred on the truth.
+
+    Args:
+        campaign: with what is hidden in it.
+        plain: as `nothing_missing` has them; played here if None.
 
     Raises:
         SimulationError: the baseline cannot be fitted.
     """
     clean = perform(campaign)
+    centred = _centred(campaign)
+    plain = plain or nothing_missing(campaign)
+    beyond, left = (NOTHING, 0.0) if plain is None else _left(centred, plain)
+    fit = _refit(centred, clean, beyond)
+    remounted = {t.overrides.get("target.mass", 0.0): t.values.wrist_stiffness for t in campaign.trials}
+    scatter = campaign.belief.scatter.get("wrist.stiffness")
+    owed = left
+    if scatter and len(remounted) > 1 and plain is None:
+        own = np.array(list(remounted.values())) / campaign.as_built["wrist.stiffness"] - 1.0
+        owed = float(np.sum((own / scatter) ** 2))
+    count = sum(len(m.values) for m in campaign.missing)
+    return Strength(max(fit.cost - owed, 0.0), fit.samples, max(count, 1), clean)
+
+
+def nothing_missing(campaign: Campaign) -> Readings | None:
+    """What is recorded with nothing missing, of a machine that is fitted by its small motions; None of any other.
+
+    What small motions leave of it is nothing hidden.
+    """
+    return perform(campaign.with_missing()) if isinstance(campaign, WholeMachine) else None
+
+
+def _centred(campaign: Campaign) -> Campaign:
     named = {n: campaign.as_built[n] for n in campaign.belief.values if n in campaign.as_built}
     belief = replace(campaign.belief, values={**campaign.belief.values, **named})
     over = campaign.as_built.get("target.mass over believed", 1.0)
@@ -85,20 +117,36 @@ def measure(campaign: Campaign) -> Strength:
         replace(t, overrides={n: v * (over if n == "target.mass" else 1.0) for n, v in t.overrides.items()})
         for t in campaign.trials
     )
+    return replace(campaign, belief=belief, trials=trials)
+
+
+def _refit(campaign: Campaign, clean: Readings, beyond: Beyond) -> Fit:
+    model = _model(campaign, clean, beyond)
+    return fit_from(Fitter(model, model.trials), model.believed, (), {}, max_iterations=16)
+
+
+def _model(campaign: Campaign, clean: Readings, beyond: Beyond = NOTHING) -> RigModel:
     with scratch() as folder:
-        write_study(folder, replace(campaign, belief=belief, trials=trials), clean, exact=True)
+        write_study(folder, campaign, clean, exact=True)
         study = load_study(folder)
-        data = trial_data(study)
-        model = RigModel(study, data)
-        fit = fit_from(Fitter(model, data), model.believed, (), {}, max_iterations=16)
-    remounted = {t.overrides.get("target.mass", 0.0): t.values.wrist_stiffness for t in campaign.trials}
-    scatter = campaign.belief.scatter.get("wrist.stiffness")
-    owed = 0.0
-    if scatter and len(remounted) > 1:
-        own = np.array(list(remounted.values())) / campaign.as_built["wrist.stiffness"] - 1.0
-        owed = float(np.sum((own / scatter) ** 2))
-    count = sum(len(m.values) for m in campaign.missing)
-    return Strength(max(fit.cost - owed, 0.0), fit.samples, max(count, 1), clean)
+        return rig_model(study, trial_data(study), beyond=beyond)
+
+
+def _left(campaign: Campaign, plain: Readings) -> tuple[Beyond, float]:
+    """What small motions, as believed, leave of a machine with nothing missing, and what a fit leaves beside that."""
+    model = _model(campaign, plain)
+    made = hypothesis(model.believed, [])
+    beyond: dict[str, Bent] = {}
+    for trial in model.trials:
+        initial = np.array([n.guess for n in model.nuisances(trial)])
+        seen = model.predict(model.trial_mechanism(made, made.start(), trial), trial, initial)
+        shown = {
+            channel: (block.time, (read - said)[None, :])
+            for block, values in zip(trial.blocks, seen.blocks, strict=True)
+            for channel, read, said in zip(block.channels, block.value, values, strict=True)
+        }
+        beyond[trial.recorded] = Bent({}, initial, (), shown)
+    return beyond, _refit(campaign, plain, beyond).cost
 
 
 def reach(
@@ -123,12 +171,13 @@ def reach(
     """
     if (limits is None) == (variance_ratio is None):
         raise InputError("a size is asked for either in detection limits or as a variance ratio")
+    plain = nothing_missing(campaign)
     size, low, high = 1.0, 0.0, math.inf
     best: tuple[float, Campaign, Strength] | None = None
     for _ in range(ATTEMPTS):
         hidden = campaign.with_missing(*campaign.missing, kind.at(size))
         try:
-            found = measure(hidden)
+            found = measure(hidden, plain)
         except (SimulationError, InputError):
             size, high = 0.5 * size, size
             continue

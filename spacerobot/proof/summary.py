@@ -22,8 +22,9 @@ from spacerobot.proof.rates import (
     relative_errors,
     smallest_found,
 )
+from spacerobot.proof.whole.orders import FAMILY as WHOLE
 
-MOVES = (*MOVING, FAMILY)
+MOVES = (*MOVING, FAMILY, WHOLE)
 """Scenes in which more moves than slider and target."""
 
 SCENES = {
@@ -32,6 +33,7 @@ SCENES = {
     "chaser": "free-floating chaser, its joints locked",
     "servo arm": "seven joints on servo springs",
     FAMILY: "seven joints driven: friction, load, rotors",
+    WHOLE: "free-floating chaser, its seven joints free or on servos",
 }
 """Scene -> in words."""
 

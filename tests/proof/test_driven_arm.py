@@ -25,9 +25,10 @@ from spacerobot.proof.driven.bench import ArmBench
 from spacerobot.proof.driven.campaign import DURATION, RATE, Campaign, drawn, write_study
 from spacerobot.proof.driven.conceal import MAKERS, conceal
 from spacerobot.proof.driven.hidden import DRAWS, draw, torque
-from spacerobot.proof.driven.orders import FULL, schedule
+from spacerobot.proof.driven.orders import FAMILY, FULL
 from spacerobot.proof.driven.strength import Yardstick
 from spacerobot.proof.engine.rig import STANDARD_GRAVITY
+from spacerobot.proof.orders import of_family
 from spacerobot.recordings.study import load_study
 from spacerobot.support.sources import ROOT
 
@@ -141,7 +142,7 @@ def test_a_joint_that_stands_still_is_not_compared(tmp_path: Path) -> None:
 
 
 def test_every_kind_can_be_made() -> None:
-    made = {o.kind: conceal(o) for o in schedule(dict.fromkeys(MAKERS, 1), 3)}
+    made = {o.kind: conceal(o) for o in of_family(FAMILY, dict.fromkeys(MAKERS, 1), 3)}
     assert set(made) == set(FULL) == set(MAKERS)
     for kind, found in made.items():
         truth = found.truth()

@@ -66,7 +66,8 @@ OF_OPTIONS = {
     "effects": "--effects load_effects",
     "view": "--html write_page --live live_view --trial film.trial --data load_study.data --q film.pose "
     "--to mass_film.end --map mass_film --direction mass_film.direction --joints mass_film.joints",
-    "prove": "--out prove.out --quick prove.quick --kinds prove.kinds --share prove.share --minutes prove.minutes "
+    "prove": "--out prove.out --quick prove.quick --kinds prove.kinds --scenes prove.scenes --share prove.share "
+    "--minutes prove.minutes "
     "--seed prove.seed --resume prove.resume --again prove_again --jobs prove.jobs --dask prove.dask "
     "--no-rivals prove.rivals --docs prove.docs --page prove.name",
     "sweep": "--out run_sweep.out --dask run_sweep.dask --jobs run_sweep.jobs --seed run_sweep.seed",

@@ -8,16 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
+from spacerobot.diagnosis.machines.bent import NOTHING, Beyond
 from spacerobot.diagnosis.machines.contract import CLOCK, Nuisance
 from spacerobot.diagnosis.machines.robot_channels import BASE_CHANNELS, is_rate, of_robot, robot_channels
 from spacerobot.diagnosis.machines.robot_motions import RobotMotions
 from spacerobot.diagnosis.machines.wrist_rig import LEAST, RigModel, RigPredicted, together, touch_time
 from spacerobot.diagnosis.terms.data import TrialData
+from spacerobot.diagnosis.terms.hypothesis import Hypothesis
 from spacerobot.effects.effect import BASE_PORTS
 from spacerobot.effects.laws import DAMPER, SPRING
 from spacerobot.effects.mechanism import Mechanism
@@ -34,10 +35,8 @@ ZERO = "zero:"
 SERVO = 3e3
 """Where the search for a servo's stiffness begins [N m/rad]."""
 
-Beyond = Mapping[str, Mapping[str, tuple[np.ndarray, np.ndarray]]]
-"""Trial -> channel -> times, and what is to be added to a prediction there."""
-
-NOTHING: Beyond = MappingProxyType({})
+KEPT = 512
+"""Mechanisms of which it is kept what values they were made with."""
 
 SHIFTED = ("hand.x", "wrist.x")
 """Channels beside the robot's own whose zero a trial finds, where the robot drifts before the touch."""
@@ -62,6 +61,7 @@ class WholeRig(RigModel):
     ) -> None:
         self.robot, self._beyond = RobotMotions(study), beyond
         self._shown: dict[str, tuple[Mechanism, tuple[float, ...], RigPredicted]] = {}  # what zeros alone do not change
+        self._made: dict[int, tuple[Mechanism, dict[str, float]]] = {}
         self._base, self._joints = study.baseline.base, study.baseline.joints
         super().__init__(study, trials, tolerance=tolerance)
 
@@ -154,6 +154,15 @@ class WholeRig(RigModel):
             sensors=self.sensors,
         )
 
+    def trial_mechanism(self, hypothesis: Hypothesis, z: np.ndarray, trial: TrialData) -> Mechanism:
+        """See RigModel; which values it was made with is kept: what is added to small motions hangs on them."""
+        made = super().trial_mechanism(hypothesis, z, trial)
+        if self._beyond and (id(made) not in self._made or self._made[id(made)][0] is not made):
+            if len(self._made) >= KEPT:
+                self._made.clear()
+            self._made[id(made)] = made, hypothesis.trial_values(z, self.base, trial.condition, trial.overrides)
+        return made
+
     def start(
         self, mechanism: Mechanism, trial: TrialData, initial: np.ndarray
     ) -> tuple[dict[str, float], dict[str, float]]:
@@ -211,14 +220,17 @@ class WholeRig(RigModel):
         kept = self._shown.get(trial.id)
         if kept is None or kept[0] is not mechanism or kept[1] != moving:
             kept = self._shown[trial.id] = mechanism, moving, super().predict(mechanism, trial, initial)
-        beyond = self._beyond.get(trial.recorded, {})
         blocks = tuple(block.copy() for block in kept[2].blocks)
-        for block, shown in zip(trial.blocks, blocks, strict=True):
+        bent = self._beyond.get(trial.recorded)
+        _, values = self._made.get(id(mechanism), (None, {}))
+        weights = None if bent is None else bent.weights(values, initial)
+        for block, shown, late in zip(trial.blocks, blocks, kept[2].late, strict=True):
             for row, channel in zip(shown, block.channels, strict=True):
                 row += zeros.get(channel, 0.0)
-                if channel in beyond:
-                    row += np.interp(block.time, *beyond[channel])
-        return replace(kept[2], blocks=blocks)
+                if bent is not None and weights is not None:
+                    bent.add(channel, block.time - late if late else block.time, weights, row)
+        touches = kept[2].touches if bent is None else bent.touches(kept[2].touches)
+        return replace(kept[2], blocks=blocks, touches=touches)
 
     def turns(self, where: str) -> bool:
         """Joints that do not slide, and the base about its axes."""

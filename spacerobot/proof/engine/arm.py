@@ -6,7 +6,7 @@ weigh nothing. What the reduced model calls the hand is here whatever the arm do
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any, ClassVar
 
@@ -16,10 +16,19 @@ from spacerobot.model.library import load
 from spacerobot.model.wrist import aim
 from spacerobot.proof.engine.rig import FRICTION_TIME, Joint, Rig, Values
 
+CHAIN = ("S1", "S2", "S3", "E1", "E2", "W1", "W2")
+"""The arm's joints from base to tip."""
+
 POSE = tuple(np.radians([0.0, 45.0, 0.0, 90.0, 0.0, -45.0, 0.0]).tolist())
 """The pose of the rig's arm [rad]."""
 
 AHEAD = np.array([1.0, 0.0, 0.0])
+
+TARGET = ("target", "target.y", "target.z")
+"""A target in space is pushed aside where the face that it meets turns."""
+
+STICKS = [0.9995, 0.9999, 0.001, 0.5, 2.0]
+"""How well MuJoCo's friction holds a joint that sticks: its creep is to be small beside a joint's slow motions."""
 
 BASE_JOINTS = (("base.x", "1 0 0"), ("base.y", "0 1 0"), ("base.z", "0 0 1"))
 BASE_TURNS = (("base.roll", "1 0 0"), ("base.pitch", "0 1 0"), ("base.yaw", "0 0 1"))
@@ -51,6 +60,8 @@ class ArmRig(Rig):
     def __post_init__(self) -> None:
         super().__post_init__()
         self.joints.pop("hand", None)
+        self.joints |= {name: Joint() for name in TARGET[1:]}
+        self.joints |= {f"joint.{name}": Joint(kind="hinge") for name in CHAIN}
         self._index: dict[str, int] = {}
 
     @property
@@ -105,11 +116,15 @@ class ArmRig(Rig):
         import mujoco
 
         robot = load("pa10")
-        for number, (name, angle) in enumerate(zip(robot.chain, POSE, strict=True)):
+        for number, (name, angle) in enumerate(zip(CHAIN, POSE, strict=True)):
             joint = spec.joint(name)
             joint.limited = mujoco.mjtLimited.mjLIMITED_FALSE
             if self.servo is not None:
-                set_joint(joint, Joint("", "hinge", self.servo.stiffness, self.servo.damping[number]))
+                own = replace(
+                    self.joints[f"joint.{name}"], stiffness=self.servo.stiffness, damping=self.servo.damping[number]
+                )
+                set_joint(joint, own)
+                joint.solimp_friction = STICKS
             joint.armature = float(robot.model.armature[robot.velocity_index(name)])
             # the pose becomes the model's own zero, so that springs rest there and welds hold it
             body = joint.parent
@@ -131,7 +146,7 @@ class ArmRig(Rig):
         set_joint(joint, own)
         body = joint.parent
         ratio = self.masses["wrist"] / body.mass
-        body.mass, body.inertia = self.masses["wrist"], np.array(body.inertia) * ratio
+        body.mass, body.fullinertia = self.masses["wrist"], np.array(body.fullinertia) * ratio  # as a URDF is read
         length = 2.0 * float(body.ipos[2])  # its centre of mass is half way to the tip
         body.add_site(name="tip", pos=[0.0, 0.0, length])
         spec.body("wrist_mount").add_site(name="mount")
@@ -145,8 +160,9 @@ class ArmRig(Rig):
 
         body = spec.worldbody.add_body(name="target", mass=self.masses["target"], inertia=[0.1, 0.1, 0.1])
         body.explicitinertial = True
-        joint = body.add_joint(name="target", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=AHEAD.tolist())
-        set_joint(joint, self.joints["target"])
+        for name, axis in zip(TARGET, np.eye(3).tolist(), strict=True):
+            joint = body.add_joint(name=name, type=mujoco.mjtJoint.mjJNT_SLIDE, axis=axis)
+            set_joint(joint, self.joints[name])
         if "slosh" in self.joints:
             inner = body.add_body(name="slosh", mass=self.masses["slosh"], inertia=[0.1, 0.1, 0.1])
             inner.explicitinertial = True

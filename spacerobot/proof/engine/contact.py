@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any, Protocol
 
 import numpy as np
@@ -80,16 +81,24 @@ class Planar:
 
 
 class Spatial:
-    """A tip at the end of a whole arm: its position and Jacobian along x come from MuJoCo."""
+    """A face at the tip of a whole arm, which turns with it, and a point of the target: both feel the force there.
 
-    def __init__(self, model: Any, data: Any, site: str, target: int) -> None:
+    Args:
+        model, data: MuJoCo's.
+        site: the tip.
+        target: degrees of freedom of the target along x, y and z.
+    """
+
+    def __init__(self, model: Any, data: Any, site: str, target: Sequence[int]) -> None:
         import mujoco
 
         self._mujoco, self._model, self._data = mujoco, model, data
-        self._site, self._target = model.site(site).id, target
+        self._site, self._target = model.site(site).id, list(target)
+        self._body = int(model.site_bodyid[self._site])
         self._row = np.zeros((3, model.nv))
         mujoco.mj_kinematics(model, data)
-        self._rest = float(data.site_xpos[self._site, 0])
+        self._rest = data.site_xpos[self._site].copy()
+        self._ahead = self._turn().T[:, 0].copy()  # the approach, as the tip sees it
 
     def refresh(self) -> None:
         """Bring positions and Jacobian up to the present state; a step leaves those of its start."""
@@ -98,7 +107,7 @@ class Spatial:
 
     def tip(self) -> float:
         """How far the tip is along x from where it began [m]."""
-        return float(self._data.site_xpos[self._site, 0]) - self._rest
+        return float(self._data.site_xpos[self._site, 0] - self._rest[0])
 
     def row(self) -> np.ndarray:
         """Derivative of the tip's x, shape (nv,)."""
@@ -107,17 +116,33 @@ class Spatial:
 
     def depth(self, q: list[float]) -> float:
         """See Geometry; of MuJoCo's present positions."""
-        return q[self._target] - self.tip()
+        return float(self._normal() @ (self._point(q) - self._data.site_xpos[self._site]))
 
     def rate(self, q: list[float], v: list[float]) -> float:
-        """See Geometry."""
-        return v[self._target] - float(self.row() @ np.array(v))
+        """See Geometry: the target's velocity less that of the face where the point is, along the face's normal."""
+        speeds = np.array(v)
+        return float(self._normal() @ speeds[self._target] - self._pushed(q) @ speeds)
 
     def apply(self, q: list[float], v: list[float], f: float, out: list[float]) -> None:
         """See Geometry; no friction across."""
-        for i, share in enumerate(self.row()):
+        for i, share in enumerate(self._pushed(q)):
             out[i] += f * float(share)
-        out[self._target] -= f
+        for i, share in zip(self._target, self._normal(), strict=True):
+            out[i] -= f * float(share)
+
+    def _turn(self) -> np.ndarray:
+        return np.asarray(self._data.site_xmat[self._site]).reshape(3, 3)
+
+    def _normal(self) -> np.ndarray:
+        return self._turn() @ self._ahead
+
+    def _point(self, q: list[float]) -> np.ndarray:
+        return np.asarray(self._rest + [q[i] for i in self._target])
+
+    def _pushed(self, q: list[float]) -> np.ndarray:
+        """What the face at the point moves along its normal by each degree of freedom, shape (nv,)."""
+        self._mujoco.mj_jac(self._model, self._data, self._row, None, self._point(q), self._body)
+        return np.asarray(self._normal() @ self._row)
 
 
 class Contact:

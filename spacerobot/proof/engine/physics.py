@@ -15,8 +15,9 @@ Edit = Callable[[Rig, str, Mapping[str, float]], None]
 
 
 def coulomb_friction(rig: Rig, where: str, p: Mapping[str, float]) -> None:
-    """MuJoCo's friction loss."""
-    rig.joints[where].friction += p["force_N"]
+    """MuJoCo's friction loss; a torque at a joint that turns."""
+    (level,) = p.values()
+    rig.joints[where].friction += level
 
 
 def stribeck_friction(rig: Rig, where: str, p: Mapping[str, float]) -> None:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from spacerobot.proof.engine.arm import TARGET
 from spacerobot.proof.engine.contact import EXACT, Contact, Planar, Spatial
 from spacerobot.proof.engine.rig import Rig
 from spacerobot.support.errors import SimulationError
@@ -51,7 +52,7 @@ class _Running:
         self.data.qpos[:] = self.model.qpos0
         self.spatial: Spatial | None = None
         if rig.tip is not None:
-            self.spatial = Spatial(self.model, self.data, rig.tip, self.index["target"])
+            self.spatial = Spatial(self.model, self.data, rig.tip, [self.index[n] for n in TARGET])
         self.contact = Contact(rig.contact, self.spatial or Planar(rig))
         for name, value in position.items():
             self.data.qpos[self.index[name]] += value

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.signal import bessel, butter, lfilter, lfilter_zi, sosfilt, sosfilt_zi
 
+from spacerobot.proof.engine.arm import CHAIN, POSE
 from spacerobot.proof.engine.missing import Missing
 from spacerobot.proof.engine.run import Log
 
@@ -80,9 +81,14 @@ def truth_of(log: Log) -> dict[str, tuple[np.ndarray, np.ndarray]]:
         "hand.x": log.hand,
         "contact.force": log.force,
     }
-    for name in ("target.y", "target.yaw"):
-        if name in log.position:
-            found[name] = log.position[name]
+    for name, value in log.position.items():
+        kind, _, own = name.partition(".")
+        if kind == "joint":
+            found[f"{name}.position"] = value + POSE[CHAIN.index(own)]
+        elif kind == "base":
+            found[f"base.position.{own}" if own in "xyz" else name] = value
+        else:
+            found.setdefault(name, value)
     return {name: (log.time, value) for name, value in found.items()}
 
 

@@ -6,7 +6,7 @@ import importlib.util
 import json
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -14,12 +14,13 @@ from typing import Any
 
 from spacerobot import __version__
 from spacerobot.proof.batch import draw_seed, run_batch
-from spacerobot.proof.code_hash import WRIST, code_hashes
+from spacerobot.proof.code_hash import WRIST, code_hashes, group
 from spacerobot.proof.driven import orders as driven
-from spacerobot.proof.orders import FULL, KINDS, QUICK, Order, schedule
+from spacerobot.proof.orders import FULL, KINDS, QUICK, Order, of_family, schedule
 from spacerobot.proof.published import as_lines, changed, check_orders, read_batch, seed_of, still_valid
 from spacerobot.proof.rates import Record
-from spacerobot.proof.summary import as_json
+from spacerobot.proof.summary import SCENES, as_json
+from spacerobot.proof.whole import orders as whole
 from spacerobot.support.errors import InputError, NotFoundError
 from spacerobot.support.executors.choose import executor
 from spacerobot.support.files import atomic, write_text
@@ -37,6 +38,7 @@ def prove(
     *,
     quick: bool = False,
     kinds: Sequence[str] | None = None,
+    scenes: Sequence[str] | None = None,
     share: float = 1.0,
     minutes: float = math.inf,
     seed: int | None = None,
@@ -55,6 +57,7 @@ def prove(
         out: folder for page, figures and records; a finished batch there is reused, an interrupted one goes on.
         quick: a handful of campaigns instead of all.
         kinds: of concealment, "_" for a blank; every one if None.
+        scenes: rig, spinning, chaser, ...; every one if None.
         share: of each kind's campaigns, above 0, up to 1.
         minutes: after which no campaign is begun; the same call goes on with the others.
         seed: of the batch; drawn from the operating system if None.
@@ -74,26 +77,27 @@ def prove(
         InputError: MuJoCo is not installed, a value that cannot be, or `out` holds something else.
     """
     require_engine()
-    chosen = _kinds(kinds)
+    chosen = _some(kinds, KINDS, "kind of concealment", "--kinds")
+    places = _some(scenes, SCENES, "scene", "--scenes")
     if not 0.0 < share <= 1.0:
         raise InputError("not a share", given=share, valid="above 0, up to 1", where="--share")
     require_minutes(minutes)
     name = page_name(name)
     codes = code_hashes()
     begun, known = _begun(resume, seed, codes)
-    key = combined_hash("prove", quick, sorted(chosen), share, rivals, begun["seed"] if begun else seed)
+    key = combined_hash("prove", quick, sorted(chosen), sorted(places), share, rivals, begun["seed"] if begun else seed)
     with RunFolder(out, "prove", key, overwrite=overwrite, code=" ".join(codes.values())) as folder:
         if not folder.finished:
             begun = folder.load("batch") or begun or _new(seed)
             folder.save("batch", begun)
             say(f"seed {seeds_in_words(begun)}, code {in_words(codes)}")
-            orders = orders_of(quick, begun, chosen, share)
+            orders = orders_of(quick, begun, chosen, share, places)
             _take_up(folder, orders, known, str(resume))
             with executor(jobs, dask) as workers:
                 records = run_batch(
                     folder, orders, workers=workers, rivals=rivals, verbose=verbose, seconds=60.0 * minutes
                 )
-            about = {**begun, "command": _command(quick, kinds, share), "code": in_words(codes)}
+            about = {**begun, "command": _command(quick, kinds, scenes, share), "code": in_words(codes)}
             _write(folder, records, about, {**begun, "codes": codes}, len(orders))
         found: dict[str, Any] = json.loads((folder.folder / "proof.json").read_text(encoding="utf-8"))
         if docs is not None:
@@ -186,9 +190,11 @@ def seeds_in_words(batch: Mapping[str, Any]) -> str:
     return f"{batch['seed']}, {batch['date']}" + (f" ({'; '.join(own)})" if own else "")
 
 
-def orders_of(quick: bool, batch: Mapping[str, Any], kinds: list[str], share: float) -> list[Order]:
+def orders_of(
+    quick: bool, batch: Mapping[str, Any], kinds: Sequence[str], share: float, scenes: Sequence[str] = tuple(SCENES)
+) -> list[Order]:
     """The campaigns of a batch, from its seeds."""
-    size, arm = (QUICK, driven.QUICK) if quick else (FULL, driven.FULL)
+    size = QUICK if quick else FULL
 
     def some(count: int) -> int:
         return count and max(1, round(share * count))
@@ -200,30 +206,35 @@ def orders_of(quick: bool, batch: Mapping[str, Any], kinds: list[str], share: fl
         short_repeats=some(size.short_repeats),
         withheld_rounds=some(size.withheld_rounds),
     )
-    logged = {kind: some(count) for kind, count in arm.items()}
-    every = (*schedule(smaller, seed_of(batch, WRIST)), *driven.schedule(logged, seed_of(batch, driven.FAMILY)))
-    orders = [o for o in every if o.kind in kinds]
+    every = schedule(smaller, seed_of(batch, WRIST))
+    for own in (driven, whole):
+        counts = {kind: some(count) for kind, count in (own.QUICK if quick else own.FULL).items()}
+        every += of_family(own.FAMILY, counts, seed_of(batch, group(own.FAMILY)))
+    orders = [o for o in every if o.kind in kinds and o.family in scenes]
     if not orders:
-        raise InputError("this batch has no campaign of these kinds", given=" ".join(kinds), where="--kinds")
+        raise InputError(
+            "this batch has no campaign of these kinds in these scenes", given=" ".join(kinds), where="--kinds"
+        )
     return orders
 
 
-def _kinds(given: Sequence[str] | None) -> list[str]:
+def _some(given: Sequence[str] | None, every: Iterable[str], what: str, where: str) -> list[str]:
     if given is None:
-        return list(KINDS)
-    known = {k.replace(" ", "_"): k for k in KINDS}
+        return list(every)
+    known = {k.replace(" ", "_"): k for k in every}
     found = []
     for token in (t for text in given for t in text.split(",") if t):
         name = token.replace(" ", "_")
         if name not in known:
-            raise NotFoundError("kind of concealment", token, known, where="--kinds")
+            raise NotFoundError(what, token, known, where=where)
         found.append(known[name])
     return list(dict.fromkeys(found))
 
 
-def _command(quick: bool, kinds: Sequence[str] | None, share: float) -> str:
+def _command(quick: bool, kinds: Sequence[str] | None, scenes: Sequence[str] | None, share: float) -> str:
     words = ["spacerobot prove", "--quick" if quick else ""]
-    words += [f"--kinds {' '.join(kinds)}" if kinds else "", f"--share {share:g}" if share != 1.0 else ""]
+    words += [f"--kinds {' '.join(kinds)}" if kinds else "", f"--scenes {' '.join(scenes)}" if scenes else ""]
+    words.append(f"--share {share:g}" if share != 1.0 else "")
     return " ".join(w for w in words if w)
 
 

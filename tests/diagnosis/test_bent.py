@@ -1,0 +1,54 @@
+"""What is added to a robot's small motions is right to first order about where it was found."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from spacerobot.diagnosis.fitting.fitted import Fit
+from spacerobot.diagnosis.fitting.workshop import Workshop
+from spacerobot.diagnosis.machines.bent import Bent
+from spacerobot.diagnosis.machines.whole_rig import rig_model
+from spacerobot.diagnosis.selection.beyond import beyond
+from spacerobot.diagnosis.selection.confirm import difference
+from spacerobot.diagnosis.selection.precompile import as_believed
+from tests.diagnosis.moving_robots import moving_robot
+
+
+def _moved(workshop: Workshop, share: float) -> Fit:
+    """As believed, but for the target's speed and the rate of a joint of the first trial, and the wrist's spring."""
+    fit = as_believed(workshop)
+    trial = workshop.trials[0]
+    own = workshop.model.nuisances(trial)
+    initial = fit.trials[trial.id].initial.copy()
+    for n, nuisance in enumerate(own):
+        if nuisance.rate and nuisance.coordinate in ("target", "joint.W1.position"):
+            initial[n] += share * (4e-3 if nuisance.coordinate == "target" else 1e-2)
+    z = fit.z.copy()
+    z[[f.key for f in fit.hypothesis.free].index("wrist.stiffness")] += share * 4.0
+    return replace(fit, z=z, trials={**fit.trials, trial.id: replace(fit.trials[trial.id], initial=initial)})
+
+
+def _level(bent: Bent) -> Bent:
+    """Without what it knows of other values and starts."""
+    return replace(bent, values={}, own=(), shown={c: (time, rows[:1]) for c, (time, rows) in bent.shown.items()})
+
+
+def test_bent_motions_differ_in_the_second_order(tmp_path: Path) -> None:
+    workshop = Workshop(moving_robot(tmp_path, "free", floating=True))
+    trial = workshop.trials[0]
+    workshop.trials = (trial,)
+    bent = beyond(workshop, as_believed(workshop))
+    near = Workshop(workshop.study, partial(rig_model, beyond=bent))
+    assert difference(near, as_believed(near), trial) < 1e-2
+    whole, half = (difference(near, _moved(near, share), trial) for share in (1.0, 0.5))
+    assert half < 0.35 * whole
+    level = Workshop(workshop.study, partial(rig_model, beyond={k: _level(b) for k, b in bent.items()}))
+    assert difference(level, _moved(level, 1.0), trial) > 4.0 * whole
+    found = bent[trial.recorded]
+    assert found.touches((0.1, 0.2, 0.3))[0] == 0.1 + found.later[0]
+    assert np.abs(found.later).max() < 0.01
+    assert found.touches(()) == ()
