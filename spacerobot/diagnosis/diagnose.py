@@ -24,13 +24,13 @@ from spacerobot.diagnosis.fitting.workshop import Workshop
 from spacerobot.diagnosis.learning.settle import settle
 from spacerobot.diagnosis.locate.located import Located
 from spacerobot.diagnosis.selection.admission import admit, has_wrist
-from spacerobot.diagnosis.selection.beyond import NEAR, apart, of_whole_robot
+from spacerobot.diagnosis.selection.beyond import NEAR, again, apart, of_whole_robot
 from spacerobot.diagnosis.selection.check import why_not
-from spacerobot.diagnosis.selection.decide import decide
+from spacerobot.diagnosis.selection.decide import conclude, decide
 from spacerobot.diagnosis.selection.intervals import with_intervals
 from spacerobot.diagnosis.selection.limits import Limit, Limits
 from spacerobot.diagnosis.selection.precompile import help_compiling
-from spacerobot.diagnosis.selection.search_state import Report
+from spacerobot.diagnosis.selection.search_state import Found, Report
 from spacerobot.diagnosis.terms.hypothesis import Label, Site
 from spacerobot.diagnosis.terms.kinds import AMBIGUOUS
 from spacerobot.effects.registry import all_effects
@@ -40,7 +40,7 @@ from spacerobot.support.executors.base import Executor
 from spacerobot.support.workers import one_thread
 
 PASSES = 3
-"""How often a search is made of a robot that moves, each about what the one before found; once of any other rig."""
+"""How often what was found of a robot that moves is fitted, each time about what the one before found."""
 
 
 def _silent(what: str, done: int, total: int) -> None:
@@ -89,13 +89,18 @@ def diagnose(
     if jobs > 1:
         help_compiling(workshop)
     workshop = of_whole_robot(workshop)
+    before: Found | None = None
     for number in range(PASSES):
         sites = workshop.model.sites(e for e in all_effects().values() if e.name not in without)
         kept = store if store is None or not number else Apart(store, f"pass-{number}")
         with Pool(workshop, jobs, effects_files, kept, workers) as pool:
             # with the believed values: a refit that lacks the physics bends them until every balance is a little wrong
             locating = pool.aside(_located)
-            decided = decide(pool, sites, report)
+            if before is None:
+                decided = decide(pool, sites, report)
+            else:
+                decided = conclude(pool, again(pool, before, report), report)
+            before = decided.found
             if number < PASSES - 1 and apart(workshop, decided.judgement.chosen) > NEAR:
                 locating.cancel()
                 workshop = of_whole_robot(workshop, decided.judgement.chosen)

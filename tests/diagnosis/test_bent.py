@@ -12,7 +12,7 @@ from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.workshop import Workshop
 from spacerobot.diagnosis.machines.bent import Bent
 from spacerobot.diagnosis.machines.whole_rig import rig_model
-from spacerobot.diagnosis.selection.beyond import beyond
+from spacerobot.diagnosis.selection.bending import beyond
 from spacerobot.diagnosis.selection.confirm import difference
 from spacerobot.diagnosis.selection.precompile import as_believed
 from tests.diagnosis.moving_robots import moving_robot
