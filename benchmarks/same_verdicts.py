@@ -18,7 +18,6 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
-from spacerobot.cli.prove_run import orders_of
 from spacerobot.proof.campaign import write_study
 from spacerobot.proof.conceal import conceal
 from spacerobot.proof.orders import KINDS
@@ -27,6 +26,7 @@ from spacerobot.recordings.dataroot import recordings_folder
 from spacerobot.support.files import write_text
 from spacerobot.support.progress import Progress
 from spacerobot.support.scratch import scratch
+from spacerobot.view.proof.prove import orders_of
 
 RECORDS = Path("docs/proof_records.jsonl")
 MAY_DIFFER = ("seconds", "spacerobot")

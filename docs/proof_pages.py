@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from spacerobot import __version__
-from spacerobot.cli.prove_run import in_words, orders_of, publish, seeds_in_words
 from spacerobot.proof.orders import KINDS
 from spacerobot.proof.published import read_batch
+from spacerobot.view.proof.prove import in_words, orders_of, publish, seeds_in_words
 
 DOCS = Path(__file__).resolve().parent
 

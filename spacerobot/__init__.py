@@ -24,18 +24,23 @@ if TYPE_CHECKING:
     from spacerobot.dynamics.impact import Impact as Impact
     from spacerobot.dynamics.impact import impact as impact
     from spacerobot.dynamics.limits import wall_limit as wall_limit
+    from spacerobot.dynamics.soft_capture import SoftCapture as SoftCapture
     from spacerobot.dynamics.soft_capture import soft_capture as soft_capture
     from spacerobot.dynamics.workspace import WorkspaceMap as WorkspaceMap
     from spacerobot.dynamics.workspace import workspace_map as workspace_map
     from spacerobot.effects.registry import all_effects as all_effects
+    from spacerobot.effects.registry import effect as effect
+    from spacerobot.effects.registry import load_effects as load_effects
     from spacerobot.model.library import load as load
     from spacerobot.model.library import robots as robots
     from spacerobot.model.robot import Robot as Robot
     from spacerobot.model.spacecraft import SpacecraftSpec as SpacecraftSpec
     from spacerobot.model.spacecraft import float_base as float_base
     from spacerobot.model.wrist import WristSpec as WristSpec
+    from spacerobot.model.wrist import aim as aim
     from spacerobot.model.wrist import attach_wrist as attach_wrist
     from spacerobot.recordings.draft import draft_study as draft_study
+    from spacerobot.recordings.new_study import new_study as new_study
     from spacerobot.recordings.recording import Recording as Recording
     from spacerobot.recordings.study import Study as Study
     from spacerobot.recordings.study import load_study as load_study
@@ -57,6 +62,8 @@ if TYPE_CHECKING:
     from spacerobot.view.capture.tumble_figure import compare_tumbles as compare_tumbles
     from spacerobot.view.capture.tumble_figure import tumble_figure as tumble_figure
     from spacerobot.view.compare.page import compare_page as compare_page
+    from spacerobot.view.compare.runs import Comparison as Comparison
+    from spacerobot.view.compare.runs import compare as compare
     from spacerobot.view.live.live_view import LiveView as LiveView
     from spacerobot.view.live.live_view import live_view as live_view
     from spacerobot.view.mass.choose import mass_film as mass_film
@@ -73,10 +80,13 @@ if TYPE_CHECKING:
     from spacerobot.view.overlay.write import write_overlay as write_overlay
     from spacerobot.view.paper.paper import Paper as Paper
     from spacerobot.view.paper.paper import paper as paper
+    from spacerobot.view.proof.prove import prove as prove
+    from spacerobot.view.proof.prove_again import prove_again as prove_again
     from spacerobot.view.report.plots import report_figures as report_figures
     from spacerobot.view.report.save import save_diagnosis as save_diagnosis
     from spacerobot.view.scene3d.choose import film as film
     from spacerobot.view.scene3d.page import write_page as write_page
+    from spacerobot.view.table.of_studies import study_table as study_table
 
 _LAZY: dict[str, str] = {
     # robots
@@ -84,6 +94,7 @@ _LAZY: dict[str, str] = {
     "load": "model.library",
     "robots": "model.library",
     "attach_wrist": "model.wrist",
+    "aim": "model.wrist",
     "WristSpec": "model.wrist",
     "float_base": "model.spacecraft",
     "SpacecraftSpec": "model.spacecraft",
@@ -96,6 +107,7 @@ _LAZY: dict[str, str] = {
     "WorkspaceMap": "dynamics.workspace",
     "workspace_map": "dynamics.workspace",
     "soft_capture": "dynamics.soft_capture",
+    "SoftCapture": "dynamics.soft_capture",
     "Impact": "dynamics.impact",
     "impact": "dynamics.impact",
     "wall_limit": "dynamics.limits",
@@ -117,7 +129,9 @@ _LAZY: dict[str, str] = {
     "Study": "recordings.study",
     "load_study": "recordings.study",
     "draft_study": "recordings.draft",
+    "new_study": "recordings.new_study",
     "check_study": "diagnosis.study_check",
+    "study_table": "view.table.of_studies",
     "synthetic_study": "recordings.synthetic",
     "Recording": "recordings.recording",
     "Overlay": "diagnosis.overlay",
@@ -127,7 +141,13 @@ _LAZY: dict[str, str] = {
     "diagnose": "diagnosis.diagnose",
     "save_diagnosis": "view.report.save",
     "all_effects": "effects.registry",
+    "effect": "effects.registry",
+    "load_effects": "effects.registry",
+    "compare": "view.compare.runs",
+    "Comparison": "view.compare.runs",
     "compare_page": "view.compare.page",
+    "prove": "view.proof.prove",
+    "prove_again": "view.proof.prove_again",
     # pictures
     "show": "view.notebook.show",
     "film": "view.scene3d.choose",

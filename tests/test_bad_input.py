@@ -42,7 +42,7 @@ SCENES = {
     "robot file missing": ('"pa10_wrist"', '"arm.urdf"', "arm.urdf"),
     "robot a number": ('"pa10_wrist"', "7", "robot: must be text"),
     "robot inline": ('"pa10_wrist"', '"<robot/>"', "a scene names its robot"),
-    "format from the future": ("format = 1", "format = 2", "unknown format of a scene"),
+    "format from the future": ("format = 1", "format = 2", "unknown format of a scene, written for a newer spacerobot"),
     "key unknown": ("base =", "bse =", "did you mean 'base'"),
     "key twice": ('base = "fixed"', 'base = "fixed"\nbase = "fixed"', "not TOML"),
     "no TOML": ("[wrist]", "[wrist", "not TOML"),
@@ -122,7 +122,7 @@ mocap = "01.csv"
 CSV = "t,x,w\n" + "\n".join(f"{0.01 * i:.2f},{-0.02 + 0.001 * i:.4f},0.0" for i in range(60)) + "\n"
 
 STUDIES = {
-    "format from the future": ("format = 1", "format = 9", "unknown study format"),
+    "format from the future": ("format = 1", "format = 9", "unknown format of a study, written for a newer spacerobot"),
     "key unknown": ("gravity =", "gravty =", "did you mean 'gravity'"),
     "no TOML": ("[baseline]", "[baseline", "line 3"),
     "no baseline": ('robot = "pa10_wrist"\n', "", "names no robot"),

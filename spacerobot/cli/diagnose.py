@@ -11,8 +11,8 @@ examples:
   spacerobot diagnose my_rig --effects my_effect.py --json     (--effects runs the file's code)
 
 Writes verdict.json, report.html (one file, opens offline), scene.toml (of machines without a wrist: model.toml, for
-overlay --model) and plots into DIR. The verdict is one of named,
-ambiguous, unknown, nothing_missing, wrong_parameter, not_trusted. A finished run in DIR is reused."""
+overlay --model) and plots into DIR. The verdict is one of named, learned, ambiguous, unknown, nothing_missing,
+wrong_parameter, not_trusted. A finished run in DIR is reused."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

@@ -12,7 +12,7 @@ import sys
 from collections.abc import Mapping
 from typing import Any
 
-from spacerobot.cli.effect_files import load_effects, read_text
+from spacerobot.cli.effect_files import read_text, run_effect_files
 from spacerobot.diagnosis.answer.schema import validate
 from spacerobot.diagnosis.diagnose import diagnose
 from spacerobot.effects.registry import effect
@@ -48,7 +48,7 @@ def run(args: argparse.Namespace) -> int:
         raise InputError("--jobs must be at least 1", given=args.jobs)
     not_both(args.jobs, args.dask)
     codes = [read_text(f, "--effects") for f in args.effects]
-    load_effects(args.effects)
+    run_effect_files(args.effects)
     for name in args.without:
         effect(name)  # an unknown name is an error that suggests the nearest
     study = load_study(resolve_study(args.study), args.data)

@@ -6,7 +6,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from spacerobot.effects.registry import load_file
+from spacerobot.effects.registry import load_effects
 from spacerobot.support.errors import InputError
 
 
@@ -24,7 +24,7 @@ def read_text(file: str, where: str) -> str:
         raise InputError("not UTF-8 text", given=file, where=where) from None
 
 
-def load_effects(files: Sequence[str]) -> None:
+def run_effect_files(files: Sequence[str]) -> None:
     """Run the files and add their effects to the catalogue.
 
     Raises:
@@ -32,4 +32,4 @@ def load_effects(files: Sequence[str]) -> None:
     """
     for file in files:
         print(f"running the code of {file} for its effects", file=sys.stderr, flush=True)
-        print(f"effects of {file}: {', '.join(load_file(Path(file)))}", file=sys.stderr)
+        print(f"effects of {file}: {', '.join(load_effects(file))}", file=sys.stderr)

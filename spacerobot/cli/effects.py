@@ -26,12 +26,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """List the catalogue, or show one effect."""
-    from spacerobot.cli.effect_files import load_effects
+    from spacerobot.cli.effect_files import run_effect_files
     from spacerobot.effects.registry import all_effects, effect
     from spacerobot.support.jsonio import dumps
     from spacerobot.view.docs.effects import entry
 
-    load_effects(args.effects)
+    run_effect_files(args.effects)
     chosen = [*all_effects().values()] if args.effect is None else [effect(args.effect)]
     found = [entry(one) for one in chosen]
     if args.json:

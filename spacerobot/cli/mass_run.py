@@ -188,7 +188,7 @@ def _pictures(
     given: dict[str, Any] = {
         "servo_stiffness": _list(args.servo_stiffness, "--servo-stiffness"),
         "servo_damping": _list(args.servo_damping, "--servo-damping"),
-        "target_mass": _number(args.target_mass, "--target-mass"),
+        "tip_mass": _with_slider(robot, _number(args.target_mass, "--target-mass")),
         "wrist_stiffness": _number(args.wrist_stiffness, "--wrist-stiffness"),
         "speed": _number(args.speed, "--speed"),
     }
@@ -200,6 +200,13 @@ def _pictures(
     known = {key: value for key, value in given.items() if value is not None}
     asked = MassQuestion(robot, pose, np.array(direction), **known)
     return lambda: mass_files(asked)
+
+
+def _with_slider(robot: Robot, target_mass: float | None) -> float | None:
+    """Mass that the wrist's spring carries in a contact: the target's, with the slider's where there is one [kg]."""
+    if target_mass is None or robot.slider is None:
+        return target_mass
+    return target_mass + float(robot.model.inertias[robot.joint_id(robot.slider)].mass)
 
 
 def _servo(args: argparse.Namespace) -> Servo | None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import importlib.util
 from typing import Any
 
 _EPILOG = """\
@@ -67,11 +66,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Run the command."""
-    from spacerobot.support.errors import InputError
+    from spacerobot.cli.prove_run import run as played
 
-    if importlib.util.find_spec("mujoco") is None:
-        raise InputError("MuJoCo is not installed", valid='pip install "spacerobot[proof]"')
-    from spacerobot.cli.prove_again import run_again
-    from spacerobot.cli.prove_run import run_batches
-
-    return run_batches(args) if args.again is None else run_again(args)
+    return played(args)

@@ -53,7 +53,7 @@ def _all() -> dict[str, Any]:
 
 
 def _one(args: argparse.Namespace) -> tuple[dict[str, Any], str | None]:
-    from spacerobot.model.describe import figures, joint_rows, other_joints
+    from spacerobot.model.describe import figures, other_joints
     from spacerobot.model.library import load
     from spacerobot.model.spacecraft import float_base
     from spacerobot.model.wrist import attach_wrist
@@ -73,7 +73,7 @@ def _one(args: argparse.Namespace) -> tuple[dict[str, Any], str | None]:
         **figures(robot),
         "slider": robot.slider,
         "contact": robot.contact,
-        "joints": joint_rows(robot),
+        "joints": robot.joint_rows(),
         "other_joints": other_joints(robot),
     }
     return {"robot": report}, urdf

@@ -12,7 +12,7 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
-from spacerobot.cli.effect_files import load_effects, read_text
+from spacerobot.cli.effect_files import read_text, run_effect_files
 from spacerobot.cli.simulate_report import as_text
 from spacerobot.dynamics.joint_kinds import angular
 from spacerobot.dynamics.pose_limits import PoseLimitWarning
@@ -61,7 +61,7 @@ _TABLE = ("target.x", "target.yaw", "wrist.x", "hand.x", "contact.force", "conta
 def run(args: argparse.Namespace) -> int:
     """Run the command."""
     codes = [read_text(f, "--effects") for f in args.effects]
-    load_effects(args.effects)
+    run_effect_files(args.effects)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", PoseLimitWarning)
         scene = _scene(args)

@@ -5,14 +5,11 @@ from __future__ import annotations
 import argparse
 import itertools
 import math
-import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from spacerobot.recordings.drafting.rigs import RIGS, UNKNOWN
-from spacerobot.support.errors import InputError
-from spacerobot.support.files import may_write, write_text
 from spacerobot.support.jsonio import dumps
 
 if TYPE_CHECKING:
@@ -71,21 +68,11 @@ def run(args: argparse.Namespace) -> int:
 def _new(args: argparse.Namespace) -> int:
     from spacerobot.recordings.draft import draft
     from spacerobot.recordings.lacking import lacks
-    from spacerobot.recordings.study import load_study
+    from spacerobot.recordings.new_study import study_path, written
 
-    path: Path = args.out or args.folder / "study.toml"
-    if path.is_dir():
-        path = path / "study.toml"
-    may_write(path, "a study", args.overwrite)
+    path = study_path(args.folder, args.out, args.overwrite)
     made = draft(args.folder, args.robot, rig=args.rig, pattern=args.files)
-    try:
-        for name, content in made.files.items():
-            if not os.path.lexists(path.parent / name):
-                write_text(path.parent / name, content)
-        write_text(path, made.text())
-    except OSError as error:
-        raise InputError(f"cannot be written: {error.strerror}", where=str(path)) from None
-    study = load_study(path, data=args.folder)
+    study = written(made, args.folder, path)
     names = [t.id for t in study.trials]
     answer: dict[str, Any] = {
         "study": str(path),

@@ -68,6 +68,8 @@ def run(args: argparse.Namespace) -> int:
         if pose is None and end is None:
             raise InputError("says how to read --q, which is not given", where="--deg")
         pose, end = (None if given is None else [math.radians(p) for p in given] for given in (pose, end))
+    if args.map and end is not None:
+        raise InputError("a map has no path", valid="--map or --to", where="--to")
     mass = args.map or end is not None
     sliders = args.live and not mass
     for option, value, along, wanted in (
@@ -83,7 +85,7 @@ def run(args: argparse.Namespace) -> int:
         from spacerobot.view.mass.choose import mass_film
 
         along = parse_numbers(args.direction or ["1", "0", "0"], "--direction", count=3, names=("x", "y", "z"))
-        return page(mass_film(args.what, pose, end, along, filled=args.map, joints=args.joints or "free"))
+        return page(mass_film(args.what, pose, end, along, joints=args.joints or "free"))
 
     if args.live:
         if args.html is not None:

@@ -153,6 +153,7 @@ def diagnose(
         left=(left_of[id(base)], left_of.get(id(judgement.chosen), left_of[id(base)])),
         located=located,
         checks=settled.checks,
+        withdrawn=decided.withdrawn,
     )
     scene = scene_of(study, workshop.model, judgement.chosen)
     draft = None if learnt is None else draft_of(learnt)

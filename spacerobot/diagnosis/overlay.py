@@ -24,6 +24,10 @@ if TYPE_CHECKING:
     import pandas
 
 
+FORMAT = 1
+"""Of overlay.json."""
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Overlay(Brief, Mapping[str, TrialOverlay]):
     """Trials of a study, measured and simulated, by their ids.
@@ -76,7 +80,7 @@ class Overlay(Brief, Mapping[str, TrialOverlay]):
         """As in overlay.json; SI."""
         found = plain(
             {
-                "format": 1,
+                "format": FORMAT,
                 "spacerobot": __version__,
                 "input_hash": self.study.input_hash,
                 "study": str(self.study.path),

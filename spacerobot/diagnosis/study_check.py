@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 from spacerobot.diagnosis.selection.admission import left_aside, of_study, questions
-from spacerobot.model.describe import joint_rows
 from spacerobot.recordings import check
 from spacerobot.recordings.ranges import Limits
 from spacerobot.recordings.rig_robot import mended_links, study_robot
@@ -50,7 +49,7 @@ def _robot(study: Study) -> tuple[dict[str, Limits], list[str], str]:
         robot = study_robot(study)
     except InputError as error:
         return {}, [], str(error)
-    rows = {r["name"]: r for r in joint_rows(robot)}
+    rows = {r["name"]: r for r in robot.joint_rows()}
     found = {
         n: Limits(r["lower"], r["upper"], r["velocity_limit"], r["effort_limit"], slides=r["unit"] == "m")
         for n, r in rows.items()

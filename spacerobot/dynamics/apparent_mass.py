@@ -24,7 +24,7 @@ from spacerobot.dynamics.servo import HeldJoints, HoldsJoints, servo_or_its_numb
 from spacerobot.dynamics.terms import Terms, terms_of
 from spacerobot.model.robot import Robot
 from spacerobot.support.errors import InputError
-from spacerobot.support.showing import Brief
+from spacerobot.support.showing import Brief, html_table
 from spacerobot.support.tables import data_frame, data_set
 
 if TYPE_CHECKING:
@@ -70,6 +70,18 @@ class ApparentMass(Brief):
         """Angle of m_app [rad], shape (F,): 0 acts as a mass, +-pi as a spring, -pi/2 as a damper."""
         return np.angle(self.mass)
 
+    def _repr_html_(self) -> str:
+        low, high = (float(f) / (2.0 * np.pi) for f in (self.omega.min(), self.omega.max()))
+        rows = [
+            ("apparent mass at the lowest frequency", float(self.magnitude[self.omega.argmin()]), "kg"),
+            ("apparent mass at the highest frequency", float(self.magnitude[self.omega.argmax()]), "kg"),
+            ("with joints locked", _mass(self.locked_mobility), "kg"),
+            ("with joints free", _mass(self.free_mobility), "kg"),
+            ("static stiffness at the tip", self.tip_stiffness, "N/m"),
+        ]
+        title = f"Apparent mass at {len(self.omega)} frequencies, {low:.4g} to {high:.4g} Hz"
+        return html_table(title, rows, ("", "value", "unit"))
+
     def to_frame(self) -> pandas.DataFrame:
         """Magnitude and phase over frequency, as a table of pandas.
 
@@ -91,6 +103,11 @@ class ApparentMass(Brief):
         """
         variables = {"mass": ("omega", self.mass, "kg"), "mobility": ("omega", self.mobility, "1/kg")}
         return data_set(variables, {"omega": ("omega", self.omega, "rad/s")})
+
+
+def _mass(mobility: float) -> float:
+    """Of a mobility [1/kg]; infinite where it is zero [kg]."""
+    return np.inf if mobility == 0.0 else 1.0 / mobility
 
 
 def apparent_mass(

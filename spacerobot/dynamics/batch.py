@@ -18,11 +18,12 @@ from spacerobot.dynamics.mobility_kernel import mass_kernel, mobility_kernel
 from spacerobot.dynamics.regime import regime_of
 from spacerobot.model.robot import Robot
 from spacerobot.support.errors import InputError
-from spacerobot.support.showing import Brief
-from spacerobot.support.tables import data_frame
+from spacerobot.support.showing import Brief, html_table
+from spacerobot.support.tables import data_frame, data_set
 
 if TYPE_CHECKING:
     import pandas
+    import xarray
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -47,6 +48,30 @@ class EffectiveMassBatch(Brief):
         """
         names = [f"({', '.join(f'{x:.4g}' for x in n)})" for n in self.directions]
         return data_frame(dict(zip(names, self.effective_mass_kg.T, strict=True)), units=dict.fromkeys(names, "kg"))
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Masses over pose and direction, the mobility of each pose, as a data set of xarray.
+
+        Raises:
+            InputError: xarray is not installed.
+        """
+        return data_set(
+            {
+                "effective_mass": (("pose", "direction"), self.effective_mass_kg, "kg"),
+                "mobility": (("pose", "row", "column"), self.mobility, "1/kg"),
+            },
+            {"along": (("direction", "axis"), self.directions, "1"), "axis": ("axis", list("xyz"), "1")},
+        )
+
+    def _repr_html_(self) -> str:
+        return html_table(
+            f"Effective mass of {len(self.effective_mass_kg)} poses",
+            [
+                (f"({', '.join(f'{x:.4g}' for x in n)})", float(own.min()), float(np.median(own)), float(own.max()))
+                for n, own in zip(self.directions, self.effective_mass_kg.T, strict=True)
+            ],
+            ("along", "lightest, kg", "median, kg", "heaviest, kg"),
+        )
 
 
 def effective_mass_batch(

@@ -17,7 +17,7 @@ from spacerobot.dynamics.batch import checked_poses, effective_mass_batch
 from spacerobot.dynamics.hand_pose import hand_aim
 from spacerobot.model.robot import Robot
 from spacerobot.support.errors import InputError
-from spacerobot.support.showing import Brief
+from spacerobot.support.showing import Brief, html_table
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -40,6 +40,12 @@ class SoftCapture(Brief):
     given: int
     direction: np.ndarray
 
+    def _repr_html_(self) -> str:
+        picked = (("softest", 0), ("the pose asked about", self.given), ("hardest", len(self.poses) - 1))
+        rows = [(word, *(float(v[k]) for v in (self.effective_mass_kg, self.peak_force_N))) for word, k in picked]
+        title = f"{len(self.poses)} poses with the hand at one place"
+        return html_table(title, rows, ("", "effective mass, kg", "peak force, N"))
+
     @property
     def gain(self) -> float:
         """Peak force of the softest pose over that of the given one."""
@@ -51,9 +57,9 @@ def soft_capture(
     pose: ArrayLike,
     direction: ArrayLike = (1.0, 0.0, 0.0),
     *,
-    target_mass: float,
+    tip_mass: float,
     speed: float = 0.1,
-    stiffness: float = 530.0,
+    wrist_stiffness: float = 530.0,
     frame: str | None = None,
     base: str | None = None,
     joints: str = "free",
@@ -66,9 +72,9 @@ def soft_capture(
         robot: the robot; a floating base stands at the world's origin.
         pose: shape (len(chain),): its hand's place and pointing are kept [rad or m].
         direction: shape (3,), unit vector along the target's approach, world axes.
-        target_mass: target with the wrist's slider [kg].
+        tip_mass: m_w + m_t, target with the wrist's slider [kg].
         speed: of approach [m/s].
-        stiffness: of the wrist [N/m].
+        wrist_stiffness: k_w [N/m].
         frame: the hand; the wrist mount if None.
         base: "fixed" or "free"; free where the robot floats if None.
         joints: "free" or "locked".
@@ -78,7 +84,8 @@ def soft_capture(
     Raises:
         InputError: a value that is not positive.
     """
-    for what, value in (("target's mass", target_mass), ("speed", speed), ("stiffness", stiffness), ("tries", tries)):
+    given = {"tip mass": tip_mass, "speed": speed, "wrist's stiffness": wrist_stiffness, "tries": tries}
+    for what, value in given.items():
         if not (np.isfinite(value) and value > 0.0):
             raise InputError(f"the {what} must be positive", given=value)
     reference = checked_poses(robot, pose)[0]
@@ -97,13 +104,13 @@ def soft_capture(
     batch = effective_mass_batch(robot, poses, aim.in_world, frame=frame, base=base, joints=joints)
     masses = batch.effective_mass_kg[:, 0]
     with np.errstate(divide="ignore"):
-        reduced = 1.0 / (1.0 / masses + 1.0 / target_mass)
+        reduced = 1.0 / (1.0 / masses + 1.0 / tip_mass)
     order = np.argsort(masses, kind="stable")
     return SoftCapture(
         poses=poses[order],
         effective_mass_kg=masses[order],
         reduced_mass_kg=reduced[order],
-        peak_force_N=speed * np.sqrt(stiffness * reduced[order]),
+        peak_force_N=speed * np.sqrt(wrist_stiffness * reduced[order]),
         given=int(np.flatnonzero(order == 0)[0]),
         direction=aim.in_world,
     )

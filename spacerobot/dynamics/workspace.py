@@ -17,7 +17,7 @@ from spacerobot.dynamics.regime import Regime, regime_of
 from spacerobot.dynamics.terms import terms_of
 from spacerobot.model.robot import Robot
 from spacerobot.support.errors import InputError
-from spacerobot.support.showing import Brief
+from spacerobot.support.showing import Brief, html_table
 from spacerobot.support.tables import data_frame, data_set
 
 if TYPE_CHECKING:
@@ -77,6 +77,20 @@ class WorkspaceMap(Brief):
             way.append(poses[index])
             index = int(self.came_from.flat[index])
         return np.array(way[::-1])
+
+    def _repr_html_(self) -> str:
+        there = np.isfinite(self.effective_mass_kg)
+        places = self.points().reshape(-1, 3)
+        rows = []
+        for word, heaviest in (("lightest", False), ("heaviest", True)):
+            if there.any():
+                k = self.extreme(heaviest=heaviest)
+                at = ", ".join(f"{x:.3g}" for x in places[k])
+                rows.append((f"{word}, with the hand at ({at}) m", float(self.effective_mass_kg.flat[k]), "kg"))
+        along = ", ".join(f"{x:.4g}" for x in self.direction)
+        title = f"Effective mass along ({along}), base {self.base}, joints {self.joints}"
+        notes = (f"The hand gets to {int(self.reached.sum())} of {self.reached.size} places without turning.",)
+        return html_table(title, rows, ("", "value", "unit"), notes)
 
     def to_frame(self) -> pandas.DataFrame:
         """A row for each place that the hand gets to: x, y, z and the mass there, as a table of pandas.

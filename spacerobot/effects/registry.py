@@ -79,8 +79,11 @@ def _learned(name: str) -> Effect:
     return FormulaLaw(spoken(name)) if name.startswith(CLOSED) else LearnedLaw(parsed(name))
 
 
-def load_file(path: Path) -> list[str]:
+def load_effects(path: str | Path) -> list[str]:
     """Add the effects that a Python file defines; this runs the file's code.
+
+    Args:
+        path: of the file.
 
     Returns:
         Names of the effects found.
@@ -89,6 +92,7 @@ def load_file(path: Path) -> list[str]:
         InputError: the file is missing, fails, or defines no effect.
     """
     all_effects()
+    path = Path(path)
     if not path.is_file():
         raise InputError("no such file of effects", given=str(path))
     name = f"spacerobot_user_effects_{path.stem}"

@@ -56,27 +56,6 @@ def total_mass(robot: Robot) -> float:
     return float(sum(inertia.mass for inertia in robot.model.inertias))
 
 
-def joint_rows(robot: Robot) -> list[dict[str, Any]]:
-    """The chain from base to tip, then the wrist's slider: limits and reflected rotor inertia, SI."""
-    rows = []
-    for name in (*robot.chain, *([robot.slider] if robot.slider else [])):
-        joint = robot.model.joints[robot.joint_id(name)]
-        angle = not joint.shortname().startswith("JointModelP")  # PX, PY, PZ, PrismaticUnaligned
-        bounded = joint.nq == 1
-        rows.append(
-            {
-                "name": name,
-                "unit": "rad" if angle else "m",
-                "lower": float(robot.model.lowerPositionLimit[joint.idx_q]) if bounded else -np.inf,
-                "upper": float(robot.model.upperPositionLimit[joint.idx_q]) if bounded else np.inf,
-                "velocity_limit": float(robot.model.velocityLimit[joint.idx_v]),
-                "effort_limit": float(robot.model.effortLimit[joint.idx_v]),
-                "rotor_inertia": float(robot.model.armature[joint.idx_v]),
-            }
-        )
-    return rows
-
-
 def other_joints(robot: Robot) -> list[str]:
     """Joints that belong neither to the chain nor to the wrist: fingers, wheels, other arms."""
     own = {*robot.chain, robot.slider}

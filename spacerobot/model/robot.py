@@ -4,11 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pinocchio as pin
 
 from spacerobot.support.errors import InputError, NotFoundError
+from spacerobot.support.showing import html_table
+from spacerobot.support.tables import data_frame
+
+if TYPE_CHECKING:
+    import pandas
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,6 +117,44 @@ class Robot:
             else:
                 raise InputError("joint cannot be set by one number", given=name)
         return q
+
+    def joint_rows(self) -> list[dict[str, Any]]:
+        """The chain from base to tip, then the wrist's slider: limits and reflected rotor inertia, SI."""
+        rows = []
+        for name in (*self.chain, *([self.slider] if self.slider else [])):
+            joint = self.model.joints[self.joint_id(name)]
+            angle = not joint.shortname().startswith("JointModelP")  # PX, PY, PZ, PrismaticUnaligned
+            bounded = joint.nq == 1
+            rows.append(
+                {
+                    "name": name,
+                    "unit": "rad" if angle else "m",
+                    "lower": float(self.model.lowerPositionLimit[joint.idx_q]) if bounded else -np.inf,
+                    "upper": float(self.model.upperPositionLimit[joint.idx_q]) if bounded else np.inf,
+                    "velocity_limit": float(self.model.velocityLimit[joint.idx_v]),
+                    "effort_limit": float(self.model.effortLimit[joint.idx_v]),
+                    "rotor_inertia": float(self.model.armature[joint.idx_v]),
+                }
+            )
+        return rows
+
+    def to_frame(self) -> pandas.DataFrame:
+        """A row for each joint of the chain and the wrist's slider: limits and rotor inertia, SI, as a table of pandas.
+
+        Raises:
+            InputError: pandas is not installed.
+        """
+        rows = self.joint_rows()
+        columns = {key: [row[key] for row in rows] for key in rows[0] if key != "name"} if rows else {}
+        return data_frame(columns, index=[row["name"] for row in rows], name="joint")
+
+    def _repr_html_(self) -> str:
+        keys = ("name", "lower", "upper", "unit", "velocity_limit", "effort_limit", "rotor_inertia")
+        rows = [tuple(row[key] for key in keys) for row in self.joint_rows()]
+        head = ("joint", "from", "to", "unit", "fastest, unit/s", "most, N m or N", "rotor inertia, kg m² or kg")
+        base = "a floating base" if self.floating else "a fixed base"
+        wrist = f"wrist at {self.tip}, contact frame {self.contact}" if self.slider else f"tip {self.tip}"
+        return html_table(f"{self.name}: {self.mass:.4g} kg on {base}, {wrist}", rows, head, self.mended)
 
     def velocity_index(self, name: str) -> int:
         """Index into the velocity vector of a one-degree-of-freedom joint."""

@@ -10,6 +10,7 @@ from typing import Any
 from spacerobot.proof.code_hash import group
 from spacerobot.proof.orders import Order
 from spacerobot.support.errors import InputError
+from spacerobot.support.formats import require_format
 from spacerobot.support.jsonio import dumps
 
 FORMAT = 1
@@ -31,8 +32,9 @@ def read_batch(path: str | Path) -> tuple[dict[str, Any], list[dict[str, Any]]]:
     """
     lines = _lines(Path(path))
     where, first = next(lines, ("", {}))
-    if first.get("format") != FORMAT:
+    if "format" not in first:
         raise InputError("not the records of a batch", given=str(path), valid="a records.jsonl of `spacerobot prove`")
+    require_format(first["format"], FORMAT, "batch's records", where)
     for key, kind in (("seed", int), ("date", str), ("codes", dict)):
         if not isinstance(first.get(key), kind):
             raise InputError(f"the batch states no {key}", given=first.get(key), where=where)

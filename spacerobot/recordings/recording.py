@@ -20,6 +20,7 @@ from spacerobot.recordings.stream import StreamSpec
 from spacerobot.recordings.table import Floats, Options, RawTable
 from spacerobot.recordings.trial import Source, Trial
 from spacerobot.support.errors import InputError, NotFoundError
+from spacerobot.support.showing import html_table
 from spacerobot.support.tables import data_set, joined
 
 if TYPE_CHECKING:
@@ -48,6 +49,15 @@ class Recording(Mapping[str, Series]):
 
     def __repr__(self) -> str:
         return f"Recording(trial {self.trial.id}: {', '.join(self.series)})"
+
+    def _repr_html_(self) -> str:
+        rows = []
+        for s in self.series.values():
+            good = s.good()[1]
+            ends = (float(good.min()), float(good.max())) if good.size else (None, None)
+            rows.append((s.name, *ends, s.unit, len(s), s.sigma if np.isfinite(s.sigma) else None, s.stream))
+        head = ("channel", "lowest", "highest", "unit", "samples", "noise, one σ", "stream")
+        return html_table(f"Trial {self.trial.id}", rows, head, self.notes)
 
     def to_frame(self) -> pandas.DataFrame:
         """Every channel over all times of any, SI; NaN where a channel has no sample, as a table of pandas.

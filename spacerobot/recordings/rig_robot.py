@@ -8,7 +8,6 @@ from typing import Any
 
 from lxml import etree
 
-from spacerobot.model.describe import joint_rows
 from spacerobot.model.library import load
 from spacerobot.model.robot import Robot
 from spacerobot.recordings.study import Study
@@ -52,7 +51,7 @@ def sliding_joints(study: Study) -> frozenset[str]:
         robot = study_robot(study)
     except InputError:
         return frozenset()
-    return frozenset(str(row["name"]) for row in joint_rows(robot) if row["unit"] == "m")
+    return frozenset(str(row["name"]) for row in robot.joint_rows() if row["unit"] == "m")
 
 
 def mended_links(robot: Robot) -> list[str]:

@@ -18,6 +18,7 @@ from spacerobot.recordings.stream import StreamSpec, read_stream
 from spacerobot.recordings.trial import _GROUPS, _KEYS, Trial, index_file, read_trials
 from spacerobot.recordings.values import kind
 from spacerobot.support.errors import InputError, NotFoundError
+from spacerobot.support.formats import require_format
 from spacerobot.support.resources import folder
 from spacerobot.support.showing import html_table
 from spacerobot.support.tables import data_frame
@@ -239,14 +240,8 @@ def load_study(path: str | Path, data: str | Path | None = None) -> Study:
     """
     file = resolve_study(path)
     document = read_document(file)
+    require_format(document.data.get("format", FORMAT), FORMAT, "study", document.where("format"))
     document.check_keys(document.data, _TOP)
-    if document.data.get("format", FORMAT) != FORMAT or isinstance(document.data.get("format"), bool):
-        raise InputError(
-            "unknown study format",
-            given=document.data["format"],
-            valid=str(FORMAT),
-            where=document.where("format"),
-        )
     stated = document.text(document.data, "data", "") or None
     root = data_root(file, stated, None if data is None else Path(data), where=document.where("data"))
     baseline = read_baseline(document)

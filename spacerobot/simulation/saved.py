@@ -15,7 +15,7 @@ from spacerobot.simulation.events import Event
 from spacerobot.simulation.peaks import UNKNOWN, Peak
 from spacerobot.simulation.restitution import Restitution
 from spacerobot.simulation.scene import BACKENDS
-from spacerobot.support.errors import InputError
+from spacerobot.support.formats import require_format
 from spacerobot.support.npz import read_npz
 
 FORMAT = 1
@@ -38,8 +38,7 @@ def read_parts(path: Path) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
     about = json.loads(bytes(arrays["about"]).decode())
     if not isinstance(about, dict):
         raise NotATrajectory("no object says what it holds")
-    if about["format"] != FORMAT or isinstance(about["format"], bool):
-        raise InputError("unknown format of a trajectory", given=about["format"], valid=str(FORMAT))
+    require_format(about["format"], FORMAT, "trajectory", None)
     return arrays, about
 
 

@@ -27,10 +27,11 @@ from spacerobot.simulation.hand import Hand, hand_of
 from spacerobot.simulation.parts import ContactLaw, EffectAt, Motion, Servo, Target, Wrist
 from spacerobot.simulation.parts.checks import number, vector
 from spacerobot.simulation.scene_mechanism import baseline, edited
+from spacerobot.simulation.scene_table import rows
 from spacerobot.simulation.scene_toml import made_from_file, text_of
 from spacerobot.support.errors import InputError, NotFoundError
 from spacerobot.support.files import write_text
-from spacerobot.support.showing import brief
+from spacerobot.support.showing import brief, html_table
 
 BACKENDS = ("reduced", "multibody")
 PA10_POSE = tuple(math.radians(d) for d in (0.0, 45.0, 0.0, 90.0, 0.0, -45.0, 0.0))
@@ -166,6 +167,10 @@ class Scene:
         changed = [f.name for f in fields(self) if f.name not in kept and not _is_default(self, f)]
         shown = ", ".join(f"{name}={brief(getattr(self, name))}" for name in (*kept[1:5], *changed))
         return f"Scene({brief(self.robot)}, {shown})"
+
+    def _repr_html_(self) -> str:
+        title = f"{self.title or self.prepared.name}: base {self.base}, joints {self.joints}, {self.backend}"
+        return html_table(title, rows(self), ("", "value", "unit"), self.notes)
 
     def _along_the_hand(self, robot: Robot) -> tuple[float, ...]:
         """Against the way in which the robot's own wrist points at the pose; unit vector, world axes."""

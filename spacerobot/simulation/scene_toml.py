@@ -38,6 +38,7 @@ from spacerobot.simulation.parts import ContactLaw, EffectAt, Motion, Servo, Tar
 from spacerobot.simulation.parts.checks import number, vector
 from spacerobot.support.errors import InputError, NotFoundError
 from spacerobot.support.files import read_toml_text
+from spacerobot.support.formats import require_format
 
 T = TypeVar("T")
 
@@ -96,9 +97,8 @@ def made_from_table(make: Callable[..., T], data: Mapping[str, Any], *, where: s
 
 def _fields(data: Mapping[str, Any], folder: Path | None) -> dict[str, Any]:
     """A scene's fields, by name."""
+    require_format(data.get("format", FORMAT), FORMAT, "scene", "format")
     _known(data, _TOP, "")
-    if data.get("format", FORMAT) != FORMAT or isinstance(data.get("format"), bool):
-        raise InputError("unknown format of a scene", given=data["format"], valid=str(FORMAT), where="format")
     given: dict[str, Any] = {key: data[key] for key in _PLAIN if key in data}
     for key in ("robot", "base", "joints", "tip", "backend", "title"):
         if key in given and not isinstance(given[key], str):

@@ -15,6 +15,7 @@ from spacerobot.simulation.scene import Scene
 from spacerobot.simulation.scene_file import read_scene, scene_from_table
 from spacerobot.support.errors import InputError, NotFoundError
 from spacerobot.support.files import read_toml_text
+from spacerobot.support.formats import require_format
 from spacerobot.sweep.keys import known
 from spacerobot.sweep.plan import MOST, Plan
 from spacerobot.sweep.scatter import KINDS, Scatter
@@ -64,9 +65,8 @@ def _place(where: str, inner: str | None) -> str:
 
 
 def _plan(data: Mapping[str, Any], folder: Path, seed: int | None) -> Plan:
+    require_format(data.get("format", FORMAT), FORMAT, "sweep", "format")
     _known(data, _TOP, None)
-    if data.get("format", FORMAT) != FORMAT or isinstance(data.get("format"), bool):
-        raise InputError("unknown format of a sweep", given=data["format"], valid=str(FORMAT), where="format")
     if not isinstance(data.get("title", ""), str):
         raise InputError("must be text", given=data["title"], where="title")
     scene = _scene(data.get("scene", {}), folder)

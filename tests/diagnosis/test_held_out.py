@@ -90,6 +90,16 @@ def test_a_fold_takes_back_what_it_does_not_show(workshop: Workshop, monkeypatch
     assert said.after.label  # the chosen set predicts all the same
 
 
+def test_what_the_catalogue_was_to_do_without_no_fold_chooses(workshop: Workshop) -> None:
+    """Friction of two levels that are one, and friction of one left out of what is looked for."""
+    (_, out), _ = folds(workshop.trials)
+    two = RIVALS[0][0]
+    assert folded(workshop, out, [two], [], False).selected.label == (RUB.label,)
+    said = folded(workshop, out, [two], [], False, [two.label])
+    assert said.selected.label == (two.label,)
+    assert said.leads_to == SAME
+
+
 def test_readings_that_are_kept_aside_change_nothing_that_is_fitted_or_chosen(workshop: Workshop) -> None:
     """To the last bit."""
     (_, out), _ = folds(workshop.trials)

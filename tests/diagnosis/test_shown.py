@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
+from types import SimpleNamespace
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from spacerobot.diagnosis.selection.nameable import at_bound, not_shown
+from spacerobot.diagnosis.selection.nameable import at_bound, not_shown, why_nameless
 from spacerobot.diagnosis.terms.hypothesis import Site
 from spacerobot.effects.effect import Parameter
-from spacerobot.effects.registry import all_effects
+from spacerobot.effects.registry import all_effects, effect
 
 SITES = [Site(e, "somewhere") for e in all_effects().values()]
 sites = st.sampled_from(SITES)
@@ -110,3 +111,34 @@ def test_a_bound_is_as_near_in_any_unit(unit: float, away: float) -> None:
     for bound in (0.2, 7.0):
         value = bound * (1.0 + away)
         assert at_bound(bounded(unit), unit * value) == at_bound(bounded(1.0), value)
+
+
+class Fitted:
+    """As much of a fit as is asked here."""
+
+    def __init__(self, site: Site, values: dict[str, float]) -> None:
+        self.hypothesis = SimpleNamespace(sites=(site,), label=(site.label,))
+        self._values = values
+
+    def values(self) -> dict[str, float]:
+        return self._values
+
+    def errors(self) -> dict[str, tuple[float, float]]:
+        return narrow(self._values)
+
+
+def test_why_a_fit_is_not_named_is_what_speaks_against_it() -> None:
+    """A sign, a bound, or numbers that are not its name's; nothing of a fit against which nothing speaks."""
+
+    def why(site: Site, values: dict[str, float], sound: bool = True) -> str:
+        return why_nameless(Fitted(site, values), lambda fit: sound)  # type: ignore[arg-type]
+
+    late = Site(effect("time_offset"), "force_sensor")
+    assert why(late, {late.key("delay_s"): 0.02}) == ""
+    assert "sign" in why(late, {late.key("delay_s"): -0.02})
+    rub = Site(effect("stribeck_friction"), "wrist")
+    sane = {rub.key(p.name): p.starts[0] for p in rub.effect.parameters}
+    assert why(rub, sane) == ""
+    fast = next(p for p in rub.effect.parameters if p.name == "velocity_m_s")
+    assert "velocity_m_s" in why(rub, {**sane, rub.key(fast.name): fast.upper})
+    assert "not what its name says" in why(rub, sane, sound=False)

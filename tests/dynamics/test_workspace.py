@@ -71,7 +71,7 @@ def test_a_grid_too_fine_is_refused_before_work() -> None:
 
 def test_soft_poses_keep_the_hand_and_are_sorted() -> None:
     body = robot("chaser_pa10_wrist")
-    found = soft_capture(body, DEFAULT, X, target_mass=200.0, joints="locked", tries=40)
+    found = soft_capture(body, DEFAULT, X, tip_mass=200.0, joints="locked", tries=40)
     assert len(found.poses) > 20
     assert np.all(np.diff(found.effective_mass_kg) >= 0.0)
     np.testing.assert_allclose(found.poses[found.given], DEFAULT)
@@ -81,13 +81,13 @@ def test_soft_poses_keep_the_hand_and_are_sorted() -> None:
     mass = found.effective_mass_kg[0]
     assert found.peak_force_N[0] == pytest.approx(0.1 * np.sqrt(530.0 * mass * 200.0 / (mass + 200.0)))
     assert found.gain < 1.0, "this pose is not the softest one"
-    again = soft_capture(body, DEFAULT, X, target_mass=200.0, joints="locked", tries=40)
+    again = soft_capture(body, DEFAULT, X, tip_mass=200.0, joints="locked", tries=40)
     np.testing.assert_array_equal(found.poses, again.poses)
 
 
 def test_against_a_light_target_the_pose_hardly_matters() -> None:
     heavy, light = (
-        soft_capture(robot("chaser_pa10_wrist"), DEFAULT, X, target_mass=m, joints="locked", tries=40).gain
+        soft_capture(robot("chaser_pa10_wrist"), DEFAULT, X, tip_mass=m, joints="locked", tries=40).gain
         for m in (1e4, 0.1)
     )
     assert heavy < light < 1.0
@@ -95,12 +95,12 @@ def test_against_a_light_target_the_pose_hardly_matters() -> None:
 
 
 def test_a_locked_arm_on_the_ground_is_a_wall_everywhere() -> None:
-    found = soft_capture(robot("pa10_wrist"), DEFAULT, X, target_mass=9.0, joints="locked", tries=3)
+    found = soft_capture(robot("pa10_wrist"), DEFAULT, X, tip_mass=9.0, joints="locked", tries=3)
     assert np.all(np.isinf(found.effective_mass_kg))
     np.testing.assert_allclose(found.reduced_mass_kg, 9.0)
 
 
-@pytest.mark.parametrize("wrong", [{"target_mass": 0.0}, {"speed": -1.0}, {"stiffness": np.nan}, {"tries": 0}])
+@pytest.mark.parametrize("wrong", [{"tip_mass": 0.0}, {"speed": -1.0}, {"wrist_stiffness": np.nan}, {"tries": 0}])
 def test_what_is_not_positive_is_refused(wrong: dict) -> None:
     with pytest.raises(InputError, match="positive"):
-        soft_capture(robot("pa10_wrist"), DEFAULT, X, **{"target_mass": 9.0, **wrong})
+        soft_capture(robot("pa10_wrist"), DEFAULT, X, **{"tip_mass": 9.0, **wrong})

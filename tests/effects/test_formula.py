@@ -93,7 +93,7 @@ def test_the_file_that_a_law_is_written_to_is_the_same_law(
     monkeypatch.setattr(registry, "_effects", dict(registry._effects))
     path = tmp_path / "my_law.py"
     path.write_text(law_file(law, values, where), encoding="utf-8")
-    assert registry.load_file(path) == ["my_law"]
+    assert registry.load_effects(path) == ["my_law"]
     drafted = effect("my_law")
     starts = {p.name: p.starts[0] for p in drafted.parameters}
     assert list(starts.values()) == pytest.approx([values[p.name] for p in law.parameters])

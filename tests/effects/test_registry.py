@@ -106,7 +106,7 @@ def test_a_users_file_adds_an_effect(tmp_path: Path) -> None:
     path = tmp_path / "mine.py"
     path.write_text(OWN)
     try:
-        assert registry.load_file(path) == ["van_der_pol"]
+        assert registry.load_effects(path) == ["van_der_pol"]
         edited = registry.effect("van_der_pol").apply(rig({}), "wrist", {"coefficient_Ns_m3": 500.0})
         assert edited.forces[-1].kernel.force(0.1, 2.0, 0.0, (500.0,)) == pytest.approx(-10.0)
     finally:
@@ -118,4 +118,4 @@ def test_a_bad_file_is_one_clear_error(tmp_path: Path, text: str, says: str) -> 
     path = tmp_path / "bad.py"
     path.write_text(text)
     with pytest.raises(InputError, match=re.escape(says)):
-        registry.load_file(path)
+        registry.load_effects(path)

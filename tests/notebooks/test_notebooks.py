@@ -45,6 +45,8 @@ def test_notebook_is_committed_bare_and_thin(path: Path) -> None:
     code = "\n".join(c.source for c in notebook.cells if c.cell_type == "code")
     for word in ("def ", "class ", "lambda", "pyplot", "/home/"):
         assert word not in code, f"{word!r}: logic belongs in the package"
+    assert "from spacerobot." not in code, "what a notebook needs is public"
+    assert "import spacerobot." not in code
 
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda p: p.stem)

@@ -13,7 +13,6 @@ from typing import Any
 import pytest
 
 from spacerobot.cli.main import main
-from spacerobot.cli.prove_run import orders_of
 from spacerobot.effects.registry import all_effects
 from spacerobot.proof import batch
 from spacerobot.proof.engine.outsiders import OUTSIDERS
@@ -22,6 +21,7 @@ from spacerobot.proof.sizes import DRAWS
 from spacerobot.support.executors.base import Here
 from spacerobot.support.runs import RunFolder
 from spacerobot.view.proof.page import page
+from spacerobot.view.proof.prove import orders_of
 
 PLAYED: list[str] = []
 

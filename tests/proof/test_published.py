@@ -8,12 +8,12 @@ from pathlib import Path
 import pytest
 
 from spacerobot.cli.main import main
-from spacerobot.cli.prove_run import seeds_in_words
 from spacerobot.proof.code_hash import code_hashes
 from spacerobot.proof.driven.orders import FAMILY
 from spacerobot.proof.orders import QUICK, schedule
 from spacerobot.proof.published import SCORED, as_lines, changed, check_orders, read_batch, seed_of, still_valid
 from spacerobot.support.errors import InputError
+from spacerobot.view.proof.prove import seeds_in_words
 
 BATCH = {"seed": 7, "date": "2026-01-02", "codes": {"wrist": "c0de", FAMILY: "c1de"}}
 RECORDS = [
@@ -69,7 +69,7 @@ def test_scenes_whose_code_has_changed_have_a_seed_of_their_own(tmp_path: Path) 
     ("text", "reason"),
     [
         ("", "not the records of a batch"),
-        ('{"format": 2}\n', "not the records of a batch"),
+        ('{"format": 2}\n', "newer spacerobot"),
         ('{"format": 1, "seed": "7", "date": "d", "codes": {}}\n', "states no seed"),
         ('{"format": 1, "seed": 7, "date": "d", "codes": {}}\n{"name": "a"', "not a line of JSON"),
         ('{"format": 1, "seed": 7, "date": "d", "codes": {}}\n[1]\n', "not a JSON object"),

@@ -11,26 +11,8 @@ from pathlib import Path
 import pytest
 
 import spacerobot
-from spacerobot.cli.main import COMMANDS
 
 ROOT = Path(__file__).resolve().parents[2]
-OF_COMMANDS = {
-    "robots": "robots",
-    "mass": "effective_mass",
-    "simulate": "simulate",
-    "paper": "paper",
-    "overlay": "overlay",
-    "diagnose": "diagnose",
-    "view": "film",
-    "sweep": "run_sweep",
-    "study": "check_study",
-    "effects": "all_effects",
-    "compare": "compare_page",
-}
-"""Command -> the function that does the same."""
-
-WITHOUT = {"demo", "prove"}
-"""Commands that only string others together, or test the tool itself."""
 
 
 def test_every_name_is_shown_and_can_be_had() -> None:
@@ -51,11 +33,6 @@ def test_type_checkers_read_the_same_names_from_the_same_places() -> None:
     read = {a.name: n.module for n in block.body if isinstance(n, ast.ImportFrom) for a in n.names}
     assert all(a.asname == a.name for n in block.body if isinstance(n, ast.ImportFrom) for a in n.names)
     assert read == {name: f"spacerobot.{module}" for name, module in spacerobot._LAZY.items()}
-
-
-def test_every_command_has_its_function() -> None:
-    assert set(COMMANDS) - WITHOUT <= set(OF_COMMANDS)
-    assert {OF_COMMANDS[c] for c in COMMANDS if c not in WITHOUT} <= set(spacerobot.__all__)
 
 
 def test_the_import_loads_nothing_heavy() -> None:

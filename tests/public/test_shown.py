@@ -44,6 +44,7 @@ def results() -> dict[str, Any]:
         "recording": study.recording(study.trials[0]),
         "overlay": spacerobot.overlay(short),
         "diagnosis": Diagnosis(read(verdict), {}),
+        "soft": spacerobot.soft_capture(robot, POSE, X, tip_mass=9.7, tries=20),
     }
 
 
@@ -55,9 +56,32 @@ def test_reprs_are_short_lines(results: dict[str, Any]) -> None:
         assert "\n" not in repr(thing)
 
 
-def test_notebooks_show_masses_hits_diagnoses_and_studies(results: dict[str, Any]) -> None:
-    for name in ("mass", "impact", "hit", "study", "overlay", "diagnosis"):
-        assert results[name]._repr_html_().count("<tr>") > 1
+def test_notebooks_show_every_result(results: dict[str, Any]) -> None:
+    for name, result in results.items():
+        shown = result._repr_html_()
+        assert shown.count("<tr>") > 1, name
+        assert "&lt;array" not in shown, name
+
+
+def test_a_scene_shows_what_it_states_with_its_units() -> None:
+    wrist, friction = (
+        spacerobot.Wrist(stiffness=530),
+        spacerobot.EffectAt("coulomb_friction", "wrist", {"force_N": 0.4}),
+    )
+    scene = Scene("pa10_wrist", wrist=wrist, target=spacerobot.Target(mass=9.0, speed=0.07), effects=(friction,))
+    shown = scene._repr_html_()
+    for words in ("530", "N/m", "0.07", "m/s", "coulomb_friction at wrist", "force_N = 0.4"):
+        assert words in shown
+    assert "guide friction" not in shown  # what is nothing by default is not listed
+
+
+def test_two_runs_side_by_side_show_where_they_differ(tmp_path: Path) -> None:
+    for name, kind in (("one", "named"), ("two", "unknown")):
+        spacerobot.save_diagnosis(Diagnosis(read(helpers_report.verdict(kind)), {}), tmp_path / name)
+    found = spacerobot.compare(tmp_path / "one", tmp_path / "two")
+    assert "differ" in repr(found)
+    assert "<td" in found._repr_html_()
+    assert "unknown" in found._repr_html_()
 
 
 def test_what_others_wrote_is_escaped(results: dict[str, Any]) -> None:
@@ -81,6 +105,9 @@ def test_tables_of_pandas(results: dict[str, Any]) -> None:
     assert hit.attrs["units"]["contact.force"] == "N"
     assert len(results["map"].to_frame()) == int(results["map"].reached.sum())
     assert results["batch"].to_frame().shape == (20, 3)
+    joints = results["robot"].to_frame()
+    assert list(joints.index) == [*results["robot"].chain, results["robot"].slider]
+    assert (joints["lower"] < joints["upper"]).all()
     assert len(results["overlay"].to_frame()) == len(results["overlay"].trials[0].channels)
     assert list(results["study"].to_frame().index) == [t.id for t in results["study"].trials]
     assert len(results["diagnosis"].to_frame()) > 0
@@ -93,6 +120,9 @@ def test_data_sets_of_xarray(results: dict[str, Any]) -> None:
     pytest.importorskip("xarray", reason="extra 'tables' is not installed")
     hit = results["hit"].to_xarray()
     assert hit["contact.force"].attrs["units"] == "N"
+    batch = results["batch"].to_xarray()
+    assert dict(batch["effective_mass"].sizes) == {"pose": 20, "direction": 3}
+    assert batch["mobility"].attrs["units"] == "1/kg"
     assert dict(results["map"].to_xarray().sizes) == {"x": 2, "y": 1, "z": 2, "joint": 7}
     recording = results["recording"].to_xarray()
     for name, series in results["recording"].items():

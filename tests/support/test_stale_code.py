@@ -113,20 +113,20 @@ def test_any_change_of_the_package_makes_another_run(copy: Path, name: str) -> N
 
 
 def test_a_verdict_of_other_code_is_made_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from spacerobot.cli import study_table
     from spacerobot.recordings.study import load_study, resolve_study
     from spacerobot.support.jsonio import dumps
+    from spacerobot.view.table import of_studies
 
     study = load_study(resolve_study("guide-friction"))
-    monkeypatch.setattr(study_table, "diagnose", lambda *_, **__: (_ for _ in ()).throw(LookupError("made again")))
-    monkeypatch.setattr(study_table, "_quoted", lambda _: ())
-    kept = {"input_hash": study.input_hash, "code": study_table.package_hash(), "verdict": "named"}
+    monkeypatch.setattr(of_studies, "diagnose", lambda *_, **__: (_ for _ in ()).throw(LookupError("made again")))
+    monkeypatch.setattr(of_studies, "_quoted", lambda _: ())
+    kept = {"input_hash": study.input_hash, "code": of_studies.package_hash(), "verdict": "named"}
     (tmp_path / "guide.json").write_text(dumps(kept))
-    assert study_table._verdict(study, "guide", tmp_path)["verdict"] == "named"
+    assert of_studies._verdict(study, "guide", tmp_path)["verdict"] == "named"
     for other in ({"code": "another"}, {"input_hash": "another"}):
         (tmp_path / "guide.json").write_text(dumps({**kept, **other}))
         with pytest.raises(LookupError):
-            study_table._verdict(study, "guide", tmp_path)
+            of_studies._verdict(study, "guide", tmp_path)
 
 
 ROWS = """

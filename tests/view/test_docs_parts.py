@@ -62,8 +62,10 @@ def test_pages_ask_for_parts_that_exist() -> None:
 def test_the_scene_file_of_the_page_can_be_read() -> None:
     from spacerobot.simulation.scene_file import scene_from_text
 
-    text = GENERATED["scene_file"]().removeprefix("```toml\n").removesuffix("\n```")
+    text, _, further = GENERATED["scene_file"]().removeprefix("```toml\n").partition("\n```")
     assert scene_from_text(text, where="docs").robot == "pa10_wrist"
+    assert "# N s/m" in text
+    assert "| `servo.stiffness` | N m/rad or N/m |" in further
 
 
 def test_what_is_read_in_the_checkout_is_current() -> None:

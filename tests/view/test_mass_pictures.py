@@ -115,5 +115,5 @@ def test_what_does_not_fit_is_refused_in_a_line(
 
 
 def test_any_robot_with_joints_has_its_map() -> None:
-    film = mass_film("ur5", None, None, [0.0, 0.0, 1.0], filled=True)
+    film = mass_film("ur5", None, None, [0.0, 0.0, 1.0])
     assert any(b.name == "workspace" for b in film.bodies)

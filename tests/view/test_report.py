@@ -311,6 +311,22 @@ def test_the_winner_s_row_is_first_and_marked() -> None:
     assert "8.31" in table, "the baseline's"
 
 
+def test_every_row_of_the_held_out_column_is_filled() -> None:
+    """Rivals that predicted no unseen trial stand in a table of their own, without that column."""
+    rivals = [{**h, "held_out": None} for h in evidence()["hypotheses"]]
+    text = page(verdict("named"), read_evidence({**evidence(), "hypotheses": rivals}))
+    tables = re.findall(r"<caption>(Fitted in full[^<]*)</caption>(.*?)</table>", text, re.DOTALL)
+    (first, told), (second, others) = tables
+    assert "Held-out error" in told
+    assert "Held-out error" not in others
+    rows = re.findall(r"<tr[^>]*><th scope=\"row\">.*?</th>(.*?)</tr>", told.partition("<tbody>")[2])
+    assert len(rows) > 1
+    assert not [r for r in rows if r.startswith('<td class="n">–')]
+    assert "unseen" in second, first
+    fitted = [h for h in rivals if h["stage"] == "fitted"]
+    assert told.count("<tr") + others.count("<tr") == len(fitted) + 2
+
+
 def test_a_rival_that_folds_chose_shows_its_error_there() -> None:
     """Over those folds alone, and how many they are; a rival that none chose has none."""
     rivals = [{**h, "held_out": None} for h in evidence()["hypotheses"] if h["stage"] == "fitted"]

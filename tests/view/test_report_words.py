@@ -23,6 +23,7 @@ from spacerobot.view.report.words import (
     place,
     probability,
     quantity,
+    rivals_with_own_units,
     unit_of_name,
     with_own_units,
 )
@@ -174,6 +175,15 @@ def test_a_channel_s_own_unit_is_looked_up() -> None:
     (part,) = with_own_units({**verdict, "parts": [{"part": "body", "effects": [pushed]}]}, {})["parts"]
     assert part["effects"][0]["parameters"]["value"]["unit"] == "N"
     assert "channel" not in quantity(0.2, with_own_units(verdict, {})["detectable"][0]["unit"])
+
+
+def test_what_else_was_tried_has_its_units_too() -> None:
+    tried = {"parameters": {"bias@drive.value": 0.2, "bias@mocap.value": 1e-5, "scale@mocap.factor": 0.7}}
+    channels = {"joint.axis.torque": {"unit": "N m", "stream": "drive"}}
+    (found,) = rivals_with_own_units([tried], channels)
+    assert found["parameters"]["bias@drive.value"] == {"value": 0.2, "unit": "N m"}
+    assert parameters_text({"bias@mocap.value": found["parameters"]["bias@mocap.value"]}) == "10\xa0µm"
+    assert found["parameters"]["scale@mocap.factor"] == 0.7
 
 
 def test_no_size_beyond_what_the_catalogue_allows_is_a_limit() -> None:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from spacerobot.cli.study_table import BY_HAND, by_hand
 from spacerobot.view.table.beside import beside
+from spacerobot.view.table.of_studies import BY_HAND, by_hand
 
 
 def verdict(after: list[float], note: str = "") -> dict[str, object]:

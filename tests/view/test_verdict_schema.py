@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -87,10 +89,40 @@ def test_readers_of_another_format_are_told_in_one_line(number: int, word: str) 
     assert "\n" not in str(told.value)
 
 
+def _numbers(found: dict[str, Any], rule: Any, seen: tuple[str, ...] = ()) -> bool:
+    """Whether a rule of the schema holds a number that is not in a record of its own."""
+    if not isinstance(rule, dict):
+        return False
+    if rule.get("type") in ("number", "integer"):
+        return True
+    inner = [*rule.get("anyOf", ()), *rule.get("prefixItems", ()), rule.get("items"), rule.get("additionalProperties")]
+    return any(_numbers(found, each) for each in inner)
+
+
 def test_every_number_of_the_schema_has_a_unit() -> None:
-    """Stated beside it, or in the words of what holds it."""
+    """In its own words, or in a key beside it that says whose unit it is."""
     found = schema()
-    for name in ("seconds", "confidence", "located", "held_out", "detectable", "parameters", "moved"):
-        said = found["properties"][name]["description"]
-        assert any(word in said for word in ("[s]", "[1]", "SI", "unit", "sigma")), name
+    lacking = []
+    for name, record in {"Verdict": found, **found["$defs"]}.items():
+        units = " ".join(r.get("description", "") for k, r in record.get("properties", {}).items() if "unit" in k)
+        for key, rule in record.get("properties", {}).items():
+            said = rule.get("description", "")
+            told = re.search(r"\[[^\]]+\]|\bSI\b|\bunit\b", said) or re.search(rf"\b{key}\b", units)
+            if key != "format" and _numbers(found, rule) and not told:
+                lacking.append(f"{name}.{key}")
+    assert lacking == []
     assert "SI" in found["description"]
+    assert _numbers(found, {"type": "array", "items": {"anyOf": [{"type": "number"}, {"type": "null"}]}})
+
+
+def _promised(record: str, rules: dict[str, Any]) -> set[str]:
+    return {f"{record}.{key}" for key in rules.get("properties", {})}
+
+
+def test_no_key_of_a_record_is_new_without_a_new_number() -> None:
+    """`promised_1.txt` is what readers of format 1 were told of; a further key belongs into the next format's file."""
+    file = Path(__file__).with_name(f"promised_{FORMAT}.txt")
+    told = set(file.read_text(encoding="utf-8").split())
+    found = schema()
+    now = set().union(*(_promised(name, rules) for name, rules in {"Verdict": found, **found["$defs"]}.items()))
+    assert now <= told, f"raise FORMAT, and list what is new in promised_{FORMAT + 1}.txt"

@@ -17,6 +17,7 @@ from spacerobot.diagnosis.locate.located import Located, Row, Surface
 from spacerobot.diagnosis.selection.candidate import Candidate
 from spacerobot.diagnosis.selection.check import Check
 from spacerobot.diagnosis.selection.judge import Judgement
+from spacerobot.diagnosis.selection.nameable import why_nameless
 from spacerobot.diagnosis.selection.part_result import Part, balance
 from spacerobot.diagnosis.selection.search_state import Found
 from spacerobot.diagnosis.terms.data import TrialData
@@ -33,6 +34,9 @@ SHOWN = 40
 
 DRAWN = 4
 """Parts whose residuals a report draws; the others are in its table."""
+
+NOT_WEIGHED = "explains less"
+"""Why a set lost that the judge did not set against the chosen one."""
 
 SCREENED = 60
 """Explanations that a report lists of those that were only screened."""
@@ -54,6 +58,7 @@ def evidence_of_rig(
     left: tuple[Left, Left],
     located: Located,
     checks: Sequence[Check],
+    withdrawn: Mapping[Label, str] | None = None,
 ) -> dict[str, Any]:
     """Of a wrist rig.
 
@@ -64,6 +69,7 @@ def evidence_of_rig(
         unseen: rms of trials that were kept aside [sensor sigmas], by set; of those that were tried on them.
         left: what baseline and choice leave over.
         located, checks: balances, and checks of the fit.
+        withdrawn: sets that were not named, each with the reason.
     """
     units = _units(study)
     stated = {c for t in trials for c in t.channels}
@@ -75,7 +81,7 @@ def evidence_of_rig(
             "channels": _channels(trials, units, stated),
         },
         traces=_traces(trials, before, after, units, stated, held_out),
-        hypotheses=_of_rig(found, judgement, unseen),
+        hypotheses=_of_rig(found, judgement, unseen, withdrawn or {}),
         located=[(r.balance, r) for r in located.rows],
         surfaces=[(s.balance, s) for s in located.surfaces],
         whiteness=_whiteness(*left),
@@ -220,9 +226,11 @@ def _traces(
     return out
 
 
-def _of_rig(found: Found, judgement: Judgement, unseen: Mapping[Label, float]) -> list[dict[str, Any]]:
+def _of_rig(
+    found: Found, judgement: Judgement, unseen: Mapping[Label, float], withdrawn: Mapping[Label, str]
+) -> list[dict[str, Any]]:
     """Every rival with its score and why it lost; then what was only screened."""
-    lost = {r.fit.hypothesis.label: r.lost for r in judgement.rivals}
+    lost = {**withdrawn} | {r.fit.hypothesis.label: r.lost for r in judgement.rivals}
     above = {r.fit.hypothesis.label: r.score for r in judgement.rivals}
     rows = []
     fits = {id(f): f for f in (judgement.chosen, found.baseline, *found.fits.values())}
@@ -232,7 +240,7 @@ def _of_rig(found: Found, judgement: Judgement, unseen: Mapping[Label, float]) -
         rows.append(
             _fitted(
                 fit,
-                "" if chosen else lost.get(label, "its sign makes no physical sense"),
+                "" if chosen else lost.get(label) or why_nameless(fit, found.plausible) or NOT_WEIGHED,
                 chi2=fit.chi2,
                 chi2_per_sample=fit.chi2 / max(fit.samples, 1),
                 unseen=unseen.get(label),

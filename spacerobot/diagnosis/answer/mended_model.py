@@ -17,8 +17,11 @@ from spacerobot.effects.registry import effect
 from spacerobot.recordings.document import read_document
 from spacerobot.recordings.study import Study
 from spacerobot.support.errors import InputError, NotFoundError
+from spacerobot.support.formats import require_format
 
 FILE = "model.toml"
+
+FORMAT = 1
 
 RUNS = "spacerobot overlay STUDY --model model.toml"
 """How a found model is run; a scene for `simulate` is a wrist that meets a target, which these machines are not."""
@@ -56,7 +59,7 @@ def model_text(study: Study, parts: Sequence[Part]) -> str:
     """The file's text, TOML; its values are SI."""
     lines = [
         f"# What was found: the baseline's values as fitted, and the effects. Run it with\n# {RUNS}",
-        "format = 1",
+        f"format = {FORMAT}",
         f"study = {json.dumps(study.title)}",
         f"input_hash = {json.dumps(study.input_hash)}",
     ]
@@ -75,6 +78,8 @@ def read_model(path: Path) -> tuple[Found, ...]:
         InputError: it cannot be read, or is no such file.
     """
     document = read_document(path).data
+    if "format" in document:
+        require_format(document["format"], FORMAT, "model", str(path), "diagnose the study again")
     try:
         parts = tuple(
             Found(str(p["part"]), {str(k): float(v) for k, v in p["values"].items()}, tuple(map(_label, p["effects"])))
@@ -84,8 +89,7 @@ def read_model(path: Path) -> tuple[Found, ...]:
         raise InputError(
             f"no model of `diagnose`: {error}", valid="[[parts]] with part, effects and values", where=str(path)
         ) from None
-    if document.get("format") != 1:
-        raise InputError("unknown format", given=document.get("format"), valid="1", where=str(path))
+    require_format(document.get("format"), FORMAT, "model", str(path))
     return parts
 
 

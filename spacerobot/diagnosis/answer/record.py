@@ -59,7 +59,7 @@ class Alternative(Record, frozen=True, kw_only=True):
     """A set of effects that may stand in place of what is said."""
 
     effects: list[Placed]
-    parameters: dict[str, Number]
+    parameters: Annotated[dict[str, Number], Meta(description="values that would be wrong instead, SI")]
     score: Annotated[Measure, Meta(description="penalised log likelihood below the best [1]")]
     part: str | UnsetType = UNSET
 
@@ -67,16 +67,16 @@ class Alternative(Record, frozen=True, kw_only=True):
 class Believed(Value, frozen=True, kw_only=True):
     """A believed value that the data move; believed and sigma in the same unit."""
 
-    believed: Number
-    sigma: Measure
+    believed: Annotated[Number, Meta(description="in the unit of value")]
+    sigma: Annotated[Measure, Meta(description="one standard deviation of the belief, in the unit of value")]
 
 
 class Moved(Record, frozen=True, kw_only=True):
     """A believed value that was free in the fit."""
 
-    value: Number
-    believed: Number
-    in_sigmas: Measure
+    value: Annotated[Number, Meta(description="SI, or in the unit stated")]
+    believed: Annotated[Number, Meta(description="SI, or in the unit stated")]
+    in_sigmas: Annotated[Measure, Meta(description="value minus believed, in its stated sigmas [1]")]
     unit: Annotated[str, Meta(description="where not that of the name")] | UnsetType = UNSET
 
 
@@ -90,21 +90,24 @@ class Pattern(Record, frozen=True, kw_only=True):
     p: Annotated[Share | None, Meta(description="of being noise, a probability [1]")]
 
 
+_ERROR_UNIT = "of a channel: SI; overall and in folds: in sensor sigmas, or shares of the spread where unit says so [1]"
+
+
 class Errors(Record, frozen=True, kw_only=True):
     """Root mean squares of what is held out: by the baseline, the chosen set, and what each fold chose itself."""
 
-    rms_before: Measure
-    rms_after: Measure
-    rms_selected: Measure | UnsetType = UNSET
+    rms_before: Annotated[Measure, Meta(description=_ERROR_UNIT)]
+    rms_after: Annotated[Measure, Meta(description=_ERROR_UNIT)]
+    rms_selected: Annotated[Measure, Meta(description=_ERROR_UNIT)] | UnsetType = UNSET
 
 
 class Overall(Errors, frozen=True, kw_only=True):
     """Of all channels together."""
 
-    noise_floor: Measure
-    chi2_before: Measure
-    chi2_after: Measure
-    chi2_selected: Measure | UnsetType = UNSET
+    noise_floor: Annotated[Measure, Meta(description="in the unit of the errors beside it [1]")]
+    chi2_before: Annotated[Measure, Meta(description="per sample [1]")]
+    chi2_after: Annotated[Measure, Meta(description="per sample [1]")]
+    chi2_selected: Annotated[Measure, Meta(description="per sample [1]")] | UnsetType = UNSET
 
 
 class Fold(Errors, frozen=True, kw_only=True):
@@ -134,7 +137,7 @@ class HeldOut(Record, frozen=True, kw_only=True):
     unit: Literal["sigma", "spread"] | UnsetType = UNSET
     decided: str | UnsetType = UNSET
     taken_from_unseen: list[str] | UnsetType = UNSET
-    same_set: Count | UnsetType = UNSET
+    same_set: Annotated[Count, Meta(description="folds that chose the same set [1]")] | UnsetType = UNSET
     folds: list[Fold] | UnsetType = UNSET
     failed: list[NotForetold] | UnsetType = UNSET
 
@@ -150,7 +153,7 @@ class Detectable(Placed, frozen=True, kw_only=True):
 
     parameter: str
     smallest: Measure
-    unit: str
+    unit: Annotated[str, Meta(description="of smallest")]
     instead: Instead | UnsetType = UNSET
     part: str | UnsetType = UNSET
 
@@ -158,7 +161,7 @@ class Detectable(Placed, frozen=True, kw_only=True):
 class NextExperiment(Record, frozen=True, kw_only=True):
     """A trial that would separate two explanations."""
 
-    change: dict[str, float | str]
+    change: Annotated[dict[str, float | str], Meta(description="what to change, by dotted name, SI")]
     separates: list[list[Placed]]
     why: str
     part: str | UnsetType = UNSET
@@ -171,7 +174,7 @@ class NotPredicted(Record, frozen=True, kw_only=True):
     unit: str
     use: str
     stream: str
-    trials: Count
+    trials: Annotated[Count, Meta(description="that have it [1]")]
 
 
 class Event(Record, frozen=True, kw_only=True):
@@ -198,8 +201,8 @@ class Spoiled(Record, frozen=True, kw_only=True):
     trial: str
     channel: str
     why: str
-    readings: Count
-    times_s: list[float]
+    readings: Annotated[Count, Meta(description="how many [1]")]
+    times_s: Annotated[list[float], Meta(description="[s]")]
 
 
 class NoiseFound(Record, frozen=True, kw_only=True):
@@ -207,7 +210,7 @@ class NoiseFound(Record, frozen=True, kw_only=True):
 
     sigma: Number
     stated: Number
-    unit: str
+    unit: Annotated[str, Meta(description="of sigma and stated")]
 
 
 class FoundModel(Record, frozen=True, kw_only=True):
@@ -222,11 +225,11 @@ class Part(Record, frozen=True, kw_only=True):
 
     part: str
     verdict: Kind
-    confidence: Share
+    confidence: Annotated[Share, Meta(description="a probability [1]")]
     effects: list[Effect]
     compared: str
     error_ratio: Annotated[Measure, Meta(description="held-out error after over before [1]")]
-    values: dict[str, Number]
+    values: Annotated[dict[str, Number], Meta(description="as fitted, by dotted name, SI")]
     relative_to: list[str]
     not_measured: Annotated[str, Meta(description="why its readings tell nothing; the whole hangs on no such part")] | (
         UnsetType
@@ -240,8 +243,8 @@ class Table(Record, frozen=True, kw_only=True):
     """A learned curve over the range that the recordings visited; beyond it nothing is known."""
 
     variable: Literal["d", "v", "z", "N", "q"]
-    unit: str
-    value_unit: str
+    unit: Annotated[str, Meta(description="of x")]
+    value_unit: Annotated[str, Meta(description="of law, total, low and high")]
     x: list[float]
     law: list[float]
     total: Annotated[list[float], Meta(description="with the believed values that it can be traded for")]
@@ -278,7 +281,7 @@ class Verdict(Record, frozen=True, kw_only=True):
     format: Literal[1]
     spacerobot: Annotated[str, Meta(description="version that wrote this")]
     input_hash: str
-    seed: int
+    seed: Annotated[int, Meta(description="as given; no answer hangs on it [1]")]
     study: str
     seconds: Annotated[float, Meta(ge=0.0, description="that it took [s]")]
     verdict: Kind

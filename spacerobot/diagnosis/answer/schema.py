@@ -12,6 +12,7 @@ import msgspec
 from spacerobot.diagnosis.answer.record import FORMAT, Verdict
 from spacerobot.diagnosis.terms.kinds import AMBIGUOUS, LEARNED, NAMED, WRONG_PARAMETER, Kind
 from spacerobot.support.errors import InputError
+from spacerobot.support.formats import require_format
 from spacerobot.support.jsonio import plain
 
 VERDICTS: tuple[str, ...] = get_args(Kind)
@@ -73,15 +74,6 @@ def _validator() -> Any:
     return Draft202012Validator(schema())
 
 
-def other_format(number: Any) -> str | None:
-    """What to tell whoever gives a file of another format, in one line; None for our own, or where none is stated."""
-    if number is None or number == FORMAT or not isinstance(number, int) or isinstance(number, bool):
-        return None
-    if number > FORMAT:
-        return "the verdict was written by a newer spacerobot: it may hold kinds and keys that this one does not know"
-    return "the verdict was written by an older spacerobot: diagnose the study again"
-
-
 def validate(verdict: Mapping[str, Any], where: str = "verdict") -> None:
     """Check a verdict, a dict as read from verdict.json or about to be written there.
 
@@ -92,9 +84,8 @@ def validate(verdict: Mapping[str, Any], where: str = "verdict") -> None:
     Raises:
         InputError: the first breach, with the path to it.
     """
-    told = other_format(verdict.get("format"))
-    if told:
-        raise InputError(told, given=verdict["format"], valid=str(FORMAT), where=f"{where}.format")
+    if isinstance(verdict.get("format"), int):  # else it is no verdict, and the breach says so
+        require_format(verdict["format"], FORMAT, "verdict", f"{where}.format", "diagnose the study again")
     breaches = _validator().iter_errors(plain(dict(verdict)))
     breach = min(breaches, key=_rank, default=None)
     if breach is None:

@@ -17,7 +17,7 @@ from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.workshop import MakeModel, Task, Workshop
 from spacerobot.diagnosis.machines.wrist_rig import RigModel
 from spacerobot.diagnosis.terms.hypothesis import hypothesis
-from spacerobot.effects.registry import load_file
+from spacerobot.effects.registry import load_effects
 from spacerobot.recordings.study import Study
 from spacerobot.support.errors import InputError, SimulationError
 from spacerobot.support.executors.base import Executor
@@ -36,7 +36,7 @@ def _open(study: Study, make_model: MakeModel, files: tuple[str, ...]) -> None:
     global _workshop
     begin()
     for file in files:
-        load_file(Path(file))
+        load_effects(file)
     _workshop = Workshop(study, make_model)
 
 
@@ -97,7 +97,7 @@ def unpacked(shipment: Shipment) -> Fit | None:
     if shipment.key not in _shops:
         _shops.clear()
         for file in shipment.files:
-            load_file(Path(file))
+            load_effects(file)
         _shops[shipment.key] = Workshop(shipment.study, shipment.make_model)
     return _shops[shipment.key].run(shipment.task)
 

@@ -78,7 +78,7 @@ def _checked(pool: Pool, decided: Decided, profiled: Mapping[str, tuple[float, f
     # begun together, asked for below
     copied = pool.aside(synthetic, first.chosen, first.lead) if named else None
     whole = pool.aside(confirm, first.chosen) if named else None
-    unseen = hold_out(pool, first)
+    unseen = hold_out(pool, first, [s.label for s in found.singles])
     report("predicting held-out conditions", 0, 1)
     held = unseen()
     if held is not None and named:

@@ -102,6 +102,19 @@ def nameable(fit: Fit) -> bool:
     return means(fit) and not held(fit)
 
 
+def why_nameless(fit: Fit, plausible: Callable[[Fit], bool]) -> str:
+    """Why a fit may not be named as it stands, one clause; empty where nothing speaks against it."""
+    if not means(fit):
+        return "its sign makes no physical sense: a stream would be read before it happens"
+    values, errors = fit.values(), fit.errors()
+    for site in fit.hypothesis.sites:
+        for p in site.effect.parameters:
+            key = site.key(p.name)
+            if key in values and at_bound(p, values[key], errors.get(key)):
+                return f"a bound of what is looked for holds its {p.name}"
+    return "" if plausible(fit) else "with these numbers it is not what its name says"
+
+
 def reached(sites: Sequence[Site], values: Mapping[str, float], visited: Callable[[str], np.ndarray]) -> bool:
     """Whether every place came up to the displacement at which its effect begins.
 

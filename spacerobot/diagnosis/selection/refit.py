@@ -7,7 +7,7 @@ of it, at the start that promises most there. Where none explains the trials, fr
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.pool import Pool
@@ -16,7 +16,7 @@ from spacerobot.diagnosis.fitting.starts import effect_starts, informed_starts
 from spacerobot.diagnosis.fitting.workshop import Task
 from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.selection.search_state import Found, noise_of, plausible_of, run_tasks, share_of
-from spacerobot.diagnosis.terms.candidates import contains, refines, simpler
+from spacerobot.diagnosis.terms.candidates import by_name, contains, refines, simpler
 from spacerobot.diagnosis.terms.decision import PENALTY
 from spacerobot.diagnosis.terms.hypothesis import Label, Site, label_of
 from spacerobot.effects.registry import effect
@@ -31,7 +31,13 @@ COLD = 2
 """The effects' own starts that a set is fitted from where no near one explains the trials."""
 
 
-def refit(pool: Pool, chosen: Sequence[Site], rivals: Sequence[Sequence[Site]], thorough: bool) -> Found:
+def refit(
+    pool: Pool,
+    chosen: Sequence[Site],
+    rivals: Sequence[Sequence[Site]],
+    thorough: bool,
+    known: Collection[tuple[str, str]] | None = None,
+) -> Found:
     """Fit the chosen set, its rivals, and all their parts.
 
     Args:
@@ -39,10 +45,12 @@ def refit(pool: Pool, chosen: Sequence[Site], rivals: Sequence[Sequence[Site]], 
         chosen: the set that all trials led to.
         rivals: sets that come near it.
         thorough: whether to begin afresh where no near start explains the trials.
+        known: (effect, where) of the catalogue that was searched, which may have been told to do without some; special
+            cases beyond it are not fitted. None for all.
     """
     baseline = pool.here(Task((), {}))
     assert baseline is not None  # the believed rig itself can be simulated, or RigModel had refused it
-    sets = _with_parts(pool.workshop.model, chosen, rivals)
+    sets = _with_parts(pool.workshop.model, chosen, rivals, known)
     singles = {s.label: Site(s.effect, s.where) for one in sets.values() for s in one}
     found = Found(
         baseline, singles=tuple(singles.values()), noise=noise_of(pool.workshop), plausible=plausible_of(pool.workshop)
@@ -73,7 +81,10 @@ def _silent(what: str, done: int, total: int) -> None:
 
 
 def _with_parts(
-    model: Machine, chosen: Sequence[Site], rivals: Sequence[Sequence[Site]]
+    model: Machine,
+    chosen: Sequence[Site],
+    rivals: Sequence[Sequence[Site]],
+    known: Collection[tuple[str, str]] | None,
 ) -> dict[Label, tuple[Site, ...]]:
     """Every set and all its parts, special cases of the chosen one's effects too; the smaller first."""
     sets: dict[Label, tuple[Site, ...]] = {}
@@ -82,6 +93,8 @@ def _with_parts(
             for part in itertools.combinations(sites, size):
                 sets.setdefault(label_of(part), part)
     for label in simpler(tuple(s.label for s in chosen)):
+        if known is not None and not set(known).issuperset(by_name(label)):
+            continue
         sets.setdefault(label, tuple(model.site(effect(name), where) for name, where in label))
     return dict(sorted(sets.items(), key=lambda item: (len(item[0]), _size(item[1]))))
 

@@ -7,7 +7,7 @@ back, by the curvature of the fold's fits.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
 
@@ -57,7 +57,12 @@ class Predictions:
 
 
 def folded(
-    workshop: Workshop, out: tuple[str, ...], chosen: Sequence[Site], rivals: Sequence[Sequence[Site]], thorough: bool
+    workshop: Workshop,
+    out: tuple[str, ...],
+    chosen: Sequence[Site],
+    rivals: Sequence[Sequence[Site]],
+    thorough: bool,
+    known: Collection[tuple[str, str]] | None = None,
 ) -> Predictions:
     """A fold's predictions.
 
@@ -67,13 +72,14 @@ def folded(
         chosen: the set that was chosen on all trials.
         rivals: further sets that the fold chooses among.
         thorough: whether they are fitted from more starts where the first ones explain little.
+        known: (effect, where) of the catalogue that was searched; None for all.
     """
     unseen = [t for t in workshop.trials if t.id in out]
     sites = seen_sites(chosen, out)
     label = label_of(sites)
     try:
         with Pool(workshop.but_for(out), 1) as pool:
-            found = refit(pool, sites, [seen_sites(r, out) for r in rivals], thorough)
+            found = refit(pool, sites, [seen_sites(r, out) for r in rivals], thorough, known)
             decided = curved(pool.workshop, conclude(pool, found, lambda what, done, total: None))
     except SimulationError as error:
         none = Foretold((), failed={t.id: str(error) for t in unseen})
@@ -99,12 +105,15 @@ def _fit_of(found: Found, sites: Sequence[Site]) -> Fit | None:
     return found.fits.get(label) if label else found.baseline
 
 
-def hold_out(pool: Pool, judgement: Judgement) -> Callable[[], Unseen | None]:
+def hold_out(
+    pool: Pool, judgement: Judgement, known: Collection[tuple[str, str]] | None = None
+) -> Callable[[], Unseen | None]:
     """Begin to decide again without each fold, and to predict it; asked for, the result. None where nothing is left.
 
     Args:
         pool: runs the folds, side by side.
         judgement: what was decided on all trials.
+        known: (effect, where) of the catalogue that was searched; None for all.
     """
     sets = [out for _, out in folds(pool.workshop.trials, MOST_FOLDS)]
     if len(sets) < 2:
@@ -114,7 +123,8 @@ def hold_out(pool: Pool, judgement: Judgement) -> Callable[[], Unseen | None]:
     thorough = judgement.verdict in (NAMED, AMBIGUOUS)
     about = [chosen.label, chosen.only, [[s.label for s in r] for r in rivals], thorough]
     begun = [
-        pool.kept_aside(Predictions, ["fold", out, *about], folded, out, chosen.sites, rivals, thorough) for out in sets
+        pool.kept_aside(Predictions, ["fold", out, *about], folded, out, chosen.sites, rivals, thorough, known)
+        for out in sets
     ]
 
     everywhere = any(not s.trials for s in chosen.sites)

@@ -10,8 +10,11 @@ from pathlib import Path
 from typing import Any
 
 from spacerobot.diagnosis.answer.schema import validate
+from spacerobot.diagnosis.overlay import FORMAT as OVERLAY
 from spacerobot.recordings.value_units import unit_of_value
 from spacerobot.support.errors import InputError
+from spacerobot.support.formats import require_format
+from spacerobot.support.showing import html_table
 from spacerobot.view.report.words import (
     beyond,
     effect_phrase,
@@ -47,7 +50,7 @@ class Row:
     differ: bool | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Comparison:
     """Two runs side by side.
 
@@ -62,6 +65,19 @@ class Comparison:
     titles: tuple[str, str]
     sections: Mapping[str, tuple[Row, ...]]
     pictures: tuple[tuple[str, str, str], ...] = ()
+
+    def __repr__(self) -> str:
+        differ = sum(bool(r.differ) for rows in self.sections.values() for r in rows)
+        lines = sum(map(len, self.sections.values()))
+        return f"Comparison({self.names[0]!r}, {self.names[1]!r}: {differ} of {lines} lines differ)"
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (name, r.what, r.first, r.second, "differ" if r.differ else "")
+            for name, section in self.sections.items()
+            for r in section
+        ]
+        return html_table(" and ".join(self.titles), rows, ("", "", *self.names, ""))
 
     def as_json(self) -> dict[str, Any]:
         """As `spacerobot compare --json` prints it."""
@@ -118,6 +134,8 @@ def _read(folder: Path, name: str) -> dict[str, Any]:
         raise InputError(f"cannot be read: {error}", where=str(path)) from None
     if not isinstance(found, dict) or (name == "overlay.json" and not {"title", "channels"} <= set(found)):
         raise InputError("is not what a run writes", where=str(path))
+    if name == "overlay.json":
+        require_format(found.get("format", OVERLAY), OVERLAY, "overlay", str(path), "overlay the study again")
     return found
 
 

@@ -6,11 +6,24 @@ from typing import Any
 
 from spacerobot.diagnosis.answer.schema import schema
 from spacerobot.simulation.scene import Scene
+from spacerobot.simulation.scene_units import UNITS
 
 
 def scene_file() -> str:
-    """The scene file of the default scene."""
-    return f"```toml\n{Scene().to_toml().strip()}\n```"
+    """The scene file of the default scene, each number with its unit; then the keys that it does not state."""
+    lines, stated, table = [], set(), ""
+    for line in Scene().to_toml().strip().splitlines():
+        if line.startswith("["):
+            table = line.strip("[]") + "."
+        key = table + line.partition(" = ")[0]
+        stated.add(key)
+        lines.append(f"{line:40} # {_said(UNITS[key])}" if key in UNITS else line)
+    further = [f"| `{key}` | {_said(unit)} |" for key, unit in UNITS.items() if key not in stated]
+    return "\n".join(["```toml", *lines, "```", "", "| further key | unit |", "|---|---|", *further])
+
+
+def _said(unit: str) -> str:
+    return "no unit" if unit == "1" else unit
 
 
 def verdict_file() -> str:

@@ -41,7 +41,7 @@ class MassQuestion:
         direction: shape (3,), unit vector in world axes.
         end: shape (len(chain),), where a path ends; the softest place of the map if None.
         servo_stiffness, servo_damping: one, or one for each joint [N m/rad, N m s/rad].
-        target_mass: target and slider [kg].
+        tip_mass: target and slider [kg].
         wrist_stiffness: [N/m].
         speed: of approach [m/s].
     """
@@ -52,7 +52,7 @@ class MassQuestion:
     end: np.ndarray | None = None
     servo_stiffness: float | list[float] = WIRED["stiffness"]
     servo_damping: float | list[float] = WIRED["damping"]
-    target_mass: float = 9.7
+    tip_mass: float = 9.7
     wrist_stiffness: float = 530.0
     speed: float = 0.1
 
@@ -74,18 +74,18 @@ def figures_of(asked: MassQuestion) -> tuple[dict[str, Figure], dict[str, float 
         robot,
         pose,
         n,
-        target_mass=asked.target_mass,
+        tip_mass=asked.tip_mass,
         speed=asked.speed,
-        stiffness=asked.wrist_stiffness,
+        wrist_stiffness=asked.wrist_stiffness,
     )
     figures = {
         "ellipsoid_along_path": path_figure(robot, way, n),
         "workspace_map": map_figure(robot, pose, maps),
-        "apparent_mass": frequency_figure(found, wrist_stiffness=asked.wrist_stiffness, tip_mass=asked.target_mass),
+        "apparent_mass": frequency_figure(found, wrist_stiffness=asked.wrist_stiffness, tip_mass=asked.tip_mass),
         "soft_capture": soft_figure(robot, soft),
     }
     numbers = _numbers(asked, floating, fixed, soft)
-    numbers["ringing_Hz"] = ringing(found["fixed"], asked.wrist_stiffness, asked.target_mass)
+    numbers["ringing_Hz"] = ringing(found["fixed"], asked.wrist_stiffness, asked.tip_mass)
     return figures, numbers
 
 
@@ -97,7 +97,7 @@ def mass_pictures(
     *,
     end: ArrayLike | None = None,
     servo: Servo | None = None,
-    target_mass: float = 9.7,
+    tip_mass: float = 9.7,
     wrist_stiffness: float = 530.0,
     speed: float = 0.1,
     overwrite: bool = False,
@@ -111,7 +111,7 @@ def mass_pictures(
         out: the folder.
         end: shape (len(chain),), where a path ends; the softest place of the map if None.
         servo: what holds the joints; 1e5 N m/rad and 50 N m s/rad if None.
-        target_mass: target and slider [kg].
+        tip_mass: target and slider [kg].
         wrist_stiffness: [N/m].
         speed: of approach [m/s].
         overwrite: replace another run that is there.
@@ -130,7 +130,7 @@ def mass_pictures(
         None if end is None else checked_poses(robot, end)[0],
         held.stiffness,
         held.damping,
-        target_mass,
+        tip_mass,
         wrist_stiffness,
         speed,
     )

@@ -20,7 +20,7 @@ from spacerobot.view.report.formula import mathml
 from spacerobot.view.report.story import capital, change_text, confidence_text, few_trials, improvement, tell
 from spacerobot.view.report.traces_json import embedded
 from spacerobot.view.report.unseen import unseen
-from spacerobot.view.report.words import finite, of_body, per_unit, with_own_units
+from spacerobot.view.report.words import finite, of_body, per_unit, rivals_with_own_units, with_own_units
 
 RIVALS = 200
 """Screened hypotheses listed one by one; the others are counted."""
@@ -46,7 +46,11 @@ def page(verdict: Mapping[str, Any], evidence: Evidence) -> str:
     data, kept = embedded(evidence.traces)
     scripts, styles = assets()
     hero = _hero(verdict, evidence)
-    fitted, screened, more = _rivals(_with_held_out(verdict, evidence.hypotheses))
+    fitted, screened, more = _rivals(
+        _with_held_out(verdict, rivals_with_own_units(evidence.hypotheses, evidence.channels))
+    )
+    scored = any(finite(h.get("held_out")) is not None for h in evidence.hypotheses)
+    fitted, untold = _told(fitted) if not scored else (fitted, [])
     unit = " σ" if (verdict.get("held_out") or {}).get("unit", "sigma") == "sigma" else ""
     surfaces = [(s, charts.surface_chart(s).inline()) for s in evidence.surfaces[:24]]
     template = _environment().get_template("page.html")
@@ -72,9 +76,10 @@ def page(verdict: Mapping[str, Any], evidence: Evidence) -> str:
         unit=unit,
         rivals_chart=_inline(charts.rivals_chart(evidence.hypotheses)),
         fitted=fitted,
+        untold=untold,
         screened=screened,
         more_screened=more,
-        scored=any(finite(h.get("held_out")) is not None for h in evidence.hypotheses),
+        scored=scored,
         best=_best(evidence.hypotheses),
         laws=[_drawn(law) for law in verdict.get("learned", ())],
         parameter_charts={k: _inline(charts.parameter_chart(k, p)) for k, p in verdict["parameters"].items()},
@@ -222,6 +227,12 @@ def _with_held_out(verdict: Mapping[str, Any], hypotheses: Sequence[Mapping[str,
         chosen = won and verdict["verdict"] not in UNEXPLAINED
         out.append({**h, "chosen": chosen, "unseen": error, "folds": _folds(picked, len(folds)) if fitted else None})
     return out
+
+
+def _told(fitted: Sequence[Mapping[str, Any]]) -> tuple[list[Mapping[str, Any]], list[Mapping[str, Any]]]:
+    """Those of which unseen trials say something, and the others; all are told where of none anything is known."""
+    known = [h for h in fitted if h["unseen"] is not None or (h["folds"] or {}).get("error") is not None]
+    return (known, [h for h in fitted if h not in known]) if known else ([*fitted], [])
 
 
 def _set(fold: Mapping[str, Any]) -> list[tuple[str, str]]:

@@ -255,15 +255,10 @@ def with_own_units(verdict: Mapping[str, Any], channels: Mapping[str, Mapping[st
         channels: of the study, with unit and stream; as evidence has them.
     """
 
-    def unit(where: str) -> str:
-        here = {str(c.get("unit") or "") for c in channels.values() if c.get("stream") == where}
-        kinds = {"force_sensor": "N", "mocap": "m", "command": "N"}
-        return kinds.get(where) or (here.pop() if len(here) == 1 else "")
-
     def own(item: Mapping[str, Any], where: str) -> dict[str, Any]:
         out = dict(item)
         if out.get("unit") == OWN:
-            out["unit"] = unit(where)
+            out["unit"] = _own_unit(where, channels)
         if "parameters" in out:
             values = out["parameters"].items()
             out["parameters"] = {k: own(p, where) if isinstance(p, Mapping) else p for k, p in values}
@@ -279,6 +274,32 @@ def with_own_units(verdict: Mapping[str, Any], channels: Mapping[str, Mapping[st
             {**a, "effects": [own(e, str(e["where"])) for e in a["effects"]]} for a in verdict["alternatives"]
         ],
     }
+
+
+def _own_unit(where: str, channels: Mapping[str, Mapping[str, Any]]) -> str:
+    here = {str(c.get("unit") or "") for c in channels.values() if c.get("stream") == where}
+    kinds = {"force_sensor": "N", "mocap": "m", "command": "N"}
+    return kinds.get(where) or (here.pop() if len(here) == 1 else "")
+
+
+def rivals_with_own_units(
+    hypotheses: Sequence[Mapping[str, Any]], channels: Mapping[str, Mapping[str, Any]]
+) -> list[dict[str, Any]]:
+    """The same for what else was tried: a bias of a stream has the unit of what it reads.
+
+    Args:
+        hypotheses: each with its parameters by "effect@where.name"; as evidence has them.
+        channels: of the study, with unit and stream.
+    """
+    known = {(e.name, p.name): p.unit for e in all_effects().values() for p in e.parameters}
+
+    def own(key: str, value: Any) -> Any:
+        effect, _, rest = key.partition("@")
+        where, _, name = rest.rpartition(".")
+        found = known.get((effect, name)) == OWN and not isinstance(value, Mapping)
+        return {"value": value, "unit": _own_unit(where, channels)} if found else value
+
+    return [{**h, "parameters": {k: own(k, v) for k, v in (h.get("parameters") or {}).items()}} for h in hypotheses]
 
 
 def beyond(item: Mapping[str, Any]) -> bool:

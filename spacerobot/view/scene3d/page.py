@@ -40,12 +40,13 @@ def page(film: Film, *, live: dict[str, Any] | None = None) -> str:
             nobody else.
     """
     names = (*_SCRIPTS, "live.js") if live is not None else _SCRIPTS
-    scripts = (_viewer(), *(_asset(name) for name in names))
+    plots = (_plots("uPlot.iife.min.js"),) if film.chart else ()
+    scripts = (_viewer(), *plots, *(_asset(name) for name in names))
     template = _environment().get_template("scene.html")
     return template.render(
         film=film,
         version=__version__,
-        style=_asset("scene.css"),
+        style=_plots("uPlot.min.css") + Markup("\n") + _asset("scene.css") if film.chart else _asset("scene.css"),
         scripts=scripts,
         live=live is not None,
         policy=_policy(scripts) + ("; connect-src 'self'" if live is not None else ""),
@@ -73,6 +74,13 @@ def _environment() -> Environment:
 @cache
 def _asset(name: str) -> Markup:
     path = files("spacerobot.view.scene3d").joinpath("assets", name)
+    return Markup(path.read_text(encoding="utf-8").strip())  # noqa: S704 - files of this package
+
+
+@cache
+def _plots(name: str) -> Markup:
+    """A file of uPlot, which draws the curve of the time line as it does the curves of reports."""
+    path = files("spacerobot.view").joinpath("report", "assets", "uplot", name)
     return Markup(path.read_text(encoding="utf-8").strip())  # noqa: S704 - files of this package
 
 

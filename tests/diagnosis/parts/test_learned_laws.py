@@ -112,7 +112,7 @@ def test_it_is_said_shown_and_runs_again(
     assert draft is not None
     (tmp_path / "my_law.py").write_text(draft)
     monkeypatch.setattr(registry, "_effects", dict(registry.all_effects()))
-    assert registry.load_file(tmp_path / "my_law.py") == ["my_law"]
+    assert registry.load_effects(tmp_path / "my_law.py") == ["my_law"]
     (site,) = part.model.sites([effect("my_law")])
     assert site.where == "joint.shaft"
 

@@ -281,13 +281,15 @@
   const chart = film.readouts.find(function (r) { return r.name === film.chart; });
   if (chart) {
     const values = take(chart.recorded || chart.values), top = Math.max.apply(null, Array.from(values, Math.abs).filter(isFinite)) || 1;
-    let d = "M0 40";
-    for (let i = 0; i <= last; i += 1) {
-      d += "L" + (1000 * time[i] / film.length).toFixed(1) + " " + (40 - 38 * Math.min(1, Math.abs(values[i]) / top)).toFixed(1);
-    }
-    const path = document.createElementNS("http://www.w3.org/2000/svg", "path");
-    path.setAttribute("d", d + "L1000 40Z");
-    $("chart").append(path);
+    const place = $("chart"), none = { show: false };
+    const size = function () { return { width: Math.max(place.clientWidth, 1), height: place.clientHeight }; };
+    const heights = Array.from(values, function (v) { return isFinite(v) ? Math.abs(v) : null; });
+    const plot = new uPlot({
+      ...size(), padding: [0, 0, 0, 0], legend: none, cursor: none, axes: [none, none],
+      scales: { x: { time: false, range: [0, film.length] }, y: { range: [0, top] } },
+      series: [{}, { width: 0, fill: getComputedStyle(place).color, points: none }],
+    }, [Array.from(time), heights], place);
+    new ResizeObserver(function () { plot.setSize(size()); }).observe(place);
   }
   let free = 0;
   film.marks.forEach(function (m) {
