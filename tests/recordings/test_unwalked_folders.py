@@ -47,6 +47,16 @@ def test_frames_at_a_stated_rate_are_a_clock_and_a_force_that_began_before_has_i
     assert clocks["contact.force"] != clocks["target.x"] == clocks["wrist.x"]
 
 
+def test_files_need_no_suffix_and_a_masss_point_begins_none(tmp_path: Path) -> None:
+    for n, speed in enumerate(SPEEDS, 1):
+        t, target, wrist, force = rig(speed)
+        table(tmp_path / f"run{n}_12.5kg", "time_s,target_x_m,wrist_x_m,contact_force_N", t, target, wrist, force)
+    study = studied(tmp_path)
+    assert set(study.channels()) == {"target.x", "wrist.x", "contact.force"}
+    assert [t.overrides["target.mass"] for t in study.trials] == [12.5] * len(SPEEDS)
+    assert study.recording(study.trials[0])["target.x"].value.size == len(rig(SPEEDS[0])[0])
+
+
 def test_cameras_that_share_the_forces_clock_keep_it(tmp_path: Path) -> None:
     for n, speed in enumerate(SPEEDS, 1):
         t, target, wrist, force = rig(speed)

@@ -67,6 +67,8 @@ def learn(pool: Pool, found: Found, report: Report) -> Learnt | None:
         found: what the search has found.
         report: told of progress.
     """
+    if not pool.workshop.model.learns:
+        return None
     singles = [f for f in found.fits.values() if len(f.hypothesis.sites) == 1 and found.plausible(f)]
     for beside in (found.baseline, *([found.preferred(singles)] if singles else [])):
         learnt = _learn(pool, beside, found, report)

@@ -40,7 +40,7 @@ class Bent:
             return
         at, rows = self.shown[channel]
         more = weights @ rows
-        row += more if np.array_equal(at, time) else np.interp(time, at, more)
+        row += more if at is time or np.array_equal(at, time) else np.interp(time, at, more)
 
     def touches(self, small: tuple[float, ...]) -> tuple[float, ...]:
         """When the whole robot touches, from when the small motions do."""

@@ -55,6 +55,8 @@ class WholeRig(RigModel):
     """
 
     name = "robot with a wrist"
+    learns = False
+    """Ports are many and a simulation is dear: every kind of law at each of them would take an hour."""
 
     def __init__(
         self, study: Study, trials: tuple[TrialData, ...], *, tolerance: float = 1e-6, beyond: Beyond = NOTHING

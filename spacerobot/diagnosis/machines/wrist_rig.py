@@ -80,6 +80,8 @@ class RigModel(Machine):
     """
 
     name = "wrist rig"
+    learns = True
+    """Whether a law without a name is looked for at its ports."""
     metric = "simulated motion"
     otherwise = MappingProxyType({"hand.x": "a marker on the hand"})
     free_mass = "target.mass"
