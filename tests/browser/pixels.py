@@ -16,7 +16,7 @@ UPDATE = "SPACEROBOT_UPDATE_PICTURES"
 """Environment variable; when it is set, stored pictures are written anew instead of compared."""
 
 
-FRAMES = 20
+FRAMES = 4
 """Pictures taken until two in a row are the same: a slow machine may be a frame behind what was asked of the page."""
 
 
