@@ -78,7 +78,8 @@ CHANGES: dict[str, dict[str, str]] = {
     "sweep": {"--seed": "9"},
     "overlay": {"--trials": "03", "--model": OWN_FILE},
     "diagnose": {"--seed": "4", "--effects": OWN_FILE, "--without": "tether"},
-    "prove": {"--seed": "4", "--quick": "", "--kinds": "outsider", "--share": "0.5", "--no-rivals": ""},
+    "prove": {"--seed": "4", "--quick": "", "--kinds": "outsider", "--scenes": "rig", "--share": "0.5",
+              "--no-rivals": ""},
     "robots": {"--tip": "ee_link", "--wrist": "", "--chaser": ""},
 }  # fmt: skip
 """For each option that changes a result, a value unlike the one that the base has."""

@@ -103,7 +103,8 @@ class _Pair:
         run = integrate_scene(scene, trial.end - trial.start, tolerance=TOLERANCE)
         mechanism = self._small.trial_mechanism(fit.hypothesis, fit.z, trial)
         plain = replace(mechanism, maps=())  # sensors act on the sum
-        small = self._small.predict(plain, trial, fit.trials[trial.id].initial)
+        zeros = [n.coordinate.startswith(ZERO) for n in self._small.nuisances(trial)]
+        small = self._small.predict(plain, trial, np.where(zeros, 0.0, fit.trials[trial.id].initial))
         unmapped = replace(run.mechanism, maps=())
         found: dict[str, np.ndarray] = {}
         for block, values in zip(trial.blocks, small.blocks, strict=True):
