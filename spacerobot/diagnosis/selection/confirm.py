@@ -8,6 +8,7 @@ from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.mended_scene import scene_of
 from spacerobot.diagnosis.fitting.workshop import Workshop
 from spacerobot.diagnosis.machines.robot_channels import of_robot
+from spacerobot.diagnosis.machines.whole_rig import ZERO
 from spacerobot.diagnosis.machines.wrist_rig import counted
 from spacerobot.diagnosis.selection.check import Check
 from spacerobot.diagnosis.terms.data import TrialData
@@ -54,13 +55,15 @@ def difference(workshop: Workshop, chosen: Fit, trial: TrialData) -> float:
     keep = counted(mechanism, trial, reduced)
     total, count, row = 0.0, 0, 0
     free = chosen.values()
+    named = (n.coordinate for n in workshop.model.nuisances(trial))
+    zeros = {n.removeprefix(ZERO) for n in named if n.startswith(ZERO)}
     beside = [np.zeros_like(shown) for shown in reduced.blocks]
     workshop.model.add_beside(beside, mechanism, trial)
     for block, shown, late, other in zip(trial.blocks, reduced.blocks, reduced.late, beside, strict=True):
         whole = read_channels(run, run.mechanism, block.channels, block.time - trial.start - late)
         for c, channel in enumerate(block.channels):
             apart = whole[channel] + free.get(zero_key(channel), 0.0) + other[c] - shown[c]
-            if channel in COUNTED_FROM or of_robot(channel):
+            if channel in COUNTED_FROM or channel in zeros or of_robot(channel):
                 apart = apart - apart[0]
             good = keep[row : row + block.time.size]
             row += block.time.size
