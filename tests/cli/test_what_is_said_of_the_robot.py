@@ -120,6 +120,7 @@ def test_every_joint_moves_or_is_said_to_be_held(
         assert all(joint in said[0] for joint in still)
 
 
+@pytest.mark.slow
 def test_a_sweep_says_it_too(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     pytest.importorskip("pyarrow", reason="extra 'scale' is not installed")
     with_wheel(tmp_path)

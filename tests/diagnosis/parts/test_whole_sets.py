@@ -33,6 +33,7 @@ def listed(verdict: Mapping[str, Any]) -> list[Label]:
     return [tuple((e["effect"], e["where"]) for e in a["effects"]) for a in verdict["alternatives"]]
 
 
+@pytest.mark.slow
 def test_friction_left_open_is_told_with_the_trial_that_would_tell(tmp_path: Path) -> None:
     verdict = said_of(tmp_path, OPEN)
     assert verdict["verdict"] == "ambiguous"
