@@ -5,13 +5,12 @@ from __future__ import annotations
 import dataclasses
 from typing import TYPE_CHECKING, Any
 
+from spacerobot.simulation.scene_toml import TABLES
 from spacerobot.simulation.scene_units import UNITS
 from spacerobot.support.showing import brief
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-
-_PARTS = ("wrist", "contact", "target", "servo", "motion", "spacecraft")
 
 _ALWAYS = ("wrist.mass", "wrist.stiffness", "contact.stiffness", "target.mass", "target.speed")
 """Shown whether or not a scene changes them."""
@@ -23,7 +22,7 @@ def rows(scene: Any) -> list[tuple[str, Any, str]]:
         ("approach, world axes", brief(scene.approach), "unit vector"),
         ("pose", brief(scene.pose), UNITS["pose"]),
     ]
-    for part in _PARTS:
+    for part in TABLES:
         record = getattr(scene, part)
         if record is not None:
             found += [(f"{part}: {_words(k)}", v, UNITS.get(f"{part}.{k}", "")) for k, v in _stated(part, record)]

@@ -44,7 +44,7 @@ T = TypeVar("T")
 
 FORMAT = 1
 MAX_BYTES = 1_000_000
-_TABLES: dict[str, type] = {
+TABLES: dict[str, type] = {
     "wrist": Wrist,
     "contact": ContactLaw,
     "target": Target,
@@ -52,8 +52,10 @@ _TABLES: dict[str, type] = {
     "motion": Motion,
     "spacecraft": SpacecraftSpec,
 }
+"""Parts of a scene that have a table of their own."""
+
 _PLAIN = ("robot", "base", "joints", "tip", "approach", "gravity", "duration", "backend", "title")
-_TOP = ("format", *_PLAIN, "pose", "pose_deg", "others", "chaser", "effects", *_TABLES)
+_TOP = ("format", *_PLAIN, "pose", "pose_deg", "others", "chaser", "effects", *TABLES)
 
 
 def made_from_file(make: Callable[..., T], path: str | Path) -> T:
@@ -112,7 +114,7 @@ def _fields(data: Mapping[str, Any], folder: Path | None) -> dict[str, Any]:
         given["pose"] = tuple(math.radians(d) for d in degrees)
     elif "pose" in data:
         given["pose"] = vector(data["pose"], tuple(range(64)), "pose", "joint positions in rad")
-    for name, kind in _TABLES.items():
+    for name, kind in TABLES.items():
         if name in data:
             table = _table(data, name)
             _known(table, [f.name for f in dataclasses.fields(kind)], name)
@@ -189,7 +191,7 @@ def text_of(scene: Mapping[str, Any]) -> str:
         "backend": scene["backend"],
     }
     lines = [f"{key} = {_value(value)}" for key, value in top.items() if value not in (None, "")]
-    tables: dict[str, Any] = {name: scene[name] for name in _TABLES}
+    tables: dict[str, Any] = {name: scene[name] for name in TABLES}
     for name, record in tables.items():
         if record is not None and record != Motion():
             lines += ["", f"[{name}]"]

@@ -4,25 +4,16 @@ from __future__ import annotations
 
 import dataclasses
 
-from spacerobot.model.spacecraft import SpacecraftSpec
-from spacerobot.simulation.parts import ContactLaw, Motion, Servo, Target, Wrist
 from spacerobot.simulation.scene import Scene
+from spacerobot.simulation.scene_toml import TABLES
 from spacerobot.simulation.scene_units import UNITS
 
-PARTS = {
-    "wrist": Wrist,
-    "contact": ContactLaw,
-    "target": Target,
-    "servo": Servo,
-    "motion": Motion,
-    "spacecraft": SpacecraftSpec,
-}
 NO_NUMBERS = {"contact.law", "contact.bilateral", "spacecraft.panels"}
-OF_A_SCENE = {"robot", "base", "joints", "tip", "approach", "effects", "backend", "title", *PARTS}
+OF_A_SCENE = {"robot", "base", "joints", "tip", "approach", "effects", "backend", "title", *TABLES}
 
 
 def test_every_number_of_a_scene_has_a_unit() -> None:
-    parts = {f"{part}.{f.name}" for part, kind in PARTS.items() for f in dataclasses.fields(kind)} - NO_NUMBERS
+    parts = {f"{part}.{f.name}" for part, kind in TABLES.items() for f in dataclasses.fields(kind)} - NO_NUMBERS
     plain = {f.name for f in dataclasses.fields(Scene)} - OF_A_SCENE
     plain = plain - {"hand_speed"} | {"chaser.hand_speed"}  # which the file has in a table of its own
     assert set(UNITS) == parts | plain
@@ -30,7 +21,7 @@ def test_every_number_of_a_scene_has_a_unit() -> None:
 
 def test_units_are_those_of_the_docstrings() -> None:
     """Where a docstring states one unit for a field, it is this one."""
-    for part, kind in PARTS.items():
+    for part, kind in TABLES.items():
         said = " ".join((kind.__doc__ or "").split())
         for field in dataclasses.fields(kind):
             name = f"{part}.{field.name}"
