@@ -76,13 +76,11 @@ class _Bench:
         return {"samples": samples, "iterations": fit.iterations, "seconds": seconds}
 
     def searched(self, places: int, repeats: int) -> dict[str, Any]:
-        """The search among the first places of the catalogue, the baseline's fit given."""
-        baseline, found, taken = self.fitted((), {}), None, []
+        """The search among the first places of the catalogue, from the baseline's fit on."""
+        found, taken = None, []
         for _ in range(repeats):
             with Pool(self._opened(), 1) as pool:  # anew each time: fitters remember derivatives
-                found, seconds = _spent(
-                    lambda pool=pool: search(pool, self.sites[:places], lambda *_: None, baseline=baseline)
-                )
+                found, seconds = _spent(lambda pool=pool: search(pool, self.sites[:places], lambda *_: None))
             taken.append(seconds)
         assert found is not None
         tried = len({*found.screened, *found.fits})

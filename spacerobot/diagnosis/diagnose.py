@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import time
 from collections.abc import Mapping, Sequence
@@ -27,6 +28,7 @@ from spacerobot.diagnosis.selection.admission import admit, has_wrist
 from spacerobot.diagnosis.selection.beyond import NEAR, again, apart, of_whole_robot
 from spacerobot.diagnosis.selection.check import why_not
 from spacerobot.diagnosis.selection.decide import conclude, decide
+from spacerobot.diagnosis.selection.glimpse import glimpsed
 from spacerobot.diagnosis.selection.intervals import with_intervals
 from spacerobot.diagnosis.selection.limits import Limit, Limits
 from spacerobot.diagnosis.selection.precompile import help_compiling
@@ -88,16 +90,22 @@ def diagnose(
     workshop = Workshop(study)
     if jobs > 1:
         help_compiling(workshop)
-    workshop = of_whole_robot(workshop)
+    effects = [e for e in all_effects().values() if e.name not in without]
+    passed = itertools.count()
+
+    def pooled(about: Workshop) -> Pool:
+        number = next(passed)
+        kept = store if store is None or not number else Apart(store, f"pass-{number}")
+        return Pool(about, jobs, effects_files, kept, workers)
+
+    workshop, near = glimpsed(of_whole_robot(workshop), pooled, effects, report)
     before: Found | None = None
     for number in range(PASSES):
-        sites = workshop.model.sites(e for e in all_effects().values() if e.name not in without)
-        kept = store if store is None or not number else Apart(store, f"pass-{number}")
-        with Pool(workshop, jobs, effects_files, kept, workers) as pool:
+        with pooled(workshop) as pool:
             # with the believed values: a refit that lacks the physics bends them until every balance is a little wrong
             locating = pool.aside(_located)
             if before is None:
-                decided = decide(pool, sites, report)
+                decided = decide(pool, workshop.model.sites(effects), report, near)
             else:
                 decided = conclude(pool, again(pool, before, report), report)
             before = decided.found

@@ -8,6 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 
 
+REFUSED = 1e-3
+"""Damping from which the trials' own values are damped as well: a step was refused, and it may have been theirs."""
+
+LEAST = 1.0
+"""Curvature of a trial's own value, in units of its scale, that is damped at least: where a joint sticks, how fast it
+drifted before shows in nothing, and a step along that would be as long as one likes."""
+
+
 @dataclass(frozen=True, eq=False)
 class Normal:
     """Normal equations with the trials' own parameters eliminated (a Schur complement)."""
@@ -16,6 +24,7 @@ class Normal:
     gradient: np.ndarray  # (G,)
     own: list[tuple[np.ndarray, np.ndarray, np.ndarray]]  # per trial (N, N), (N, G), (N,)
     full: np.ndarray  # (G, G) not reduced
+    right: np.ndarray  # (G,) not reduced
 
     @classmethod
     def build(
@@ -24,21 +33,15 @@ class Normal:
         """From the trials' Jacobians, shape (S, G + N) each, residuals, and the prior's precision, shape (G, G)."""
         count = z.size
         full = prior.astype(float)
-        gradient = prior @ z
-        schur = full.copy()
-        right = gradient.copy()
+        right = prior @ z
         own = []
         for jacobian, residual in zip(jacobians, residuals, strict=True):
             a = jacobian.T @ jacobian
             b = jacobian.T @ residual
-            inner = a[count:, count:] + 1e-9 * np.eye(a.shape[0] - count)
-            cross, tail = a[count:, :count], b[count:]
-            solved = np.linalg.solve(inner, np.column_stack([cross, tail]))
-            schur += a[:count, :count] - cross.T @ solved[:, :count]
-            right = right + b[:count] - cross.T @ solved[:, count]
             full += a[:count, :count]
-            own.append((inner, cross, tail))
-        return cls(schur, right, own, full)
+            right = right + b[:count]
+            own.append((a[count:, count:] + 1e-9 * np.eye(a.shape[0] - count), a[count:, :count], b[count:]))
+        return cls(*_reduced(full, right, own), own, full, right)
 
     def covariance(self) -> np.ndarray:
         """Covariance of the global parameters, shape (G, G)."""
@@ -48,14 +51,18 @@ class Normal:
         self, damping: float, z: np.ndarray, low: np.ndarray, high: np.ndarray
     ) -> tuple[np.ndarray, list[np.ndarray], float]:
         """Damped step within bounds: global part, own parts (in scales), and the promised fall of the cost."""
+        own, reduced, gradient = self.own, self.reduced, self.gradient
+        if damping >= REFUSED:
+            own = [(i + damping * np.diag(np.maximum(np.diag(i), LEAST)), cross, tail) for i, cross, tail in own]
+            reduced, gradient = _reduced(self.full, self.right, own)
         free = np.ones(z.size, dtype=bool)
         dz = np.zeros(z.size)
         for _ in range(z.size + 1):
             index = np.flatnonzero(free)
-            a = self.reduced[np.ix_(index, index)]
+            a = reduced[np.ix_(index, index)]
             a = a + damping * np.diag(np.maximum(np.diag(a), 1e-8))
             dz[:] = 0.0
-            dz[index] = -np.linalg.lstsq(a, self.gradient[index], rcond=1e-13)[0]
+            dz[index] = -np.linalg.lstsq(a, gradient[index], rcond=1e-13)[0]
             out = free & (((z + dz < low) & (z <= low + 1e-12)) | ((z + dz > high) & (z >= high - 1e-12)))
             if not out.any():
                 break
@@ -64,7 +71,20 @@ class Normal:
         largest = np.abs(dz).max(initial=0.0)
         if largest > 20.0:
             dz *= 20.0 / largest
-        dn = [-np.linalg.solve(inner, tail + cross @ dz) for inner, cross, tail in self.own]
-        profile = float(sum(t @ np.linalg.solve(i, t) for i, _, t in self.own))
-        promised = -(2.0 * self.gradient @ dz + dz @ self.reduced @ dz) + profile
+        dn = [-np.linalg.solve(inner, tail + cross @ dz) for inner, cross, tail in own]
+        promised = -(2.0 * self.right @ dz + dz @ self.full @ dz)
+        for (inner, cross, tail), n in zip(self.own, dn, strict=True):
+            promised -= float(2.0 * tail @ n + n @ inner @ n + 2.0 * n @ cross @ dz)
         return dz, dn, float(promised)
+
+
+def _reduced(
+    full: np.ndarray, right: np.ndarray, own: Sequence[tuple[np.ndarray, np.ndarray, np.ndarray]]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Matrix and gradient of the global parameters, the trials' own at their best for each."""
+    schur, gradient = full.copy(), right.copy()
+    for inner, cross, tail in own:
+        solved = np.linalg.solve(inner, np.column_stack([cross, tail]))
+        schur -= cross.T @ solved[:, :-1]
+        gradient -= cross.T @ solved[:, -1]
+    return schur, gradient

@@ -14,7 +14,7 @@ class Bent:
     """Of one trial: what is to be added to its small motions.
 
     Attributes:
-        values: of the rig where it was found, by name; those along which it changes.
+        values: of the rig and of effects where it was found, by name and by key; those along which it changes.
         initial: values of the trial's own where it was found, one a nuisance.
         own: which of those it changes along.
         shown: channel -> times, shape (T,), and rows, shape (1 + len(values) + len(own), T): what is added there, then
@@ -29,8 +29,8 @@ class Bent:
     later: tuple[float, ...] = ()
 
     def weights(self, values: Mapping[str, float], initial: np.ndarray) -> np.ndarray:
-        """Of the rows, at other values; shape (R,)."""
-        moved = [values.get(name, at) - at for name, at in self.values.items()]
+        """Of the rows, at other values; shape (R,). An effect that is not among them is not there."""
+        moved = [values.get(name, 0.0 if is_effect(name) else at) - at for name, at in self.values.items()]
         started = [float(initial[n] - self.initial[n]) for n in self.own]
         return np.array([1.0, *moved, *started])
 
@@ -45,6 +45,11 @@ class Bent:
     def touches(self, small: tuple[float, ...]) -> tuple[float, ...]:
         """When the whole robot touches, from when the small motions do."""
         return tuple(t + by for t, by in zip(small, (*self.later, *[0.0] * len(small)), strict=False))
+
+
+def is_effect(name: str) -> bool:
+    """Whether a value is an effect's, by its key."""
+    return "@" in name
 
 
 Beyond = Mapping[str, Bent]

@@ -6,23 +6,26 @@ beyond that is found with the whole robot and added (`selection/beyond.py`).
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from spacerobot.diagnosis.machines.bent import NOTHING, Beyond
+from spacerobot.diagnosis.machines.bent import NOTHING, Beyond, is_effect
 from spacerobot.diagnosis.machines.contract import CLOCK, Nuisance
 from spacerobot.diagnosis.machines.robot_channels import BASE_CHANNELS, is_rate, of_robot, robot_channels
 from spacerobot.diagnosis.machines.robot_motions import RobotMotions
+from spacerobot.diagnosis.machines.robot_sizes import sizes_at_places
+from spacerobot.diagnosis.machines.sizes import scaled
 from spacerobot.diagnosis.machines.wrist_rig import LEAST, RigModel, RigPredicted, together, touch_time
 from spacerobot.diagnosis.terms.data import TrialData
-from spacerobot.diagnosis.terms.hypothesis import Hypothesis
-from spacerobot.effects.effect import BASE_PORTS
+from spacerobot.diagnosis.terms.hypothesis import Hypothesis, Site, hypothesis
+from spacerobot.effects.effect import BASE_PORTS, Effect
 from spacerobot.effects.laws import DAMPER, SPRING
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Coordinate, Force, Readout
+from spacerobot.effects.sizes import Sizes
 from spacerobot.recordings.study import Study
 from spacerobot.simulation.parts.motion import Motion
 from spacerobot.simulation.parts.servo import Servo
@@ -64,6 +67,7 @@ class WholeRig(RigModel):
         self.robot, self._beyond = RobotMotions(study), beyond
         self._shown: dict[str, tuple[Mechanism, tuple[float, ...], RigPredicted]] = {}  # what zeros alone do not change
         self._made: dict[int, tuple[Mechanism, dict[str, float]]] = {}
+        self._at: dict[str, Sizes] | None = None
         self._base, self._joints = study.baseline.base, study.baseline.joints
         super().__init__(study, trials, tolerance=tolerance)
 
@@ -108,7 +112,12 @@ class WholeRig(RigModel):
             )
             if self._drifting(channel):
                 found.append(Nuisance(channel, True, float(slope), noise / max(float(np.ptp(time[early])), 1e-3)))
-        return (*found, *clocks)
+        found += clocks
+        bent = self._beyond.get(trial.recorded)
+        if bent is None or len(bent.initial) != len(found):
+            return tuple(found)
+        # what is added to small motions holds near where it was found: whatever is fitted begins there
+        return tuple(replace(n, guess=float(x)) for n, x in zip(found, bent.initial, strict=True))
 
     def _drifting(self, channel: str) -> bool:
         """Whether what a channel shows may move before anything touches: what no servo holds."""
@@ -162,7 +171,9 @@ class WholeRig(RigModel):
         if self._beyond and (id(made) not in self._made or self._made[id(made)][0] is not made):
             if len(self._made) >= KEPT:
                 self._made.clear()
-            self._made[id(made)] = made, hypothesis.trial_values(z, self.base, trial.condition, trial.overrides)
+            values = hypothesis.trial_values(z, self.base, trial.condition, trial.overrides)
+            effects = {k: v for k, v in hypothesis.values(z).items() if is_effect(k)}
+            self._made[id(made)] = made, values | effects
         return made
 
     def start(
@@ -234,6 +245,33 @@ class WholeRig(RigModel):
         touches = kept[2].touches if bent is None else bent.touches(kept[2].touches)
         return replace(kept[2], blocks=blocks, touches=touches)
 
+    def sites(self, effects: Iterable[Effect] | None = None) -> list[Site]:
+        """Of joints and base those that move, in the recordings or as believed."""
+        known = self.places
+        return [s for s in super().sites(effects) if s.where in known or not _in_robot(s.where)]
+
+    def site(self, effect: Effect, where: str, trials: tuple[str, ...] = ()) -> Site:
+        """At joints and base scaled to what is typical there."""
+        size = self.places.get(where)
+        return super().site(effect, where, trials) if size is None else Site(scaled(effect, size), where, trials)
+
+    def size_at(self, where: str) -> Sizes:
+        """Of joints and base their own, of everything else the wrist's."""
+        return self.places.get(where, self._size)
+
+    @property
+    def places(self) -> dict[str, Sizes]:
+        """Of joints and base those that move, and what is typical there."""
+        if self._at is None:
+            believed = hypothesis(self.believed, [])
+
+            def simulated(trial: TrialData) -> tuple[Mechanism, np.ndarray]:
+                initial = np.array([n.guess for n in self.nuisances(trial)])
+                return self.trial_mechanism(believed, believed.start(), trial), initial
+
+            self._at = sizes_at_places(self, simulated, self.trials)
+        return self._at
+
     def turns(self, where: str) -> bool:
         """Joints that do not slide, and the base about its axes."""
         return where in self.robot.angles or where in BASE_PORTS[3:]
@@ -256,6 +294,10 @@ class WholeRig(RigModel):
 
 def _zero(nuisance: Nuisance) -> bool:
     return nuisance.coordinate.startswith(ZERO)
+
+
+def _in_robot(where: str) -> bool:
+    return where.startswith("joint.") or where in BASE_PORTS
 
 
 def _links(name: str) -> bool:

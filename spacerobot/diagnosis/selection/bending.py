@@ -10,17 +10,21 @@ import numpy as np
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.mended_scene import scene_of
 from spacerobot.diagnosis.fitting.workshop import Workshop
-from spacerobot.diagnosis.machines.bent import NOTHING, Bent, Beyond
+from spacerobot.diagnosis.machines.bent import NOTHING, Bent, Beyond, is_effect
 from spacerobot.diagnosis.machines.contract import CLOCK
 from spacerobot.diagnosis.machines.robot_channels import is_rate, of_robot
-from spacerobot.diagnosis.machines.whole_rig import ZERO, rig_model
-from spacerobot.diagnosis.machines.wrist_rig import RigModel
+from spacerobot.diagnosis.machines.whole_rig import ZERO, WholeRig
 from spacerobot.diagnosis.terms.data import TrialData
+from spacerobot.diagnosis.terms.hypothesis import hypothesis
+from spacerobot.effects.effect import Effect
 from spacerobot.simulation.multibody.run import integrate_scene
 from spacerobot.simulation.sensors import read_channels
 
 STEP = 0.1
 """Of a value, in units of its scale, by which its slope is found."""
+
+FAINT = 0.3
+"""Of an effect that is not in the fit, in units of its first start."""
 
 TOLERANCE = 1e-7
 """Of the whole robot's run, relative to its motion."""
@@ -37,7 +41,7 @@ def beyond(workshop: Workshop, fit: Fit, slopes: Beyond = NOTHING) -> Beyond:
     Raises:
         SpacerobotError: the whole robot cannot be simulated there.
     """
-    pair = _Pair(workshop, rig_model(workshop.study, workshop.trials))
+    pair = _Pair(workshop, WholeRig(workshop.study, workshop.trials))
     return {t.recorded: pair.bent(fit, t, slopes.get(t.recorded)) for t in workshop.trials}
 
 
@@ -48,8 +52,9 @@ LEVEL = Bent({}, np.zeros(0), ())
 class _Pair:
     """The whole robot beside its small motions."""
 
-    def __init__(self, workshop: Workshop, small: RigModel) -> None:
+    def __init__(self, workshop: Workshop, small: WholeRig) -> None:
         self._workshop, self._small = workshop, small
+        self._further = [s for s in small.sites() if s.where in small.places and _plain(s.effect)]
 
     def bent(self, fit: Fit, trial: TrialData, known: Bent | None) -> Bent:
         """What is to be added to the small motions of a trial."""
@@ -61,7 +66,7 @@ class _Pair:
             slopes = {c: known.shown[c][1][1:] if c in known.shown else np.zeros((0, m.size)) for c, m in here.items()}
         else:
             steps = self._steps(fit, trial, values)
-            names, own = {n: values[n] for n in steps}, self._own(trial)
+            names, own = {n: values.get(n, 0.0) for n in steps}, self._own(trial)
             found = [self._slope(moved, trial, here, by) for moved, by in steps.values()]
             for n in own:
                 by = STEP * self._small.nuisances(trial)[n].scale
@@ -69,16 +74,18 @@ class _Pair:
             slopes = {channel: np.array([f[channel] for f in found]) for channel in here}
         times = {c: block.time for block in trial.blocks for c in block.channels}
         shown = {c: (times[c], np.vstack([more[None, :], slopes[c]])) for c, more in here.items()}
-        return Bent({n: values[n] for n in names}, initial, own, shown, later)
+        return Bent({n: values.get(n, 0.0) for n in names}, initial, own, shown, later)
 
     def _values(self, fit: Fit, trial: TrialData) -> dict[str, float]:
-        return fit.hypothesis.trial_values(fit.z, self._small.base, trial.condition, trial.overrides)
+        """Of the rig in a trial, and of the effects by key."""
+        rig = fit.hypothesis.trial_values(fit.z, self._small.base, trial.condition, trial.overrides)
+        return rig | {k: v for k, v in fit.values().items() if is_effect(k)}
 
     def _steps(self, fit: Fit, trial: TrialData, values: Mapping[str, float]) -> dict[str, tuple[Fit, float]]:
         """Value of the rig -> the fit with that value moved, and by how much."""
         found: dict[str, tuple[Fit, float]] = {}
         for g, free in enumerate(fit.hypothesis.free):
-            if free.kind in ("effect", "zero"):
+            if free.kind == "zero":
                 continue
             z = fit.z.copy()
             z[g] += STEP
@@ -86,6 +93,12 @@ class _Pair:
             for name, value in self._values(moved, trial).items():
                 if value != values[name] and name not in found:
                     found[name] = moved, value - values[name]
+        for site in self._further:
+            (one,) = site.effect.parameters
+            if (key := site.key(one.name)) not in values:
+                size = FAINT * one.starts[0]
+                made = hypothesis(self._small.believed, (*fit.hypothesis.sites, site), {})
+                found[key] = replace(fit, hypothesis=made, z=made.start({**fit.values(), key: size})), size
         return found
 
     def _own(self, trial: TrialData) -> tuple[int, ...]:
@@ -113,6 +126,11 @@ class _Pair:
                 found[channel] = np.asarray(more - (more[0] if of_robot(channel) and not is_rate(channel) else 0.0))
         touches = [e.time + trial.start for e in run.events if e.kind == "touch"]
         return found, tuple(w - s for w, s in zip(touches, small.touches, strict=False))
+
+
+def _plain(effect: Effect) -> bool:
+    """Whether an effect is a law of one strength."""
+    return not effect.once and len(effect.parameters) == 1 and effect.parameters[0].null == 0.0
 
 
 def _started(fit: Fit, trial: TrialData, which: int, by: float) -> Fit:

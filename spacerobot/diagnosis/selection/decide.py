@@ -78,15 +78,9 @@ class Decided:
         return replace(self, left_of=left_of, freed=freed, judgement=said)
 
 
-def decide(pool: Pool, sites: Sequence[Site], report: Report) -> Decided:
-    """Search among these effects and places, and judge what was found.
-
-    Args:
-        pool: runs the fits; of its trials alone.
-        sites: effects and places to try.
-        report: told of progress.
-    """
-    return conclude(pool, search(pool, sites, report), report)
+def decide(pool: Pool, sites: Sequence[Site], report: Report, near: Fit | None = None) -> Decided:
+    """Search among these effects and places, and judge what was found; arguments as of `search`."""
+    return conclude(pool, search(pool, sites, report, near), report)
 
 
 def conclude(pool: Pool, found: Found, report: Report) -> Decided:

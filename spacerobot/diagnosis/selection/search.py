@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 
+from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.gauss_newton import HOPE
 from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.screen import faint
@@ -41,13 +42,14 @@ NEAR_ITERATIONS, OTHER_ITERATIONS = 8, 3
 """Steps of a fit from the best-scored start of an effect, and from its others; the best of all go on from there."""
 
 
-def search(pool: Pool, sites: Sequence[Site], report: Report) -> Found:
+def search(pool: Pool, sites: Sequence[Site], report: Report, near: Fit | None = None) -> Found:
     """Fit the baseline, every single effect, and the most promising pairs.
 
     Args:
         pool: runs the fits.
         sites: effects and places to try.
         report: told of progress.
+        near: a set that is known to explain much already.
     """
     workshop = pool.workshop
     report("baseline", 0, 1)
@@ -55,6 +57,8 @@ def search(pool: Pool, sites: Sequence[Site], report: Report) -> Found:
     if baseline is None:  # each trial can be simulated as believed, or the door had refused it; a fit moved on
         raise InputError("the rig as believed cannot be fitted to these trials", where=str(workshop.study.path))
     found = Found(baseline, singles=tuple(sites), noise=noise_of(workshop), plausible=plausible_of(workshop))
+    if near is not None:
+        run_tasks(pool, found, [Task(near.hypothesis.label, {}, near=near)], report, "what was seen at first sight")
     report("screening", 0, len(sites))
     first = screened(pool, baseline, sites)
     found.screens.append(first)
