@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-
 REFUSED = 1e-3
 """Damping from which the trials' own values are damped as well: a step was refused, and it may have been theirs."""
 
