@@ -94,6 +94,8 @@ def names_in(node: ast.AST) -> set[str]:
 def loops_of(path: Path) -> set[str]:
     """What a file's compiled functions name, and the functions that it has compiled by a call."""
     found: set[str] = set()
+    if "jit" not in path.read_text(encoding="utf-8"):
+        return found
     for node in ast.walk(parsed(path)):
         if isinstance(node, ast.FunctionDef) and MAKERS & {name_of(d) for d in node.decorator_list}:
             found |= names_in(node)
@@ -104,6 +106,8 @@ def loops_of(path: Path) -> set[str]:
 
 def laws_of(path: Path) -> set[str]:
     """What a file hands to kernels, memories and frictions."""
+    if not any(f"{name}(" in path.read_text(encoding="utf-8") for name in LAWS):
+        return set()
     calls = [n for n in ast.walk(parsed(path)) if isinstance(n, ast.Call) and name_of(n.func) in LAWS]
     given = [a for c in calls for a in (*c.args[LAWS[name_of(c.func)] :], *(k.value for k in c.keywords))]
     return {name for a in given for name in names_in(a)}
