@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import functools
 import importlib.metadata as metadata
 import re
 import sys
@@ -86,16 +87,25 @@ def needed(root: str = "spacerobot") -> list[Licence]:
             if (name, wanted) in seen:
                 continue
             seen.add((name, wanted))
-            try:
-                distribution = metadata.distribution(name)
-            except metadata.PackageNotFoundError:
+            requires = _requires(name)
+            if requires is None:
                 continue  # of another platform, or an extra that is not installed here
-            if name != root:
-                found.setdefault(name, Licence(name, distribution.version, kind_of(name, distribution), extra))
-            for requirement in distribution.requires or []:
+            if name != root and name not in found:
+                distribution = metadata.distribution(name)
+                found[name] = Licence(name, distribution.version, kind_of(name, distribution), extra)
+            for requirement in requires:
                 for package, inner in _wanted(requirement, wanted):
                     waiting.append((package, inner))
     return sorted(found.values(), key=lambda each: (each.extra, each.package))
+
+
+@functools.cache
+def _requires(name: str) -> tuple[str, ...] | None:
+    """What a distribution asks for; None where it is not installed. Every extra asks again, and metadata are slow."""
+    try:
+        return tuple(metadata.distribution(name).requires or [])
+    except metadata.PackageNotFoundError:
+        return None
 
 
 def kind_of(name: str, distribution: metadata.Distribution) -> str:

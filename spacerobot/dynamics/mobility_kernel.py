@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from spacerobot.support.jit import jit
+from spacerobot.support.jit import jit, part
 
 
 @jit
@@ -87,7 +87,7 @@ def mass_kernel(mobility: np.ndarray, directions: np.ndarray, singular: float, o
     return suspects
 
 
-@jit
+@part
 def _rotate(matrices, j, x, y, z):  # type: ignore[no-untyped-def]
     r = matrices[j]
     return (
@@ -97,14 +97,14 @@ def _rotate(matrices, j, x, y, z):  # type: ignore[no-untyped-def]
     )
 
 
-@jit
+@part
 def _multiply(a, b, out):  # type: ignore[no-untyped-def]
     for i in range(3):
         for j in range(3):
             out[i, j] = a[i, 0] * b[0, j] + a[i, 1] * b[1, j] + a[i, 2] * b[2, j]
 
 
-@jit
+@part
 def _place(tree, pose, slider, turn, place, scratch):  # type: ignore[no-untyped-def]
     """Forward kinematics: rotation and origin of every joint frame in the world."""
     for j in range(tree.parent.shape[0]):
@@ -133,7 +133,7 @@ def _place(tree, pose, slider, turn, place, scratch):  # type: ignore[no-untyped
             place[j, 0], place[j, 1], place[j, 2] = place[up, 0] + dx, place[up, 1] + dy, place[up, 2] + dz
 
 
-@jit
+@part
 def _shift(mass, cx, cy, cz, first, second):  # type: ignore[no-untyped-def]
     """First moment, and second moment moved from the centre of mass to the frame."""
     first[0], first[1], first[2] = mass * cx, mass * cy, mass * cz
@@ -146,7 +146,7 @@ def _shift(mass, cx, cy, cz, first, second):  # type: ignore[no-untyped-def]
     second[1, 0], second[2, 0], second[2, 1] = second[0, 1], second[0, 2], second[1, 2]
 
 
-@jit
+@part
 def _gather(tree, turn, place, motion, mass, first, second, scratch):  # type: ignore[no-untyped-def]
     """Each body's inertia about the frame, and how each joint moves the frame; the base comes last."""
     m = tree.parent.shape[0]
@@ -177,7 +177,7 @@ def _gather(tree, turn, place, motion, mass, first, second, scratch):  # type: i
     _shift(mass[m], c[0] - ox, c[1] - oy, c[2] - oz, first[m], second[m])
 
 
-@jit
+@part
 def _compose(tree, motion, mass, first, second, h, g):  # type: ignore[no-untyped-def]
     """Composite bodies from tip to base, the lower triangle of H, and J^T."""
     m = tree.parent.shape[0]
@@ -228,7 +228,7 @@ def _compose(tree, motion, mass, first, second, h, g):  # type: ignore[no-untype
             g[r, r] = 1.0
 
 
-@jit
+@part
 def _factor(h, g):  # type: ignore[no-untyped-def]
     """H = L L^T (1/L_ii on the diagonal) and L^-1 J^T, in place; False if H is not positive definite."""
     n, rows = g.shape

@@ -85,7 +85,8 @@ def c_function(law: Callable[..., float], numbers: int) -> Any:
     _make_callable(law)
     signature = numba.float64(*[numba.float64] * numbers, numba.types.CPointer(numba.float64))
     try:
-        return numba.cfunc(signature, cache=True, error_model="numpy")(law)
+        with jit.kept_with_laws():
+            return numba.cfunc(signature, cache=True, error_model="numpy")(law)
     except RuntimeError:  # no file to cache beside: defined in a notebook or by exec
         return numba.cfunc(signature, error_model="numpy")(law)
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from spacerobot.support.jit import jit
+from spacerobot.support.jit import jit, part
 
 SWEEPS = 20
 NEAR = 5e-4
@@ -24,7 +24,7 @@ SLOW = 0.05
 """Closing speed [m/s] below which nothing bounces."""
 
 
-@jit
+@part
 def _rotation(q: Any, out: Any) -> None:
     w, x, y, z = q[0], q[1], q[2], q[3]
     out[0, 0], out[0, 1], out[0, 2] = 1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)
@@ -32,7 +32,7 @@ def _rotation(q: Any, out: Any) -> None:
     out[2, 0], out[2, 1], out[2, 2] = 2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)
 
 
-@jit
+@part
 def _turn(q: Any, w: Any, h: float) -> None:
     """The orientation after turning with w (world axes) for h seconds."""
     size = np.sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2])

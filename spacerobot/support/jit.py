@@ -1,42 +1,69 @@
 """Numba's decorator as the house uses it, with a disk cache that a changed source cannot leave stale.
 
 Numba looks only at the file of the compiled function, not at those whose functions it calls or whose constants it
-holds; so the cache folder carries a hash of every source that compiled code can see: all of the layers that compile,
-and of those below them. It lies in the user's cache folder, which also serves read-only installations.
+holds; so the cache folder carries a hash of every source that compiled code can see. Laws, which loops call by their
+addresses, have a folder of their own: who changes an effect waits for its laws only. Both lie in the user's cache
+folder, which also serves read-only installations.
 """
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import hashlib
 import os
+import sys
 import tempfile
+import threading
+from collections.abc import Iterator
 from pathlib import Path
 from types import FunctionType
 from typing import Any
 
+from spacerobot.support import parts
 from spacerobot.support.progress import compiling
 
 _PACKAGE = Path(__file__).resolve().parent.parent
-_COMPILED = ("support", "theory", "model", "dynamics", "effects", "simulation")
-_ABOVE = (
+_ALL = ("support/jit.py", "support/parts.py", "effects/kernel.py")
+"""How everything is compiled, and how a law is called."""
+
+_LAYERS = ("dynamics", "simulation")
+"""Where loops are looked for."""
+
+_MARK = b"from spacerobot.support.jit import"
+"""What a file of loops says."""
+
+_LOOPS = (
     "recordings/readers/decimals.py",
     "diagnosis/machines/measured.py",
     "diagnosis/machines/hidden_motion.py",
+    "effects/laws.py",
+    "simulation/reduced/arrays.py",
+    "simulation/multibody/dop853.py",
+    "simulation/multibody/radau.py",
 )
-"""What compiles although it lies above those layers."""
+"""Loops elsewhere, and what loops read: the constants that they hold, and a law that stands in them."""
+
+_LAWS = ("effects", "simulation/multibody/ports.py")
+"""Where laws are defined."""
 
 
 def sources() -> list[Path]:
-    """Every file that compiled code can depend on; a test holds that none is forgotten."""
-    below = [path for layer in _COMPILED for path in sorted((_PACKAGE / layer).rglob("*.py"))]
-    return [*below, *(_PACKAGE / name for name in _ABOVE)]
+    """Every file that compiled loops can depend on; a test holds that none is forgotten."""
+    layers = [path for layer in _LAYERS for path in sorted((_PACKAGE / layer).rglob("*.py"))]
+    return [*(_PACKAGE / name for name in _ALL + _LOOPS), *(p for p in layers if _MARK in p.read_bytes())]
 
 
-def cache_folder() -> Path:
+def sources_of_laws() -> list[Path]:
+    """Every file that a compiled law can depend on."""
+    found = [_PACKAGE / name for name in _ALL + _LAWS]
+    return [file for path in found for file in (sorted(path.rglob("*.py")) if path.is_dir() else [path])]
+
+
+def cache_folder(files: list[Path]) -> Path:
     """Where compiled code of these very sources is kept; SPACEROBOT_CACHE moves it."""
     digest = hashlib.sha256()
-    for path in sources():
+    for path in files:
         digest.update(f"\0{path.relative_to(_PACKAGE)}\0".encode())
         digest.update(path.read_bytes())
     root = os.environ.get("SPACEROBOT_CACHE") or os.environ.get("XDG_CACHE_HOME") or "~/.cache"
@@ -56,12 +83,49 @@ def nothing_kept() -> bool:
 
 @functools.cache
 def numba() -> Any:
-    """The numba module, its cache pointed at `cache_folder`."""
+    """The numba module, its cache pointed at the folder of loops."""
+    if "numba" not in sys.modules:  # of thousands of messages that it writes while it tries what fits, nobody sees any
+        os.environ.setdefault("NUMBA_DISABLE_ERROR_MESSAGE_HIGHLIGHTING", "1")
     import numba as module
 
-    setattr(module.config, "CACHE_DIR", str(cache_folder()))  # noqa: B010 - numba's own stubs do not know it
+    setattr(module.config, "CACHE_DIR", str(cache_folder(sources())))  # noqa: B010 - numba's own stubs do not know it
     _tell_of_compiling()
     return module
+
+
+_turn = threading.RLock()
+"""Of who makes a compiled function: Numba reads the folder from its settings then, which are everybody's."""
+
+
+@contextlib.contextmanager
+def kept_with_laws() -> Iterator[None]:
+    """What is made within is kept in the folder of laws."""
+    config = numba().config
+    with _turn:
+        loops = config.CACHE_DIR
+        config.CACHE_DIR = str(_folder_of_laws())
+        try:
+            yield
+        finally:
+            config.CACHE_DIR = loops
+
+
+@functools.cache
+def _folder_of_laws() -> Path:
+    return cache_folder(sources_of_laws())
+
+
+def _njit(function: Any, **options: Any) -> Any:
+    module = numba()
+    with _turn:
+        return module.njit(function, cache=True, **{"nogil": True, "error_model": "numpy", **options})
+
+
+def _part(function: Any, **options: Any) -> Any:
+    """What is left open here is as in the first caller to be compiled: `forceinline` too."""
+    numba()
+    kind, options = parts.part(), {"nogil": True, "error_model": "numpy", "forceinline": False, **options}
+    return _njit(function, **options) if kind is None else kind(function, _njit, **options)
 
 
 def _tell_of_compiling() -> None:
@@ -79,23 +143,28 @@ def _tell_of_compiling() -> None:
 
 
 def inlined(function: Any) -> Any:
-    """As `jit`, but merged into every compiled caller, which keeps a hot loop whole."""
-    return numba().njit(function, cache=True, nogil=True, error_model="numpy", inline="always")
+    """As `lean`, but merged into every compiled caller, which keeps a hot loop whole."""
+    return _part(function, _nrt=False, forceinline=True)
+
+
+def part(function: Any) -> Any:
+    """As `jit`, for functions that compiled ones call: none is optimised but within what Python calls, see `parts`."""
+    return _part(function, _nrt=True)
 
 
 def lean(function: Any) -> Any:
-    """As `jit`, for functions of a hot loop that make no arrays: no reference is counted for their arguments.
+    """As `part`, for functions of a hot loop that make no arrays: no reference is counted for their arguments.
 
     The counts are atomic; for a function of eight arrays they cost 0.1 us a call, which is what its work costs.
     """
-    return numba().njit(function, cache=True, nogil=True, error_model="numpy", _nrt=False)
+    return _part(function, _nrt=False)
 
 
 def lean_twin(compiled: Any) -> Any:
     """The `lean` form of what `jit` compiled, for compiled callers: what it returns must not reach Python.
 
-    Kept under a name of its own: Numba's disk cache does not look at options, so a process would be handed whichever
-    form another had left there first, and the lean one's views come back to Python as the whole array.
+    Of a name of its own: Numba's disk cache does not look at options, so a process would be handed whichever form
+    another had left there first, and the lean one's views come back to Python as the whole array.
     """
     f = compiled.py_func
     twin = FunctionType(f.__code__, f.__globals__, f.__name__, f.__defaults__, f.__closure__)
@@ -107,7 +176,7 @@ def jit(function: Any) -> Any:
     """Compile on first call, keep on disk, release the GIL, IEEE arithmetic: no fast-math, and a division by zero is
     an infinity, which integrators refuse, as in the laws that they call.
     """
-    return numba().njit(function, cache=True, nogil=True, error_model="numpy")
+    return _njit(function)
 
 
 @functools.cache

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import ast
+import functools
 import os
 import shutil
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -36,59 +38,127 @@ def changed(path: Path) -> bytes:
     return text
 
 
-def test_any_change_in_what_compiled_code_sees_makes_another_cache(copy: Path) -> None:
-    usual = jit.cache_folder()
-    tried = [p for layer in jit._COMPILED for p in (copy / layer).rglob("*.py")]
-    assert len(tried) > 120
+KEPT = {"loops": jit.sources, "laws": jit.sources_of_laws}
+"""What is compiled -> the files that it depends on."""
+
+
+@pytest.mark.parametrize("kind", KEPT)
+def test_any_change_in_what_compiled_code_sees_makes_another_cache(copy: Path, kind: str) -> None:
+    usual = jit.cache_folder(KEPT[kind]())
+    tried = KEPT[kind]()
+    assert len(tried) > 40
     for path in tried:
         before = changed(path)
-        assert jit.cache_folder() != usual, path.relative_to(copy)
+        assert jit.cache_folder(KEPT[kind]()) != usual, path.relative_to(copy)
         path.write_bytes(before)
-    assert jit.cache_folder() == usual
+    assert jit.cache_folder(KEPT[kind]()) == usual
+
+
+def test_what_compiles_nothing_makes_no_other_cache(copy: Path) -> None:
+    usual = [jit.cache_folder(files()) for files in KEPT.values()]
+    for name in ("simulation/scene_toml.py", "model/robot.py", "dynamics/effective_mass.py", "support/files.py"):
+        changed(copy / name)
+    assert [jit.cache_folder(files()) for files in KEPT.values()] == usual
+    changed(copy / "effects" / "catalogue" / "adhesion.py")
+    assert [jit.cache_folder(files()) == before for files, before in zip(KEPT.values(), usual)] == [True, False]
 
 
 def test_a_law_moved_to_another_file_makes_another_cache(copy: Path) -> None:
-    usual = jit.cache_folder()
-    (copy / "effects" / "laws.py").rename(copy / "effects" / "mores.py")
-    assert jit.cache_folder() != usual
+    usual = jit.cache_folder(jit.sources_of_laws())
+    (copy / "effects" / "plane.py").rename(copy / "effects" / "level.py")
+    assert jit.cache_folder(jit.sources_of_laws()) != usual
 
 
-DECORATORS = {"jit", "lean", "inlined"}
+MAKERS = {"jit", "part", "lean", "lean_twin", "inlined", "_outlined"}
+"""What compiles a function, as decorator or call."""
+
+LAWS = {"Kernel": 0, "Memory": 0, "Friction": 2}
+"""What holds a law -> from which argument on its functions stand."""
 
 
-def compiled_in(tree: ast.Module) -> list[ast.FunctionDef]:
-    """The functions that a file hands to one of the decorators of `support.jit`."""
-
-    def name(node: ast.expr) -> str:
-        return node.id if isinstance(node, ast.Name) else node.attr if isinstance(node, ast.Attribute) else ""
-
-    functions = [n for n in ast.walk(tree) if isinstance(n, ast.FunctionDef)]
-    return [f for f in functions if DECORATORS & {name(d) for d in f.decorator_list}]
+def name_of(node: ast.expr) -> str:
+    return node.id if isinstance(node, ast.Name) else node.attr if isinstance(node, ast.Attribute) else ""
 
 
-def files_of(node: ast.stmt, name: str) -> set[Path]:
-    """The package's files that a name comes from, if this statement imports it."""
-    if not isinstance(node, ast.ImportFrom) or not node.module or name not in {a.asname or a.name for a in node.names}:
+@functools.cache
+def parsed(path: Path) -> ast.Module:
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
+def names_in(node: ast.AST) -> set[str]:
+    """All that an expression or a function's body names; a call of an attribute by the name before the dot."""
+    inside = node.body if isinstance(node, ast.FunctionDef) else [node]
+    return {n.id for part in inside for n in ast.walk(part) if isinstance(n, ast.Name)}
+
+
+def loops_of(path: Path) -> set[str]:
+    """What a file's compiled functions name, and the functions that it has compiled by a call."""
+    found: set[str] = set()
+    if "jit" not in path.read_text(encoding="utf-8"):
+        return found
+    for node in ast.walk(parsed(path)):
+        if isinstance(node, ast.FunctionDef) and MAKERS & {name_of(d) for d in node.decorator_list}:
+            found |= names_in(node)
+        elif isinstance(node, ast.Call) and name_of(node.func) in MAKERS and defined(path, name_of(node.func)):
+            found |= {name for a in node.args for name in names_in(a)}
+    return found
+
+
+def laws_of(path: Path) -> set[str]:
+    """What a file hands to kernels, memories and frictions."""
+    if not any(f"{name}(" in path.read_text(encoding="utf-8") for name in LAWS):
         return set()
-    at = PACKAGE.parent.joinpath(*node.module.split("."))
-    tries = (at.with_suffix(".py"), at / f"{name}.py", at / "__init__.py")
-    return {p for p in tries if p.is_file() and p != PACKAGE / "__init__.py"}
+    calls = [n for n in ast.walk(parsed(path)) if isinstance(n, ast.Call) and name_of(n.func) in LAWS]
+    given = [a for c in calls for a in (*c.args[LAWS[name_of(c.func)] :], *(k.value for k in c.keywords))]
+    return {name for a in given for name in names_in(a)}
 
 
-def test_no_source_of_compiled_code_is_forgotten() -> None:
-    """A compiled function sees its own file, and those that the names in it come from."""
-    hashed = set(jit.sources())
-    count = 0
-    for path in PACKAGE.rglob("*.py"):
-        tree = ast.parse(path.read_text(encoding="utf-8"))
-        functions = compiled_in(tree)
-        if not functions:
+def defined(path: Path, name: str) -> tuple[Path, str, ast.stmt] | None:
+    """Where in the package a name of a file's top level comes from: file, its name there, the statement."""
+    for node in parsed(path).body:
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("spacerobot"):
+            for alias in node.names:
+                if (alias.asname or alias.name) == name:
+                    at = PACKAGE.parent.joinpath(*str(node.module).split("."))
+                    if at.with_suffix(".py").is_file():
+                        return defined(at.with_suffix(".py"), alias.name)
+        elif isinstance(node, ast.FunctionDef | ast.ClassDef) and node.name == name:
+            return path, name, node
+        elif isinstance(node, ast.Assign | ast.AnnAssign) and node.value is not None:
+            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+            if any(isinstance(n, ast.Name) and n.id == name for t in targets for n in ast.walk(t)):
+                return path, name, node
+    return None
+
+
+def seen_by(path: Path, names: set[str]) -> set[Path]:
+    """The files that functions of a file, which name these, come from and read: what they call, and every constant.
+
+    The decorators themselves are hashed whole, and nothing that they name is seen by what they compile.
+    """
+    ends = {PACKAGE / "support" / "jit.py", PACKAGE / "support" / "parts.py"}
+    found, done, todo = {path} if names else set(), set(), [(path, name) for name in names]
+    while todo:
+        at = todo.pop()
+        if at in done:
             continue
-        count += 1
-        assert path in hashed, path
-        names = {n.id for f in functions for n in ast.walk(f) if isinstance(n, ast.Name)}
-        seen = {p for node in tree.body for name in names for p in files_of(node, name)}
+        done.add(at)
+        where = defined(*at)
+        if where is not None:
+            file, _, node = where
+            found.add(file)
+            if file not in ends:
+                todo += [(file, name) for name in names_in(node)]
+    return found
+
+
+@pytest.mark.parametrize(("kind", "of"), [("loops", loops_of), ("laws", laws_of)])
+def test_no_source_of_compiled_code_is_forgotten(kind: str, of: Callable[[Path], set[str]]) -> None:
+    hashed, count = set(KEPT[kind]()), 0
+    for path in PACKAGE.rglob("*.py"):
+        seen = seen_by(path, of(path))
         assert seen <= hashed, (path, seen - hashed)
+        count += bool(seen)
     assert count > 10
 
 

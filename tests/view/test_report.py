@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import base64
 import copy
+import functools
 import hashlib
 import itertools
 import json
 import re
 from html.parser import HTMLParser
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -76,6 +78,20 @@ def report(folder: Path, told: dict[str, Any], shown: dict[str, Any] | None = No
     return path.read_text(encoding="utf-8")
 
 
+@functools.cache
+def plain(kind: str) -> str:
+    """The page of a verdict as it comes, made once for all that only read it."""
+    with TemporaryDirectory() as folder:
+        return report(Path(folder), verdict(kind))
+
+
+@pytest.fixture(scope="module")
+def plots(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[str]]:
+    """The plots of a verdict as it comes: their folder and their names."""
+    folder = tmp_path_factory.mktemp("plots")
+    return folder, write_plots(verdict("named"), evidence(), folder)
+
+
 SAYS = {
     "named": "The model lacks Coulomb friction in the wrist's guide, 0.604 N (95 %: 0.585 to 0.623)",
     "ambiguous": "these data cannot tell which: Coulomb friction in the wrist's guide or Stribeck friction",
@@ -88,8 +104,8 @@ SAYS = {
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_each_kind_of_verdict_is_told_in_its_own_words(tmp_path: Path, kind: str) -> None:
-    page = Page(report(tmp_path, verdict(kind)))
+def test_each_kind_of_verdict_is_told_in_its_own_words(kind: str) -> None:
+    page = Page(plain(kind))
     text = page.text.replace("\u00a0", " ")
     assert SAYS[kind] in text
     assert not any(other in text for name, other in SAYS.items() if name != kind)
@@ -106,8 +122,8 @@ def test_wrong_values_may_be_one_of_the_explanations(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_page_is_well_formed_small_and_asks_for_nothing(tmp_path: Path, kind: str) -> None:
-    text = report(tmp_path, verdict(kind))
+def test_page_is_well_formed_small_and_asks_for_nothing(kind: str) -> None:
+    text = plain(kind)
     page = Page(text)
     assert not page.faults
     assert len(text.encode()) < 5_000_000
@@ -126,8 +142,8 @@ def test_the_reader_of_pages_can_find_faults() -> None:
     assert not Page("<p>x<br></p>").faults
 
 
-def test_policy_allows_exactly_the_scripts_that_are_there(tmp_path: Path) -> None:
-    text = report(tmp_path, verdict("named"))
+def test_policy_allows_exactly_the_scripts_that_are_there() -> None:
+    text = plain("named")
     policy = next(m["content"] for m in Page(text).all("meta") if m.get("http-equiv") == "Content-Security-Policy")
     assert policy is not None
     assert "default-src 'none'" in policy
@@ -169,8 +185,8 @@ def test_every_text_is_inert(tmp_path: Path, kind: str) -> None:
     assert "49" not in tell(told, read_evidence(shown)).headline
 
 
-def test_for_eyes_ears_and_keys(tmp_path: Path) -> None:
-    text = report(tmp_path, verdict("named"))
+def test_for_eyes_ears_and_keys() -> None:
+    text = plain("named")
     page = Page(text)
     assert all(a.get("aria-label") for a in page.all("svg"))
     assert len(re.findall(r"<caption>", text)) == len(page.all("table"))
@@ -188,8 +204,8 @@ def test_for_eyes_ears_and_keys(tmp_path: Path) -> None:
     assert "@media print" in text
 
 
-def test_formula_is_mathml(tmp_path: Path) -> None:
-    text = report(tmp_path, verdict("named"))
+def test_formula_is_mathml() -> None:
+    text = plain("named")
     assert re.search(r"<math[^>]*>.*<msub><mi>F</mi><mi>c</mi></msub>", text, re.S)
 
 
@@ -249,7 +265,7 @@ def test_the_first_picture_of_a_sensors_verdict_is_of_that_sensor(tmp_path: Path
     told["effects"] = [copy.deepcopy(DELAY)]
     caption = r'<figure class="hero">.*?<figcaption>(\S+) in trial'
     assert re.search(caption, report(tmp_path, told), re.S).group(1) == "contact.force"  # type: ignore[union-attr]
-    assert re.search(caption, report(tmp_path, verdict("named")), re.S).group(1) == "target.x"  # type: ignore[union-attr]
+    assert re.search(caption, plain("named"), re.S).group(1) == "target.x"  # type: ignore[union-attr]
 
 
 def test_many_located_balances_are_folded_away(tmp_path: Path) -> None:
@@ -267,21 +283,21 @@ def test_moved_values_are_told_beside_an_effect() -> None:
     assert "Believed values moved too: wrist stiffness to 561.3" in " ".join(tell(told, read_evidence({})).more)
 
 
-def test_plots_are_written_twice(tmp_path: Path) -> None:
-    names = write_plots(verdict("named"), evidence(), tmp_path)
-    assert sorted(names) == sorted(p.name for p in tmp_path.iterdir())
+def test_plots_are_written_twice(plots: tuple[Path, list[str]]) -> None:
+    folder, names = plots
+    assert sorted(names) == sorted(p.name for p in folder.iterdir())
     assert {"held_out_target_x.png", "held_out_target_x.svg", "rivals.svg", "held_out_error.png"} <= set(names)
     assert {n.rpartition(".")[0] for n in names if n.endswith(".png")} == {
         n.rpartition(".")[0] for n in names if n.endswith(".svg")
     }
 
 
-def test_plots_are_the_same_from_two_processes(tmp_path: Path) -> None:
-    one = write_plots(verdict("named"), evidence(), tmp_path / "one")
-    two = write_plots(verdict("named"), evidence(), tmp_path / "two", jobs=2)
+def test_plots_are_the_same_from_two_processes(plots: tuple[Path, list[str]], tmp_path: Path) -> None:
+    folder, one = plots
+    two = write_plots(verdict("named"), evidence(), tmp_path, jobs=2)
     assert one == two
     for name in one:
-        assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes()
+        assert (folder / name).read_bytes() == (tmp_path / name).read_bytes()
 
 
 def test_no_text_decides_where_a_plot_goes_or_breaks_it(tmp_path: Path) -> None:
@@ -293,8 +309,7 @@ def test_no_text_decides_where_a_plot_goes_or_breaks_it(tmp_path: Path) -> None:
 
 
 def test_same_input_same_page(tmp_path: Path) -> None:
-    (tmp_path / "a").mkdir()
-    assert report(tmp_path / "a", verdict("named")) == report(tmp_path / "a", verdict("named"))
+    assert report(tmp_path, verdict("named")) == plain("named")
 
 
 def test_the_winner_s_row_is_first_and_marked() -> None:

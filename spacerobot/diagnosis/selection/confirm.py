@@ -13,7 +13,7 @@ from spacerobot.diagnosis.machines.wrist_rig import counted
 from spacerobot.diagnosis.selection.check import Check
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.parameters import zero_key
-from spacerobot.simulation.multibody.run import integrate_scene
+from spacerobot.simulation.multibody.run import MultibodyRun, integrate_scene
 from spacerobot.simulation.sensors import read_channels
 from spacerobot.support.errors import InputError, NotFoundError, SimulationError
 
@@ -46,10 +46,15 @@ def confirm(workshop: Workshop, chosen: Fit) -> Check:
     return Check("multibody", worst < APART, detail)
 
 
+def by_whole_robot(workshop: Workshop, chosen: Fit, trial: TrialData) -> MultibodyRun:
+    """A trial as the whole robot runs it with a fit's values."""
+    scene = scene_of(workshop.study, workshop.model, chosen, trial.id)
+    return integrate_scene(scene, trial.end - trial.start, tolerance=TOLERANCE)
+
+
 def difference(workshop: Workshop, chosen: Fit, trial: TrialData) -> float:
     """Difference of what the two models show of a trial, in sensor sigmas (rms)."""
-    scene = scene_of(workshop.study, workshop.model, chosen, trial.id)
-    run = integrate_scene(scene, trial.end - trial.start, tolerance=TOLERANCE)
+    run = by_whole_robot(workshop, chosen, trial)
     mechanism = workshop.model.trial_mechanism(chosen.hypothesis, chosen.z, trial)
     reduced = workshop.model.predict(mechanism, trial, chosen.trials[trial.id].initial)
     keep = counted(mechanism, trial, reduced)

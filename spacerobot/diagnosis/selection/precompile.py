@@ -8,8 +8,10 @@ import numpy as np
 
 from spacerobot.diagnosis.fitting.fitted import Fit, TrialFit
 from spacerobot.diagnosis.fitting.workshop import Workshop
-from spacerobot.diagnosis.selection.confirm import difference
+from spacerobot.diagnosis.machines.whole_rig import WholeRig
+from spacerobot.diagnosis.selection.confirm import by_whole_robot
 from spacerobot.diagnosis.terms.hypothesis import hypothesis
+from spacerobot.simulation.sensors import read_channels
 from spacerobot.support.errors import SpacerobotError
 from spacerobot.support.jit import nothing_kept
 from spacerobot.support.workers import begin, context, may_fork
@@ -22,14 +24,20 @@ def help_compiling(workshop: Workshop) -> None:
 
 
 def _compile(workshop: Workshop) -> None:
-    """What the integrator needs last, then what only the whole robot needs."""
+    """What reads the integrator's record, then whichever of the two models the other process needs last."""
     from spacerobot.simulation.reduced.ahead import compile_ahead
 
     begin()
     compile_ahead()
-    trial = workshop.trials[0]
+    trial, fit = workshop.trials[0], as_believed(workshop)
     with contextlib.suppress(SpacerobotError):  # whoever needs it will say so
-        difference(workshop, as_believed(workshop), trial)
+        if isinstance(workshop.model, WholeRig):
+            workshop.model.predict(
+                workshop.model.trial_mechanism(fit.hypothesis, fit.z, trial), trial, fit.trials[trial.id].initial
+            )
+            return
+        run = by_whole_robot(workshop, fit, trial)
+        read_channels(run, run.mechanism, trial.blocks[0].channels, trial.blocks[0].time - trial.start)
 
 
 def as_believed(workshop: Workshop) -> Fit:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from spacerobot.recordings.table import Floats
-from spacerobot.support.jit import jit
+from spacerobot.support.jit import jit, part
 
 LINES = 50_000
 """Lines that are parsed at a time, which bounds the memory that they take besides their own."""
@@ -109,7 +109,7 @@ def _rows(text: np.ndarray, separator: int, values: np.ndarray) -> bool:
     return at == text.size
 
 
-@jit
+@part
 def _nearest(whole: int, power: int) -> float:
     """The double nearest to whole 10^power; NaN where this arithmetic cannot tell which it is."""
     high = float(whole)

@@ -25,7 +25,7 @@ from spacerobot.simulation.exact.modes import (
 from spacerobot.simulation.exact.propagator import DEGREE, at, exponential, projected, series, step
 from spacerobot.simulation.exact.roots import first_fall
 from spacerobot.simulation.polynomial import turn, value
-from spacerobot.support.jit import jit, lean
+from spacerobot.support.jit import jit, lean, part
 
 (
     FIRST_TOUCH, LAST_SEPARATION, SUMMED, TOUCHES, HAND_BEFORE, TARGET_BEFORE, CLOSING_BEFORE, HAND_AFTER, TARGET_AFTER,
@@ -37,7 +37,7 @@ OK, TOO_MANY, NOT_FINITE = 0, 1, 2
 MAX_STEPS, MAX_EVENTS = 5_000_000, 20_000
 
 
-@jit
+@part
 def settled(header: Any, rows: Any, x: Any, contact: int, slide: int, z: Any, w: Any) -> int:
     """The sliding that friction allows in state z: as it is while it slides; stuck, or the way it breaks away."""
     if header[2] == 0 or slide != 0:
@@ -224,7 +224,7 @@ def _note(rows: Any, forces: int, n: int, z: Any, o: Any, first: int) -> None:
         o[first + column] = total
 
 
-@jit
+@part
 def _at_rest(header: Any, rows: Any, x: Any, contact: int, z: Any, w: Any) -> int:
     """The friction's mode after its sliding came to rest: stuck, or turned round."""
     n, forces = header[0], header[1]

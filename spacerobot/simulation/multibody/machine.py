@@ -23,7 +23,7 @@ from spacerobot.simulation.reduced.arrays import (
 )
 from spacerobot.simulation.reduced.forces import PRESSED, STICK
 from spacerobot.simulation.reduced.guards import guards
-from spacerobot.support.jit import by_address, jit, lean, numba
+from spacerobot.support.jit import by_address, jit, lean, numba, part
 
 NEEDS, SLACK, STILL, RATES, GUARDS = range(5)
 """Where `settings` keeps: what an evaluation needs, see `kernel`; force [N] below which what holds a friction is
@@ -68,17 +68,17 @@ def entries() -> tuple[Any, Any]:
     return _outlined(_rate), _outlined(_guards)
 
 
-@jit
+@part
 def _ints(table: Any, i: int) -> Any:
     return _carray(_pointer(table[2 * i]), (table[2 * i + 1],), np.int64)
 
 
-@jit
+@part
 def _floats(table: Any, i: int) -> Any:
     return _carray(_pointer(table[2 * i]), (table[2 * i + 1],), np.float64)
 
 
-@jit
+@part
 def machine_at(here: int) -> Machine:
     """The machine whose table lies there."""
     t = _carray(_pointer(here), (24,), np.int64)

@@ -1,4 +1,4 @@
-"""Compiling what the integrator calls, in a process that has nothing else to do meanwhile.
+"""Compiling what reads the integrator's record, in a process that has nothing else to do meanwhile.
 
 The first run after an installation waits for the compiler. Compiled functions are kept on disk as they are finished, so
 that another process may take a part of them off this one's hands.
@@ -11,66 +11,30 @@ from typing import Any
 
 import numpy as np
 
-from spacerobot.simulation.reduced.affine import advance, series, shorten, straight, system
-from spacerobot.simulation.reduced.crossings import first_fall, linear_guards
-from spacerobot.simulation.reduced.edges import first_edge
-from spacerobot.simulation.reduced.events import find_event, switch
 from spacerobot.simulation.reduced.law_table import LAWS
-from spacerobot.simulation.reduced.rosenbrock import (
-    Room,
-    hastiness,
-    linearise,
-    remembers,
-    stiff_dense,
-    stiff_norm,
-    stiff_stages,
-)
-from spacerobot.simulation.reduced.sampling import sample_contact, sample_states
-from spacerobot.simulation.reduced.stepper import dense, error_norm, stages
+from spacerobot.simulation.reduced.sampling import sample, sample_contact, sample_states
 from spacerobot.support.jit import numba
 
-LATER: tuple[Any, ...] = (
-    straight, system, series, shorten, advance, error_norm, dense, linear_guards, find_event, switch, stages,
-    first_fall, first_edge, sample_states, sample_contact,
-    remembers, hastiness, linearise, stiff_stages, stiff_norm, stiff_dense,
-)  # fmt: skip
-"""What `integrate` and its callers need after `start_modes`, which it meets first and compiles itself."""
+LATER: tuple[Any, ...] = (sample_states, sample_contact, sample)
+"""What the callers of `integrate` need after it."""
 
 FLOATS, INTS, MATRIX = np.zeros(1), np.zeros(1, dtype=np.int64), np.zeros((1, 1))
 
 LIKE: dict[str, Any] = {
-    **dict.fromkeys(
-        ("x", "y", "w", "atol", "new", "temp", "slope", "p", "rates", "time", "length", "at", "scale"), FLOATS
-    ),
-    **dict.fromkeys(("c", "modes", "owner"), INTS),
-    **dict.fromkeys(("a", "held", "q", "k", "u", "g", "samples", "state"), MATRIX),
-    **dict.fromkeys(("t", "h", "rtol", "part", "theta"), 1.0),
-    **dict.fromkeys(("i", "count", "mode"), 1),
-    "even": True,
-    "o": Room(MATRIX, MATRIX, FLOATS, FLOATS, MATRIX),
+    **dict.fromkeys(("x", "w", "time", "length", "at"), FLOATS),
+    **dict.fromkeys(("c", "order"), INTS),
+    **dict.fromkeys(("state", "u"), MATRIX),
+    "dense": np.zeros((1, 1, 1)),
+    "modes": np.zeros((1, 1), dtype=np.int64),
     "laws": LAWS.laws,
+    "count": 1,
 }
-"""What stands under each parameter's name, wherever it occurs."""
-
-OTHERS: dict[tuple[str, str], Any] = {
-    ("sample_states", "dense"): np.zeros((1, 1, 1)),
-    ("sample_contact", "dense"): np.zeros((1, 1, 1)),
-    ("sample_states", "order"): INTS,
-    ("sample_contact", "order"): INTS,
-    ("sample_contact", "modes"): np.zeros((1, 1), dtype=np.int64),
-    ("first_fall", "order"): 1,
-    ("first_edge", "order"): 1,
-    ("find_event", "order"): 1,
-    ("linearise", "k"): FLOATS,
-}
-"""By function and parameter, where the name alone does not say."""
+"""What stands under each parameter's name."""
 
 
 def signature(function: Any) -> tuple[Any, ...]:
-    """The types that the integrator calls a compiled function with."""
-    name = function.py_func.__name__
-    parameters = inspect.signature(function.py_func).parameters
-    return tuple(numba().typeof(OTHERS[name, p] if (name, p) in OTHERS else LIKE[p]) for p in parameters)
+    """The types that a compiled function is called with."""
+    return tuple(numba().typeof(LIKE[p]) for p in inspect.signature(function.py_func).parameters)
 
 
 def compile_ahead() -> None:

@@ -34,7 +34,7 @@ from spacerobot.simulation.reduced.guards import guards
 from spacerobot.simulation.reduced.motion import accelerate, sense
 from spacerobot.simulation.reduced.ports import kinematics
 from spacerobot.simulation.reduced.stepper import interpolate
-from spacerobot.support.jit import jit, lean
+from spacerobot.support.jit import lean, part
 
 AT = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
 """Where in a step guards are looked at; not just after its start, where what begins to slide may seem to turn back."""
@@ -278,7 +278,7 @@ def settle(x: Any, c: Any, laws: Any, t: float, y: Any, modes: Any, u: Any, w: A
         modes[base + worst] = -1 if w[c[FRICTION] + worst] > 0.0 else 1
 
 
-@jit
+@part
 def start_modes(x: Any, c: Any, laws: Any, t: float, y: Any, u: Any, w: Any, slope: Any) -> Any:
     """Modes that fit the state y."""
     forces = c[FORCES]

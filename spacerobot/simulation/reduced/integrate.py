@@ -43,7 +43,7 @@ from spacerobot.simulation.reduced.rosenbrock import (
     stiff_stages,
 )
 from spacerobot.simulation.reduced.stepper import ORDER, dense, error_norm, interpolate, stages
-from spacerobot.support.jit import jit, lean
+from spacerobot.support.jit import jit, lean, part
 
 OK, TOO_MANY_STEPS, TOO_MANY_EVENTS, NOT_FINITE = 0, 1, 2, 3
 NEAR = 1e-7
@@ -77,7 +77,7 @@ class Steps(NamedTuple):
         )
 
 
-@jit
+@part
 def _grow(a: Any) -> Any:
     out = np.empty(2 * a.size, dtype=a.dtype)
     for i in range(a.size):
