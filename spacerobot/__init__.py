@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from spacerobot.recordings.recording import Recording as Recording
     from spacerobot.recordings.study import Study as Study
     from spacerobot.recordings.study import load_study as load_study
+    from spacerobot.recordings.study_schema import study_schema as study_schema
     from spacerobot.recordings.synthetic import synthetic_study as synthetic_study
     from spacerobot.simulation.parts import ContactLaw as ContactLaw
     from spacerobot.simulation.parts import EffectAt as EffectAt
@@ -132,6 +133,7 @@ _LAZY: dict[str, str] = {
     "new_study": "recordings.new_study",
     "check_study": "diagnosis.study_check",
     "study_table": "view.table.of_studies",
+    "study_schema": "recordings.study_schema",
     "synthetic_study": "recordings.synthetic",
     "Recording": "recordings.recording",
     "Overlay": "diagnosis.overlay",

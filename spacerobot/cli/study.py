@@ -26,6 +26,7 @@ _EPILOG = """examples:
   spacerobot study check my_recordings      trials, channels, rates, gaps and what is odd
   spacerobot study check guide-friction     the bundled study
   spacerobot study check emps/study.toml --data ~/emps --json
+  spacerobot study schema > study.schema.json             keys, what they may hold and their units, for your editor
   spacerobot study table --runs runs --out table.md       verdicts of all bundled real studies
 """
 
@@ -48,6 +49,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     check.add_argument("study", metavar="STUDY", help="a folder, its study.toml, or the name of a bundled study")
     check.add_argument("--data", type=Path, metavar="DIR", help="folder that the study's files are relative to")
     check.add_argument("--json", action="store_true", help="one JSON object on stdout")
+    actions.add_parser("schema", help="print the JSON Schema of study.toml, for an editor or a program that writes one")
     table = actions.add_parser("table", help="diagnose several studies and write their verdicts as one page")
     table.add_argument("studies", nargs="*", metavar="STUDY", help="studies (default: the bundled real ones)")
     table.add_argument("--out", type=Path, metavar="FILE", help="Markdown file to write (default: standard output)")
@@ -57,7 +59,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Write or check a study; 2 where a file of it cannot be read."""
+    """Write or check a study, or say what one may hold; 2 where a file of it cannot be read."""
+    if args.action == "schema":
+        from spacerobot.recordings.study_schema import study_schema
+
+        print(dumps(study_schema()))
+        return 0
     if args.action == "table":
         from spacerobot.cli.study_table import run as table
 
