@@ -170,10 +170,6 @@ def _idle(study: Study) -> list[str]:
         shape = (".radius", ".length", ".width", ".height")  # drawn
         idle |= {n for n in stated if n.startswith(("wrist.", "contact.")) and n not in DEFAULTS}
         idle |= {n for n in study.absolute if n.startswith("target.") and n not in DEFAULTS and not n.endswith(shape)}
-    else:  # only a wrist rig's fit finds zeros and factors that are doubted
-        specs = [c for s in study.streams.values() for c in s.channels]
-        idle |= {f"offset_sigma of {c.name}" for c in specs if c.offset_sigma > 0.0}
-        idle |= {f"sigma of {column} in {c.name}" for c in specs for column, _ in c.plus_sigma}
     return sorted(idle)
 
 
