@@ -76,10 +76,12 @@ def _new(args: argparse.Namespace) -> int:
     from spacerobot.recordings.draft import draft
     from spacerobot.recordings.lacking import lacks
     from spacerobot.recordings.new_study import study_path, written
+    from spacerobot.support.progress import Progress
 
     path = study_path(args.folder, args.out, args.overwrite)
-    made = draft(args.folder, args.robot, rig=args.rig, pattern=args.files)
-    study = written(made, args.folder, path)
+    with Progress("reading the files, and telling what they are"):
+        made = draft(args.folder, args.robot, rig=args.rig, pattern=args.files)
+        study = written(made, args.folder, path)
     names = [t.id for t in study.trials]
     answer: dict[str, Any] = {
         "study": str(path),
@@ -138,8 +140,11 @@ def _pattern(group: Group) -> str:
 def _check(args: argparse.Namespace) -> int:
     from spacerobot.diagnosis.study_check import check_study
     from spacerobot.recordings.study import load_study
+    from spacerobot.support.progress import Progress
 
-    report = check_study(load_study(args.study, args.data))
+    study = load_study(args.study, args.data)
+    with Progress("reading, and trying the model as believed", len(study.trials), unit="trial") as progress:
+        report = check_study(study, report=progress.advance)
     print(dumps(report) if args.json else _text(report))
     if args.json and report["errors"]:
         print("\n".join(report["errors"]), file=sys.stderr)

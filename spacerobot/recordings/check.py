@@ -30,7 +30,10 @@ IDLE = (".friction", ".ratio", ".kp", ".kv")
 
 
 def check_study(
-    study: Study, limits: Mapping[str, Limits] | None = None, ask: Ask = lambda recording: ()
+    study: Study,
+    limits: Mapping[str, Limits] | None = None,
+    ask: Ask = lambda recording: (),
+    report: Callable[[], object] = lambda: None,
 ) -> dict[str, Any]:
     """Trials, channels, ranges, rates, gaps, warnings and errors of a study, ready for JSON.
 
@@ -41,6 +44,7 @@ def check_study(
         study: the study.
         limits: joint -> what its URDF says, where the robot was loaded.
         ask: asked of each recording what else is wrong with it.
+        report: told of every trial that was read.
     """
     seen = Ranges(study, limits or {})
     trials: list[dict[str, Any]] = []
@@ -67,6 +71,7 @@ def check_study(
                 entry["error"] = str(refusal)
             seen.add(recording)
         trials.append(entry)
+        report()
     spans = seen.found()
     try:
         digest = study.input_hash
