@@ -20,6 +20,7 @@ _MOST_SHOWN = 60
 """Channels that the table of a check has room for."""
 
 _EPILOG = """examples:
+  spacerobot study example my_rig           raw recordings of a wrist rig, to try the next two commands on
   spacerobot study new my_recordings        writes my_recordings/study.toml, to be completed by you
   spacerobot study new joint_logs --robot panda
   spacerobot study new my_recordings --rig body --files 'run_*.csv'    no names in the files: say what they are of
@@ -49,6 +50,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     check.add_argument("study", metavar="STUDY", help="a folder, its study.toml, or the name of a bundled study")
     check.add_argument("--data", type=Path, metavar="DIR", help="folder that the study's files are relative to")
     check.add_argument("--json", action="store_true", help="one JSON object on stdout")
+    example = actions.add_parser("example", help="copy a folder of raw recordings, to try the way to a study on")
+    example.add_argument("folder", type=Path, metavar="FOLDER", help="where to: a folder that is new or empty")
     actions.add_parser("schema", help="print the JSON Schema of study.toml, for an editor or a program that writes one")
     table = actions.add_parser("table", help="diagnose several studies and write their verdicts as one page")
     table.add_argument("studies", nargs="*", metavar="STUDY", help="studies (default: the bundled real ones)")
@@ -60,6 +63,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Write or check a study, or say what one may hold; 2 where a file of it cannot be read."""
+    if args.action == "example":
+        from spacerobot.recordings.example import example_recordings
+
+        path = example_recordings(args.folder)
+        print(f"{path}: {len(list(path.iterdir()))} files, as a lab's logger left them")
+        print(f"Next: `spacerobot study new {path}`.")
+        return 0
     if args.action == "schema":
         from spacerobot.recordings.study_schema import study_schema
 
