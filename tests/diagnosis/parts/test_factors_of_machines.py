@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from spacerobot.diagnosis.answer.part_verdict import furthest_moved
+from spacerobot.diagnosis.diagnose import diagnose
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.machines.choose import some_models_for
 from spacerobot.diagnosis.machines.contract import Machine
@@ -25,6 +26,7 @@ from spacerobot.model.library import load
 from spacerobot.recordings.study import load_study
 from spacerobot.support.errors import InputError
 from tests.diagnosis.parts.helpers_models import ARM, arm_log
+from tests.diagnosis.parts.helpers_plane import in_plane
 from tests.door.machines import MACHINES
 from tests.overlay.studies import write_csv
 
@@ -167,6 +169,24 @@ def test_what_a_factor_was_found_to_be_stands_in_the_verdict(tmp_path: Path) -> 
     found = told["joint.slide.torque|beside.factor"]
     assert found.value == pytest.approx(TRUE, rel=0.1)
     assert found.in_sigmas == pytest.approx(TRUE / SIGMA, rel=0.1)
+
+
+@pytest.mark.slow
+def test_past_a_camera_that_is_askew_the_drag_is_named_and_the_camera_too(tmp_path: Path) -> None:
+    """Taken as exact, the camera bends the track so that a viscous drag was named."""
+    puck = in_plane(tmp_path / "s", lambda v: -2.0 * np.hypot(*v) * v).path
+    for path in puck.parent.glob("*.csv"):
+        columns = table(path)
+        columns["x"] = columns["x"] - 0.3 * columns["y"]
+        write_csv(path, columns)
+    text = re.sub(r'(is = "body[^"]*")', r"\1, sigma = 0.001", puck.read_text())
+    puck.write_text(text.replace("x = { ", "x = { plus = { y = [0, 0.2] }, "))
+    told = diagnose(load_study(puck)).answer
+    (found,) = told.effects
+    assert (told.verdict, found.effect, found.where) == ("named", "quadratic_drag", "target")
+    low, high = found.parameters["coefficient_Ns2_m2"].ci95
+    assert low <= 2.0 <= high
+    assert told.moved["body.position.x|y.factor"].value == pytest.approx(0.3, abs=0.005)
 
 
 def test_check_asks_for_what_no_fit_finds(tmp_path: Path) -> None:
