@@ -40,10 +40,12 @@ if TYPE_CHECKING:
     from spacerobot.model.wrist import aim as aim
     from spacerobot.model.wrist import attach_wrist as attach_wrist
     from spacerobot.recordings.draft import draft_study as draft_study
+    from spacerobot.recordings.example import example_recordings as example_recordings
     from spacerobot.recordings.new_study import new_study as new_study
     from spacerobot.recordings.recording import Recording as Recording
     from spacerobot.recordings.study import Study as Study
     from spacerobot.recordings.study import load_study as load_study
+    from spacerobot.recordings.study_schema import study_schema as study_schema
     from spacerobot.recordings.synthetic import synthetic_study as synthetic_study
     from spacerobot.simulation.parts import ContactLaw as ContactLaw
     from spacerobot.simulation.parts import EffectAt as EffectAt
@@ -129,9 +131,11 @@ _LAZY: dict[str, str] = {
     "Study": "recordings.study",
     "load_study": "recordings.study",
     "draft_study": "recordings.draft",
+    "example_recordings": "recordings.example",
     "new_study": "recordings.new_study",
     "check_study": "diagnosis.study_check",
     "study_table": "view.table.of_studies",
+    "study_schema": "recordings.study_schema",
     "synthetic_study": "recordings.synthetic",
     "Recording": "recordings.recording",
     "Overlay": "diagnosis.overlay",

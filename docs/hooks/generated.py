@@ -1,4 +1,4 @@
-"""What pages, and the schema of verdict.json, take from the code.
+"""What pages, and the schemas of verdict.json and study.toml, take from the code.
 
 What follows `<!-- generated: NAME -->` is replaced when the site is built. Pages that are read in the checkout hold it
 too, up to `<!-- end of NAME -->`: `python docs/hooks/generated.py` writes it anew, with `--check` it only says whether
@@ -18,6 +18,8 @@ from unittest.mock import patch
 from spacerobot.cli.main import COMMANDS, build_parser
 from spacerobot.diagnosis.answer import record
 from spacerobot.diagnosis.answer.schema import schema
+from spacerobot.recordings import study
+from spacerobot.recordings.study_schema import study_schema
 from spacerobot.support.jsonio import dumps
 from spacerobot.view.docs import GENERATED
 
@@ -26,8 +28,11 @@ _MARK = re.compile(r"^<!-- generated: (\w+) -->$(?:.*?^<!-- end of \1 -->$)?", r
 _IN_CHECKOUT = ("effects.md", "commands.md")
 """Pages that hold what is generated, to be read without building the site."""
 
-SCHEMA = Path(record.__file__).with_name("verdict.schema.json")
-"""Shipped beside the record that it is made from, for whoever reads verdict.json without this package's code."""
+SCHEMAS = {
+    Path(record.__file__).with_name("verdict.schema.json"): schema,
+    Path(study.__file__).with_name("study.schema.json"): study_schema,
+}
+"""Shipped beside what they are made from, for whoever reads or writes these files without this package's code."""
 
 
 def on_page_markdown(markdown: str, **_: Any) -> str:
@@ -59,7 +64,7 @@ def held(markdown: str) -> str:
 
 
 def main(arguments: list[str]) -> int:
-    """Write the pages of the checkout and the schema, or with --check name those that are not current."""
+    """Write the pages of the checkout and the schemas, or with --check name those that are not current."""
     stale = []
     for name in _IN_CHECKOUT:
         path = Path(__file__).resolve().parents[1] / name
@@ -68,11 +73,12 @@ def main(arguments: list[str]) -> int:
             stale.append(name)
             if "--check" not in arguments:
                 path.write_text(held(text), encoding="utf-8")
-    shipped = dumps(schema()) + "\n"
-    if not SCHEMA.is_file() or SCHEMA.read_text(encoding="utf-8") != shipped:
-        stale.append(SCHEMA.name)
-        if "--check" not in arguments:
-            SCHEMA.write_text(shipped, encoding="utf-8")
+    for file, made in SCHEMAS.items():
+        shipped = dumps(made()) + "\n"
+        if not file.is_file() or file.read_text(encoding="utf-8") != shipped:
+            stale.append(file.name)
+            if "--check" not in arguments:
+                file.write_text(shipped, encoding="utf-8")
     if "--check" in arguments and stale:
         print(f"not current: {', '.join(stale)}; run python docs/hooks/generated.py", file=sys.stderr)
         return 1

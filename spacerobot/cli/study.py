@@ -20,12 +20,14 @@ _MOST_SHOWN = 60
 """Channels that the table of a check has room for."""
 
 _EPILOG = """examples:
+  spacerobot study example my_rig           raw recordings of a wrist rig, to try the next two commands on
   spacerobot study new my_recordings        writes my_recordings/study.toml, to be completed by you
   spacerobot study new joint_logs --robot panda
   spacerobot study new my_recordings --rig body --files 'run_*.csv'    no names in the files: say what they are of
   spacerobot study check my_recordings      trials, channels, rates, gaps and what is odd
   spacerobot study check guide-friction     the bundled study
   spacerobot study check emps/study.toml --data ~/emps --json
+  spacerobot study schema > study.schema.json             keys, what they may hold and their units, for your editor
   spacerobot study table --runs runs --out table.md       verdicts of all bundled real studies
 """
 
@@ -48,6 +50,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     check.add_argument("study", metavar="STUDY", help="a folder, its study.toml, or the name of a bundled study")
     check.add_argument("--data", type=Path, metavar="DIR", help="folder that the study's files are relative to")
     check.add_argument("--json", action="store_true", help="one JSON object on stdout")
+    example = actions.add_parser("example", help="copy a folder of raw recordings, to try the way to a study on")
+    example.add_argument("folder", type=Path, metavar="FOLDER", help="where to: a folder that is new or empty")
+    actions.add_parser("schema", help="print the JSON Schema of study.toml, for an editor or a program that writes one")
     table = actions.add_parser("table", help="diagnose several studies and write their verdicts as one page")
     table.add_argument("studies", nargs="*", metavar="STUDY", help="studies (default: the bundled real ones)")
     table.add_argument("--out", type=Path, metavar="FILE", help="Markdown file to write (default: standard output)")
@@ -57,7 +62,19 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Write or check a study; 2 where a file of it cannot be read."""
+    """Write or check a study, or say what one may hold; 2 where a file of it cannot be read."""
+    if args.action == "example":
+        from spacerobot.recordings.example import example_recordings
+
+        path = example_recordings(args.folder)
+        print(f"{path}: {len(list(path.iterdir()))} files, as a lab's logger left them")
+        print(f"Next: `spacerobot study new {path}`.")
+        return 0
+    if args.action == "schema":
+        from spacerobot.recordings.study_schema import study_schema
+
+        print(dumps(study_schema()))
+        return 0
     if args.action == "table":
         from spacerobot.cli.study_table import run as table
 
@@ -69,10 +86,12 @@ def _new(args: argparse.Namespace) -> int:
     from spacerobot.recordings.draft import draft
     from spacerobot.recordings.lacking import lacks
     from spacerobot.recordings.new_study import study_path, written
+    from spacerobot.support.progress import Progress
 
     path = study_path(args.folder, args.out, args.overwrite)
-    made = draft(args.folder, args.robot, rig=args.rig, pattern=args.files)
-    study = written(made, args.folder, path)
+    with Progress("reading the files, and telling what they are"):
+        made = draft(args.folder, args.robot, rig=args.rig, pattern=args.files)
+        study = written(made, args.folder, path)
     names = [t.id for t in study.trials]
     answer: dict[str, Any] = {
         "study": str(path),
@@ -131,8 +150,11 @@ def _pattern(group: Group) -> str:
 def _check(args: argparse.Namespace) -> int:
     from spacerobot.diagnosis.study_check import check_study
     from spacerobot.recordings.study import load_study
+    from spacerobot.support.progress import Progress
 
-    report = check_study(load_study(args.study, args.data))
+    study = load_study(args.study, args.data)
+    with Progress("reading, and trying the model as believed", len(study.trials), unit="trial") as progress:
+        report = check_study(study, report=progress.advance)
     print(dumps(report) if args.json else _text(report))
     if args.json and report["errors"]:
         print("\n".join(report["errors"]), file=sys.stderr)

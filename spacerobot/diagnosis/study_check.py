@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from spacerobot.diagnosis.selection.admission import left_aside, of_study, questions
@@ -12,13 +13,14 @@ from spacerobot.recordings.study import Study
 from spacerobot.support.errors import InputError
 
 
-def check_study(study: Study) -> dict[str, Any]:
+def check_study(study: Study, *, report: Callable[[], object] = lambda: None) -> dict[str, Any]:
     """Read every file of a study, and say what is in it and what is odd about it.
 
     A trial that cannot be read is listed with its error; the others are still checked.
 
     Args:
         study: the study, a draft perhaps.
+        report: told of every trial that was read.
 
     Returns:
         ready for JSON: title, trials, conditions, ranges of the channels, warnings, errors (why it cannot be
@@ -26,18 +28,18 @@ def check_study(study: Study) -> dict[str, Any]:
     """
     limits, mended, fault = _robot(study)
     if study.draft:  # which is not diagnosed before its author has finished it
-        report = check.check_study(study, limits)
+        found = check.check_study(study, limits, report=report)
     else:
-        report = check.check_study(study, limits, questions(study))
-        report["errors"] = list(dict.fromkeys([*map(str, of_study(study)), *report["errors"]]))
-    report["warnings"] += mended
-    report["not_predicted"] = list(left_aside(study))
-    names = ", ".join([name for name in report["not_predicted"] if not name.startswith("aux.")][:12])
+        found = check.check_study(study, limits, questions(study), report)
+        found["errors"] = list(dict.fromkeys([*map(str, of_study(study)), *found["errors"]]))
+    found["warnings"] += mended
+    found["not_predicted"] = list(left_aside(study))
+    names = ", ".join([name for name in found["not_predicted"] if not name.startswith("aux.")][:12])
     if names:
-        report["warnings"].append(f"recorded, but predicted by no model of this baseline, so left aside: {names}")
+        found["warnings"].append(f"recorded, but predicted by no model of this baseline, so left aside: {names}")
     if fault:
-        report["errors"].append(f"robot: {fault}")
-    return report
+        found["errors"].append(f"robot: {fault}")
+    return found
 
 
 def _robot(study: Study) -> tuple[dict[str, Limits], list[str], str]:

@@ -168,6 +168,13 @@ class ChannelSpec:
                 valid="body.force.x or .y (of target, base or body)",
                 where=self.where,
             )
+        if self.frame == "body" and (self.plus_sigma or self.offset_sigma > 0.0):
+            raise InputError(
+                "a force along a body's axes is turned as it was read: no zero or factor of it can be doubted",
+                given=self.name,
+                valid='offset and plus as numbers, or frame = "world"',
+                where=self.where,
+            )
         if any(not math.isfinite(k) for _, k in self.plus):
             raise InputError("the factors of 'plus' must be finite", given=dict(self.plus), where=self.where)
         if any(not (math.isfinite(s) and s > 0.0) for _, s in self.plus_sigma):

@@ -30,7 +30,10 @@ IDLE = (".friction", ".ratio", ".kp", ".kv")
 
 
 def check_study(
-    study: Study, limits: Mapping[str, Limits] | None = None, ask: Ask = lambda recording: ()
+    study: Study,
+    limits: Mapping[str, Limits] | None = None,
+    ask: Ask = lambda recording: (),
+    report: Callable[[], object] = lambda: None,
 ) -> dict[str, Any]:
     """Trials, channels, ranges, rates, gaps, warnings and errors of a study, ready for JSON.
 
@@ -41,6 +44,7 @@ def check_study(
         study: the study.
         limits: joint -> what its URDF says, where the robot was loaded.
         ask: asked of each recording what else is wrong with it.
+        report: told of every trial that was read.
     """
     seen = Ranges(study, limits or {})
     trials: list[dict[str, Any]] = []
@@ -67,6 +71,7 @@ def check_study(
                 entry["error"] = str(refusal)
             seen.add(recording)
         trials.append(entry)
+        report()
     spans = seen.found()
     try:
         digest = study.input_hash
@@ -170,10 +175,6 @@ def _idle(study: Study) -> list[str]:
         shape = (".radius", ".length", ".width", ".height")  # drawn
         idle |= {n for n in stated if n.startswith(("wrist.", "contact.")) and n not in DEFAULTS}
         idle |= {n for n in study.absolute if n.startswith("target.") and n not in DEFAULTS and not n.endswith(shape)}
-    else:  # only a wrist rig's fit finds zeros and factors that are doubted
-        specs = [c for s in study.streams.values() for c in s.channels]
-        idle |= {f"offset_sigma of {c.name}" for c in specs if c.offset_sigma > 0.0}
-        idle |= {f"sigma of {column} in {c.name}" for c in specs for column, _ in c.plus_sigma}
     return sorted(idle)
 
 

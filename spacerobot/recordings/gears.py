@@ -115,6 +115,7 @@ def _joint(
 ) -> ChannelSpec:
     """A joint's channel from its row of factors on the motors'."""
     plus: list[tuple[str, float]] = []
+    doubts: dict[str, float] = {}
     square, offset, doubt = 0.0, 0.0, 0.0
     counted = own.factor if quantity == "current" else 1.0
     for k, (motor, factor) in enumerate(zip(motors, row.tolist(), strict=True)):
@@ -127,6 +128,8 @@ def _joint(
         doubt += (counted * factor * motor.offset_sigma) ** 2
         plus += [(motor.column, counted * factor * motor.scale)] if k != index else []
         plus += [(column, counted * factor * share) for column, share in motor.plus]
+        for column, sigma in motor.plus_sigma:
+            doubts[column] = math.hypot(doubts.get(column, 0.0), counted * factor * sigma)
     return replace(
         own,
         name=own.name.removesuffix("current") + "torque" if quantity == "current" else own.name,
@@ -135,6 +138,7 @@ def _joint(
         offset=offset,
         offset_sigma=math.sqrt(doubt),
         plus=tuple(plus),
+        plus_sigma=tuple(doubts.items()),
         sigma=math.sqrt(square) if math.isfinite(square) else None,
     )
 

@@ -143,7 +143,8 @@ class Progress:
         """Where the work is, in a line."""
         of = "" if self._total is None else f" of {self._total}"
         waits = " (compiling, once after an installation)" if _compiling else ""
-        return f"{self._what}: {self._count}{of} {plural(self._unit)}, {time.monotonic() - self._begun:.0f} s{waits}"
+        count = f": {self._count}{of} {plural(self._unit)}" if self._count or of else ""
+        return f"{self._what}{count}, {time.monotonic() - self._begun:.0f} s{waits}"
 
     def advance(self, steps: int = 1, note: str = "") -> None:
         """Count `steps` more; `note` says what was done."""

@@ -5,11 +5,15 @@ from __future__ import annotations
 from pathlib import Path
 
 _PACKAGE = Path(__file__).resolve().parent.parent
-_SOURCES = {"urdf": ("_data/urdf", "../urdf"), "studies": ("_data/studies", "../examples/studies")}
+_SOURCES = {
+    "urdf": ("_data/urdf", "../urdf"),
+    "studies": ("_data/studies", "../examples/studies"),
+    "newcomer": ("_data/newcomer", "../examples/newcomer"),
+}
 
 
 def folder(kind: str) -> Path:
-    """The folder that holds the bundled `kind` ("urdf" or "studies").
+    """The folder that holds the bundled `kind` ("urdf", "studies" or "newcomer").
 
     Raises:
         FileNotFoundError: the installation lacks the folder (a broken wheel).

@@ -139,7 +139,7 @@ def test_a_reader_that_leaves_early_is_no_error() -> None:
 def test_a_full_disk_is_one_line() -> None:
     with open("/dev/full", "w") as full:
         done = subprocess.run(
-            [sys.executable, "-m", "spacerobot", "study", "check", "guide-friction"],
+            [sys.executable, "-m", "spacerobot", "study", "schema"],
             stdout=full,
             stderr=subprocess.PIPE,
             text=True,

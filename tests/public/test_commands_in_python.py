@@ -24,8 +24,10 @@ OF_COMMANDS = {
     "view": "film",
     "prove": "prove",
     "sweep": "run_sweep",
+    "study example": "example_recordings",
     "study new": "new_study",
     "study check": "check_study",
+    "study schema": "study_schema",
     "study table": "study_table",
 }
 """Command, with its action -> the function that does the same."""
@@ -73,6 +75,8 @@ OF_OPTIONS = {
     "sweep": "--out run_sweep.out --dask run_sweep.dask --jobs run_sweep.jobs --seed run_sweep.seed",
     "study new": "--out new_study.out --robot new_study.robot --rig new_study.rig --files new_study.files",
     "study check": "--data load_study.data",
+    "study example": "",
+    "study schema": "",
     "study table": "--out study_table --runs study_table.runs",
 }
 """Command -> its options, each with the function or class that does it, and with which argument, field or method."""

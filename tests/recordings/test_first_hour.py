@@ -10,7 +10,6 @@ import pytest
 from helpers_labs import SPEEDS, rig
 from scipy.io import savemat
 
-from spacerobot.recordings.check import check_study
 from spacerobot.recordings.draft import draft, draft_study
 from spacerobot.recordings.drafting.approach import Track
 from spacerobot.recordings.drafting.masses import is_mass
@@ -272,28 +271,6 @@ def test_matrices_without_names_are_joints_where_torques_have_as_many_columns(tm
     assert made.kind == "arm"
     found = {line.channel for lines in made.lines.values() for line in lines}
     assert found == {f"joint.joint{j}.{what}" for j in range(1, 6) for what in ("position", "velocity", "torque")}
-
-
-@pytest.mark.parametrize(("channel", "told"), [("body.position.x", True), ("target.x", False)])
-def test_check_says_where_nothing_reads_a_doubted_zero(tmp_path: Path, channel: str, told: bool) -> None:
-    """Only a wrist rig's fit finds zeros and factors that are doubted; elsewhere none is silently taken as exact."""
-    t = np.arange(0, 2, 0.01)
-    table(tmp_path / "a.csv", {"t": t, "x": np.sin(t), "y": np.cos(t)})
-    (tmp_path / "study.toml").write_text(
-        f"""format = 1
-[baseline]
-robot = "pa10_wrist"
-[streams.a]
-time = "t"
-channels.x = {{ is = "{channel}", sigma = 1e-4, offset_sigma = 1e-3, plus = {{ y = [0, 0.02] }} }}
-[[trials]]
-id = "1"
-a = "a.csv"
-"""
-    )
-    said = [w for w in check_study(load_study(tmp_path))["warnings"] if "no model reads it" in w]
-    assert bool(said) is told
-    assert not told or ("offset_sigma of body.position.x" in said[0] and "sigma of y in body.position.x" in said[0])
 
 
 def test_a_folder_of_nothing_but_counters_says_what_it_holds(tmp_path: Path) -> None:

@@ -125,3 +125,21 @@ def test_a_currents_unit_and_zero_become_the_torques(tmp_path: Path) -> None:
     for k, joint in enumerate("abc"):
         np.testing.assert_allclose(seen[f"joint.{joint}.torque"].value, torque[:, k] + zeros[k], atol=1e-9)
     assert q.shape[1] == 3
+
+
+def test_a_doubted_factor_of_a_motor_is_one_of_each_joint_that_it_turns(tmp_path: Path) -> None:
+    """Its standard deviation goes through the ratio as its factor does; that of the raw motor was kept."""
+    log(tmp_path, COUPLED, 0.07)
+    plain = study(tmp_path, COUPLED)
+    text = plain.path.read_text()
+    said = 'i2 = { is = "joint.b.current", unit = "mA"'
+    text = text.replace('i2 = { is = "joint.b.current"', f"{said}, plus = {{ q1 = [0, 5.0] }}")
+    for k, j in ((1, "a"), (3, "c")):
+        text = text.replace(f'i{k} = {{ is = "joint.{j}.current"', f'i{k} = {{ is = "joint.{j}.current", unit = "mA"')
+    plain.path.write_text(text)
+    seen = load_study(tmp_path).recording("1")
+    assert "q1" not in seen["joint.a.torque"].beside
+    for joint, ratio in (("b", COUPLED[1, 1]), ("c", COUPLED[1, 2])):
+        column, sigma = seen[f"joint.{joint}.torque"].beside["q1"]
+        assert sigma == pytest.approx(0.07 * ratio * 1e-3 * 5.0)
+        assert np.ptp(column) > 1.0

@@ -50,6 +50,17 @@ def test_a_run_agrees_with_itself(tmp_path: Path) -> None:
     assert not [r for rows in compare(folder, folder).sections.values() for r in rows if r.differ]
 
 
+def test_held_out_errors_have_their_units(tmp_path: Path) -> None:
+    told = copy.deepcopy(verdict("named"))
+    error = {"rms_before": 1e-3, "rms_after": 1.5e-4}
+    told["held_out"]["channels"] = {"target.x": error, "joint.elbow.torque": error, "body.velocity.x.after": error}
+    folder = run_of(tmp_path / "a", told)
+    rows = {r.what: r.first for r in compare(folder, folder).sections["Held-out error"]}
+    assert rows["target.x, after"].split() == ["0.15", "mm"]
+    assert rows["body.velocity.x.after, after"].endswith("m/s")
+    assert rows["joint.elbow.torque, after, SI"] == "0.00015"  # N where it slides
+
+
 def test_another_kind_of_verdict_is_marked(tmp_path: Path) -> None:
     found = compare(run_of(tmp_path / "a", verdict("named")), run_of(tmp_path / "b", verdict("unknown")))
     assert found.sections["Verdict"][0].differ

@@ -50,6 +50,7 @@ from spacerobot.diagnosis.terms.kinds import (
     WRONG_PARAMETER,
     Kind,
 )
+from spacerobot.diagnosis.terms.parameters import zero_key
 from spacerobot.effects.effect import said_name
 from spacerobot.recordings.study import Study
 
@@ -207,8 +208,9 @@ def furthest_moved(parts: Sequence[Part], stated: Collection[str]) -> dict[str, 
     """
     out: dict[str, Moved] = {}
     for part in parts:
+        known = {*stated, *part.model.believed.unknown, *map(zero_key, part.model.believed.zeros)}
         for name, entry in all_moved(part.fit).items():
-            if name not in stated and name not in part.model.believed.unknown and _in_sigmas(entry) <= MOVED:
+            if name not in known and _in_sigmas(entry) <= MOVED:
                 continue
             if name not in out or _in_sigmas(entry) > _in_sigmas(out[name]):
                 out[name] = entry

@@ -149,7 +149,7 @@ def _unit(name: str) -> str:
 
 def _believed(model: Machine) -> tuple[Hypothesis, np.ndarray]:
     """A part without effects, its values as believed; those that are unknown as they fit best."""
-    made = hypothesis(replace(model.believed, sigma={}), ())
+    made = hypothesis(replace(model.believed, sigma={}, zeros={}), ())
     if not made.free:
         return made, np.zeros(0)
     return made, Fitter(model, model.trials).fit(made, max_iterations=STEPS).z

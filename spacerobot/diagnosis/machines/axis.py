@@ -10,6 +10,7 @@ import pinocchio as pin
 
 from spacerobot.diagnosis.machines import torque_log
 from spacerobot.diagnosis.machines.contract import FIRST_NOISE, conditions_of
+from spacerobot.diagnosis.machines.doubted import doubted
 from spacerobot.diagnosis.machines.simulated import Build, Simulated
 from spacerobot.diagnosis.machines.sizes import sizes_of
 from spacerobot.diagnosis.machines.windows import Drive, band_limited, moment, refinement
@@ -98,6 +99,11 @@ def axis(
     return build
 
 
+def _between(time: np.ndarray, value: np.ndarray, factor: int) -> tuple[np.ndarray, np.ndarray]:
+    """A signal at so many times its rate."""
+    return band_limited(time, value, factor) if factor > 1 else (time, value)
+
+
 def axis_model(study: Study, trials: Sequence[Trial], joint: str, robot: Robot) -> Simulated:
     """The simulated axis of a study.
 
@@ -114,6 +120,8 @@ def axis_model(study: Study, trials: Sequence[Trial], joint: str, robot: Robot) 
     values = {n: v for n, v in study.values().items() if n.startswith(f"{name}.")}
     index = robot.velocity_index(joint)
     own = float(joint_space_inertia(robot, robot.configuration())[index, index])
+    taken = (f"{name}.position", f"{name}.torque") if driven else (f"{name}.position",)
+    doubts = doubted(study, trials, taken)
     drives, motion = {}, []
     for trial in trials:
         recording = study.recording(trial)
@@ -122,8 +130,10 @@ def axis_model(study: Study, trials: Sequence[Trial], joint: str, robot: Robot) 
         if driven:
             torque = recording[f"{name}.torque"]
             factor = refinement(torque.good()[1])
-            fine, drive = band_limited(*torque.good(), factor) if factor > 1 else torque.good()
-            drives[trial.id], force = Drive(fine, {f"{name}.torque": drive}), torque.good()[1]
+            fine, drive = _between(*torque.good(), factor)
+            columns = doubts.of(trial.id, torque.name, torque.good()[0])
+            beside = {k: _between(torque.good()[0], column, factor)[1] for k, column in columns.items()}
+            drives[trial.id], force = Drive(fine, {torque.name: drive}, beside=beside), torque.good()[1]
         motion.append((force, value, np.gradient(value, time)))
     force, place, rate = (np.concatenate([m[i] for m in motion]) for i in range(3))
     if not np.any(force):  # what it takes to move it as it moves
@@ -158,6 +168,7 @@ def axis_model(study: Study, trials: Sequence[Trial], joint: str, robot: Robot) 
         sizes={"": sizes},
         covered=frozenset((e.name, name) for e in all_effects().values() if stood_for(e, name, fitted)),
         window=study.horizon or sizes.time * (length if driven or sprung else SWINGS * 2.0 * math.pi),
+        doubted=doubts,
     )
     made.moment = late
     made.stated = frozenset(whole[0].channels if stated else ())

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from spacerobot.diagnosis.machines.contract import FIRST_NOISE, conditions_of
+from spacerobot.diagnosis.machines.doubted import doubted
 from spacerobot.diagnosis.machines.simulated import Build, Simulated
 from spacerobot.diagnosis.machines.sizes import sizes_of
 from spacerobot.diagnosis.machines.windows import FOLDS, commanded, moment
@@ -191,6 +192,8 @@ def _model(study: Study, trials: Sequence[Trial], group: str, name: str) -> Simu
     driven = sorted(c for c in every if c.startswith((f"{group}.force.", f"{group}.torque.")))
     free = flies(study, trials, group)
     axes = [a for a in axes_of(study, group, free) if a.shown(sorted(every)) and (not driven or a.force in driven)]
+    shown = [c for a in axes for c, _ in a.shown(sorted(every))]
+    doubts = doubted(study, trials, {*shown, *driven})
     whole, drives, sizes = [], {}, _sizes(study, trials, axes, driven, group)
     for trial in trials:
         recording = study.recording(trial)
@@ -209,7 +212,8 @@ def _model(study: Study, trials: Sequence[Trial], group: str, name: str) -> Simu
         condition = study.condition(trial)
         whole.append(TrialData(trial.id, condition, overrides, tuple(blocks), float(start), float(end)))
         if driven:
-            drives[trial.id] = commanded({c: recording[c].good() for c in driven})
+            beside = doubts.only(driven.__contains__).columns.get(trial.id, {})
+            drives[trial.id] = commanded({c: recording[c].good() for c in driven}, beside)
     values = {f"body.{n.split('.', 1)[1]}": v for n, v in study.values().items() if n.startswith(f"{group}.")}
     unknown, relative = {}, []
     for key, angular in (("body.mass", False), ("body.yaw_inertia", True)):
@@ -229,8 +233,8 @@ def _model(study: Study, trials: Sequence[Trial], group: str, name: str) -> Simu
         if 0 < len(forces) < len(driven):
             sensors[FORCES] = forces
     known = study.recording(trials[0])
-    doubted = {f"body.{n.split('.', 1)[1]}": v for n, v in study.sigma.items() if n.startswith(f"{group}.")}
-    sigma = {n: v for n, v in doubted.items() if n in ("body.mass", "body.yaw_inertia") and n not in unknown}
+    said = {f"body.{n.split('.', 1)[1]}": v for n, v in study.sigma.items() if n.startswith(f"{group}.")}
+    sigma = {n: v for n, v in said.items() if n in ("body.mass", "body.yaw_inertia") and n not in unknown}
     logs = (study.recording(t)[c].good()[0] for t in trials for c in driven)
     late = moment("body.delay", values, (np.median(np.diff(log)) for log in logs)) if driven else {}
     values |= dict.fromkeys(late, 0.0)
@@ -251,6 +255,7 @@ def _model(study: Study, trials: Sequence[Trial], group: str, name: str) -> Simu
         sizes=sizes,
         window=study.horizon or _window(whole, sizes[""].time, bool(driven)),
         covered=frozenset(covered),
+        doubted=doubts,
     )
     made.moment, made.flies = late, free
     made.stated = frozenset(c for c in whole[0].channels if known[c].sigma_stated)

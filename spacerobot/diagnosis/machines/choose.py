@@ -10,6 +10,7 @@ import numpy as np
 from spacerobot.diagnosis.machines.axis import axis_model
 from spacerobot.diagnosis.machines.body import axes_of, body_models
 from spacerobot.diagnosis.machines.contract import Machine
+from spacerobot.diagnosis.machines.doubted import doubted
 from spacerobot.diagnosis.machines.grid import Grid, even_grid
 from spacerobot.diagnosis.machines.impacts import impact_models
 from spacerobot.diagnosis.machines.joint_log import TURN
@@ -129,6 +130,7 @@ def balances(study: Study, trials: list[Trial], joints: tuple[str, ...]) -> list
     stream = "" if first is None else study.recording(trials[0])[f"joint.{first}.torque"].stream
     values = {_mass(n): v for n, v in study.values().items() if n.startswith("joint.")}
     logs = [study.recording(t)[c] for t in trials for c in channels]
+    doubts = doubted(study, trials, channels)
     noise = {s.name: s.sigma for s in logs if s.sigma_stated}
     found: list[Machine] = []
     for joint in joints:
@@ -147,6 +149,7 @@ def balances(study: Study, trials: list[Trial], joints: tuple[str, ...]) -> list
                 sensor=stream,
                 noise=noise,
                 idle=tuple(idle),
+                doubted=doubts,
             )
         )
     return found

@@ -11,13 +11,16 @@ from typing import Protocol, Self
 
 import numpy as np
 
+from spacerobot.diagnosis.machines.doubted import NONE, Doubted, beyond
 from spacerobot.diagnosis.machines.sizes import scaled
 from spacerobot.diagnosis.machines.touch import Moment
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed, Hypothesis, Site
+from spacerobot.diagnosis.terms.parameters import zero_key
 from spacerobot.effects.effect import Effect
 from spacerobot.effects.learned import Variable
 from spacerobot.effects.mechanism import Mechanism
+from spacerobot.effects.primitives import ChannelMap
 from spacerobot.effects.registry import all_effects
 from spacerobot.effects.sizes import Sizes
 
@@ -32,6 +35,7 @@ class Nuisance:
         guess: first value.
         scale: step of one unit in a fit.
         least: smallest difference that a derivative can be taken by: less is lost in an integrator's error.
+        beside: by doubted factor, what one more of it adds to where it truly is: it is counted as it was read.
     """
 
     coordinate: str
@@ -39,11 +43,16 @@ class Nuisance:
     guess: float
     scale: float
     least: float = 0.0
+    beside: tuple[tuple[str, float], ...] = ()
 
     @property
     def floor(self) -> float:
         """That difference in units of a fit."""
         return self.least / self.scale
+
+    def true(self, value: float, mechanism: Mechanism) -> float:
+        """Where it is by a mechanism's factors, of a value as it was read."""
+        return value + sum(beyond(mechanism, key) * by for key, by in self.beside)
 
 
 FIRST_NOISE = 0.02
@@ -116,6 +125,7 @@ class Machine(ABC):
         no_balance: why nothing can be located in its balance, where it has none.
         not_measured: why its readings tell nothing of it; the study's verdict does not hang on such a part.
         predicts_readings: whether what is predicted are the sensors' own readings, not a balance of them.
+        doubted: zeros of its channels and factors of other columns in them, which its fit finds.
         met: by recorded trial, when it met something, a floor or a hand, that the baseline does not know; cut there.
         moment: values, believed to be zero, of when its inputs acted within a sample, with their deviations [s]; held
             there unless they are worth being free.
@@ -134,6 +144,7 @@ class Machine(ABC):
     no_balance: str = ""
     predicts_readings: bool = False
     moment: Mapping[str, float] = MappingProxyType({})
+    doubted: Doubted = NONE
     met: Mapping[str, tuple[Moment, ...]] = MappingProxyType({})
     not_measured: str = ""
     otherwise: Mapping[str, str] = MappingProxyType({})
@@ -168,7 +179,24 @@ class Machine(ABC):
     def trial_mechanism(self, hypothesis: Hypothesis, z: np.ndarray, trial: TrialData) -> Mechanism:
         """The edited mechanism of one trial."""
         values = hypothesis.trial_values(z, dict(self.base), trial.condition, trial.overrides)
-        return hypothesis.edit(self.mechanism(values, trial), hypothesis.values(z), trial.id)
+        free = hypothesis.values(z)
+        return hypothesis.edit(self.mechanism(values, trial).with_map(*self.zeros(free)), free, trial.id)
+
+    def zeros(self, free: Mapping[str, float]) -> Iterable[ChannelMap]:
+        """Zeros of channels, and what factors have beyond what is believed, as maps; of free parameters' values."""
+        return (ChannelMap(c, "offset", free.get(zero_key(c), 0.0)) for c in self.believed.zeros)
+
+    def take_off_beside(self, blocks: Sequence[np.ndarray], mechanism: Mechanism, trial: TrialData) -> None:
+        """Take what other columns bring into the channels of a trial, by factors that are doubted, off what is shown.
+
+        With a factor larger than believed the channel's readings, as they are made, lack that much of the column.
+
+        Args:
+            blocks: what was predicted, shape (channels, times) each; changed in place.
+            mechanism: with the factors.
+            trial: whose times.
+        """
+        self.doubted.take_off(blocks, mechanism, trial.recorded, ((b.channels, b.time) for b in trial.blocks))
 
     def sites(self, effects: Iterable[Effect] | None = None) -> list[Site]:
         """Every effect at every place where it could sit, its parameters scaled to what is typical there.

@@ -13,6 +13,7 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 
 from spacerobot.diagnosis.machines.contract import FIRST_NOISE, Machine, Predicted, conditions_of
+from spacerobot.diagnosis.machines.doubted import doubted
 from spacerobot.diagnosis.machines.measured import through_sensor
 from spacerobot.diagnosis.machines.windows import PIECES
 from spacerobot.diagnosis.terms.data import Block, TrialData, piece_id
@@ -55,6 +56,7 @@ class Impacts(Machine):
         values = {n: v for n, v in study.values().items() if n.startswith("body.")}
         unknown = {n: HALF for n in ("body.restitution",) if n in study.baseline.unknown}
         self.base = {"body.restitution": 1.0, **values}
+        self.doubted = doubted(study, trials, {*BEFORE, *AFTER, *NORMAL, *TANGENT})
         self._rows: dict[str, dict[str, np.ndarray]] = {}
         cut: list[TrialData] = []
         every = [study.recording(t) for t in trials]
@@ -78,7 +80,7 @@ class Impacts(Machine):
         self.trials = tuple(cut)
         self.sizes: Mapping[str, Sizes] = {"": Sizes(1.0, 1.0, 1.0, float(speed[0]))}
         sigma = {n: s for n, s in study.sigma.items() if n in self.base}
-        self.believed = Believed(self.base, sigma, {}, conditions_of(cut), unknown)
+        self.believed = Believed(self.base, sigma, {}, conditions_of(cut), unknown, zeros=self.doubted.sigma)
 
     def contradiction(self) -> tuple[str, str]:
         """Whether impulses along the rows account for what changes far better with a yaw counted the other way."""
@@ -124,8 +126,11 @@ class Impacts(Machine):
 
     def predict(self, mechanism: Mechanism, trial: TrialData, initial: np.ndarray) -> Predicted:
         """The velocities after each impact."""
-        rows = self._rows[trial.id]
-        before, n, d = (np.array([rows[c] for c in names]) for names in (BEFORE, NORMAL, TANGENT))
+        rows, time = self._rows[trial.id], trial.blocks[0].time
+        before, n, d = (
+            np.array([rows[c] + self.doubted.brought(mechanism, trial.recorded, c, time) for c in names])
+            for names in (BEFORE, NORMAL, TANGENT)
+        )
         inverse = np.array([1.0 / mechanism.coordinates[k].mass for k in ("target", "target.y", "target.yaw")])
         assert mechanism.contact is not None
         restitution = mechanism.contact.p[0]
@@ -135,6 +140,7 @@ class Impacts(Machine):
         for k, channel in enumerate(AFTER):
             maps = tuple(m for m in mechanism.maps if m.channel == channel)
             out.append(through_sensor(maps, after[k], 1.0)[None])
+        self.take_off_beside(out, mechanism, trial)
         return Predicted(tuple(out))
 
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from spacerobot.diagnosis.machines.grid import Grid
+from spacerobot.diagnosis.machines.joint_factors import Brought
 from spacerobot.diagnosis.machines.rigid import Rigid
 from spacerobot.diagnosis.machines.sizes import sizes_of
 from spacerobot.diagnosis.machines.test_functions import Bump
@@ -44,6 +45,25 @@ class Motion:
     run_up: np.ndarray  # (R, J) acceleration of the trial before it
     slow: np.ndarray  # (J,) rate below which it may stand still
     lens: Bump  # what motion and torque were seen through before
+    beside: Mapping[str, Brought] = field(default_factory=dict)  # by doubted factor
+
+    def told(self, beyond: Callable[[str], float]) -> Motion:
+        """As it truly was, with each doubted factor so much larger than believed."""
+        if not self.beside:
+            return self
+        by = {key: beyond(key) for key in self.beside}
+
+        def truly(of: str) -> np.ndarray:
+            return np.asarray(getattr(self, of) + sum(b * getattr(self.beside[key], of) for key, b in by.items()))
+
+        return replace(
+            self,
+            position=truly("position"),
+            velocity=truly("velocity"),
+            acceleration=truly("acceleration"),
+            rigid=truly("rigid"),
+            torque=None if self.torque is None else truly("torque"),
+        )
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,13 +9,16 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 from spacerobot.diagnosis.machines import torque_log
 from spacerobot.diagnosis.machines.contract import FACTORS, FIRST_NOISE, Machine, Predicted, Variant, conditions_of
+from spacerobot.diagnosis.machines.doubted import NONE, Doubted, beyond
 from spacerobot.diagnosis.machines.grid import Grid
 from spacerobot.diagnosis.machines.hidden_motion import hidden
+from spacerobot.diagnosis.machines.joint_factors import Brought, asked_for, brought
 from spacerobot.diagnosis.machines.joint_log import JointLog, Motion, kinematics, shifted, torque_sizes
 from spacerobot.diagnosis.machines.links import carried_links, mass_of, with_masses
 from spacerobot.diagnosis.machines.measured import port_forces
@@ -83,6 +86,7 @@ class InverseDynamics(Machine):
         sensor: str = "torques",
         noise: Mapping[str, float] | None = None,
         idle: Sequence[str] = (),
+        doubted: Doubted = NONE,
     ) -> None:
         """From joint logs.
 
@@ -105,6 +109,7 @@ class InverseDynamics(Machine):
                 states them all; see `Part.loudness`.
             idle: joints whose torque was not logged but is stated (zero, where nothing drives them): no sensor shows
                 it.
+            doubted: of the joints' channels, by the same trials.
         """
         self.joints = tuple(joints)
         self.compared = tuple(joints if compared is None else compared)
@@ -123,9 +128,11 @@ class InverseDynamics(Machine):
             Rigid(with_masses(robot, {n: 2.0 * m}, floating=robot.floating), gravity, self.joints)
             for n, m in self._link_mass.items()
         ]
-        doubted = {n for n in {**sigma, **(absolute or {})} if n.endswith(".zero") and n.split(".")[1] in self.joints}
-        self._zeros = tuple(sorted(doubted))
-        sigma = {n: s for n, s in sigma.items() if not n.endswith(".zero") or n in doubted}
+        moved = {n for n in {**sigma, **(absolute or {})} if n.endswith(".zero") and n.split(".")[1] in self.joints}
+        self._zeros = tuple(sorted(moved))
+        sigma = {n: s for n, s in sigma.items() if not n.endswith(".zero") or n in moved}
+        unfelt = {f"joint.{j}.torque" for j in self.joints if j not in self.compared}
+        self.doubted = doubted.only(lambda channel: channel not in unfelt)
         believed_zeros = {j: (values or {}).get(f"joint.{j}.zero", 0.0) for j in self.joints}
         grids = {k: (shifted(g, believed_zeros), condition, own) for k, (g, condition, own) in grids.items()}
         self._raw = raw = {k: kinematics(g, self.joints, SHARP) for k, (g, _, _) in grids.items()}
@@ -150,11 +157,12 @@ class InverseDynamics(Machine):
             log = log.thinned(thin, arm, heavier, [self.joints.index(n.split(".")[1]) for n in self._zeros])
             half = max(SHARP, round(own_pace / log.step))
             narrow = Bump.of(sharp, grid.step)
+            beside = self._brought(key, grid, log, narrow, thin)
             slow = np.array([still_below(noise or {}, j, narrow) for j in self.compared])
-            pieces = self._cut(key, log, condition, overrides, half, slow)
-            pieces = pieces or self._cut(key, log, condition, overrides, half, 0.0 * slow)
+            pieces = self._cut(key, log, condition, overrides, half, slow, beside=beside)
+            pieces = pieces or self._cut(key, log, condition, overrides, half, 0.0 * slow, beside=beside)
             rest = self._slow[[self.joints.index(j) for j in self.compared]]
-            moving = self._cut(key, log, condition, overrides, half, slow, rest)
+            moving = self._cut(key, log, condition, overrides, half, slow, rest, beside=beside)
             if 2 * len(moving) > len(pieces):
                 pieces = moving
             else:  # its weight at rest is most of what is known: such readings count, so friction asks none of them
@@ -173,13 +181,14 @@ class InverseDynamics(Machine):
         self.base.update(
             {n: self._mass[n[: -len(".mass")]] for n in sigma if n.endswith(".mass") and n not in self.base}
         )
-        around = {n: s for n, s in (absolute or {}).items() if not n.endswith(".zero") or n in doubted}
+        around = {n: s for n, s in (absolute or {}).items() if not n.endswith(".zero") or n in moved}
         self.moment = {}
         for joint in (j for j in self.compared if j not in idle):
             steps = (grid.step for grid, _, _ in grids.values())
             self.moment |= moment(f"joint.{joint}.delay", {*around, *self.base}, steps)
         self.base |= {n: 0.0 for n in (*around, *self.moment) if n not in self.base}
-        self.believed = Believed(self.base, sigma, {}, conditions_of(trials), centres, absolute=around)
+        zeros = self.doubted.sigma
+        self.believed = Believed(self.base, sigma, {}, conditions_of(trials), centres, absolute=around, zeros=zeros)
         self.not_measured = self._silence(unknown)
 
     def _silence(self, unknown: Sequence[str]) -> str:
@@ -204,6 +213,16 @@ class InverseDynamics(Machine):
         unit = "N m" if self.angular(self.compared[0]) else "N"
         return f"its torque reads {shown:.2g} {unit} rms about its mean where the motion asks for {moved:.2g}"
 
+    def _brought(self, key: str, grid: Grid, log: JointLog, lens: Bump, thin: int) -> dict[str, Brought]:
+        """By doubted factor, what one more of it adds to a trial's log."""
+        out, motion = {}, (log.position, log.velocity, log.acceleration)
+        rates = all(f"joint.{j}.velocity" in grid.value for j in self.joints)
+        for channel in grid.value:
+            for name, column in self.doubted.of(key, channel, grid.time).items():
+                own = brought(channel, column, self.joints, lens, thin, rates=rates)
+                out[name] = replace(own, rigid=asked_for(own, motion, log.turn, self._arm, self.doubted.sigma[name]))
+        return out
+
     def _cut(
         self,
         key: str,
@@ -213,6 +232,8 @@ class InverseDynamics(Machine):
         half: int,
         slow: np.ndarray,
         rest: np.ndarray | float = 0.0,
+        *,
+        beside: Mapping[str, Brought],
     ) -> list[TrialData]:
         """The trial in pieces, each with its motion and with its torque seen through the test functions.
 
@@ -252,6 +273,7 @@ class InverseDynamics(Machine):
                 slow=self._slow,
                 run_up=log.acceleration[: int(part[0])],
                 lens=log.lens,
+                beside={k: own.part(part) for k, own in beside.items()},
             )
             self._bump[name] = bump
         return out
@@ -317,7 +339,7 @@ class InverseDynamics(Machine):
             rigid = still + factor**2 * (m.rigid - still)
             speed, growth = factor * m.velocity, factor**2 * m.acceleration
             other._motion[name] = replace(
-                m, velocity=speed, acceleration=growth, rigid=rigid, torque=None, run_up=factor**2 * m.run_up
+                m, velocity=speed, acceleration=growth, rigid=rigid, torque=None, run_up=factor**2 * m.run_up, beside={}
             )
         return other
 
@@ -385,13 +407,14 @@ class InverseDynamics(Machine):
 
     def predict(self, mechanism: Mechanism, trial: TrialData, initial: np.ndarray) -> Predicted:
         """The torques that the model asks for along the measured motion, through the test functions."""
-        motion, bump = self._motion[trial.id], self._bump[trial.id]
+        read, bump = self._motion[trial.id], self._bump[trial.id]
+        motion = read.told(partial(beyond, mechanism))
         names = [f"joint.{j}" for j in self.joints]
         position = {n: motion.position[:, i] for i, n in enumerate(names)}
         velocity = {n: motion.velocity[:, i] for i, n in enumerate(names)}
         # inertia beyond the rigid model's: a payload, a mass that is fitted
-        beyond = [mechanism.coordinates[n].mass - self._mass[n] for n in names]
-        asked = motion.rigid + motion.acceleration * beyond
+        more = [mechanism.coordinates[n].mass - self._mass[n] for n in names]
+        asked = motion.rigid + motion.acceleration * more
         for link, own in zip(self.links, motion.by_link, strict=True):
             asked = asked + (mechanism.coordinates[f"link.{link}"].mass / self._link_mass[link] - 1.0) * own
         for zero, change in zip(self._zeros, motion.by_zero, strict=True):
@@ -415,7 +438,10 @@ class InverseDynamics(Machine):
                 torque = torque - mechanism.ports[port].get(name, 0.0) * force
             maps = tuple(m for m in mechanism.maps if m.channel == f"{name}.torque")
             log = None if motion.torque is None else motion.torque[:, names.index(name)]
-            out.append(torque_log.seen(maps, torque, log, bump)[:: motion.stride])
+            shown = torque_log.seen(maps, torque, log, bump)
+            for key, own in read.beside.items():
+                shown = shown - beyond(mechanism, key) * bump.smooth(own.torque[:, names.index(name)])
+            out.append(shown[:: motion.stride])
         return Predicted((np.array(out),))
 
 

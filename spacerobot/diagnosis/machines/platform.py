@@ -19,6 +19,7 @@ import numpy as np
 import pinocchio as pin
 
 from spacerobot.diagnosis.machines.contract import FIRST_NOISE, Machine, Nuisance, Predicted, conditions_of
+from spacerobot.diagnosis.machines.doubted import BAR, doubted
 from spacerobot.diagnosis.machines.links import robot_of
 from spacerobot.diagnosis.machines.measured import port_forces, through_sensor
 from spacerobot.diagnosis.machines.sizes import sizes_of
@@ -87,13 +88,15 @@ class Platform(Machine):
         self._shape: dict[tuple[object, ...], Shape] = {}
         self._arms: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {}
         self._seen: dict[str, tuple[dict[str, np.ndarray], dict[str, np.ndarray]]] = {}
+        self.doubted = doubted(study, trials, {*TRACK.values(), *self.drives.values()})
         self._raw = {t.id: {c: study.recording(t)[c].good() for c in TRACK.values()} for t in trials}
         self.sizes = self._sizes()
         self._whole = tuple(self._trial(t) for t in trials)
         self.trials = self._whole
         sigma = {n: s for n, s in study.sigma.items() if n in VALUES}
         unknown = {n: self.base[n] for n in VALUES if n in study.baseline.unknown}
-        self.believed = Believed(self.base, sigma, {}, conditions_of(self.trials), unknown)
+        zeros = self.doubted.sigma
+        self.believed = Believed(self.base, sigma, {}, conditions_of(self.trials), unknown, zeros=zeros)
         self.stated = frozenset(c for c in TRACK.values() if all(study.recording(t)[c].sigma_stated for t in trials))
 
     def _sizes(self) -> Mapping[str, Sizes]:
@@ -179,14 +182,21 @@ class Platform(Machine):
         out = []
         for coordinate, channel in TRACK.items():
             near = local(*self._raw[trial.id][channel], trial.start, EARLY)
-            size = self.sizes[coordinate]
-            out.append(Nuisance(coordinate, False, near.value, max(near.value_sigma, 1e-3 * size.length)))
-            out.append(Nuisance(coordinate, True, near.slope, max(near.slope_sigma, 1e-2 * size.length / size.time)))
+            size, time = self.sizes[coordinate], self._raw[trial.id][channel][0]
+            columns = self.doubted.of(trial.recorded, channel, time)
+            beside = {k: local(time, column, trial.start, EARLY) for k, column in columns.items()}
+            place, rate = (tuple((k, getattr(b, of)) for k, b in beside.items()) for of in ("value", "slope"))
+            far, fast = max(near.value_sigma, 1e-3 * size.length), max(near.slope_sigma, 1e-2 * size.length / size.time)
+            out.append(Nuisance(coordinate, False, near.value, far, beside=place))
+            out.append(Nuisance(coordinate, True, near.slope, fast, beside=rate))
         return tuple(out)
 
     def predict(self, mechanism: Mechanism, trial: TrialData, initial: np.ndarray) -> Predicted:
         """The base's track that momentum asks for."""
         grid = self._grid[trial.id]
+        if self.doubted.sigma:
+            pairs = zip(self.nuisances(trial), initial, strict=True)
+            initial = np.array([n.true(float(v), mechanism) for n, v in pairs])
         x0, vx, y0, vy, yaw0, spin0 = (float(v) for v in initial)
         shape = self._shaped(trial, mechanism)
         force, torque = self._outer(mechanism, trial, shape)
@@ -208,6 +218,7 @@ class Platform(Machine):
             (channel,) = block.channels
             maps = tuple(m for m in mechanism.maps if m.channel == channel)
             out.append(np.interp(block.time, grid, through_sensor(maps, track[channel], STEP))[None])
+        self.take_off_beside(out, mechanism, trial)
         return Predicted(tuple(out))
 
     def travelled(
@@ -221,7 +232,7 @@ class Platform(Machine):
 
     def _outer(self, mechanism: Mechanism, trial: TrialData, shape: Shape) -> tuple[np.ndarray, np.ndarray]:
         """Force on the whole, shape (2, T), and torque about its centre of mass, shape (T,), in the world."""
-        places, rates = self._seen[trial.id]
+        places, rates = self._truly(mechanism, trial)
         force = np.zeros((2, self._grid[trial.id].size))
         torque = np.zeros(force.shape[1])
         for field in mechanism.fields:  # of gravity: it pulls at the centre of mass
@@ -236,16 +247,35 @@ class Platform(Machine):
             torque = torque + arm[0] * pull[1] - arm[1] * pull[0] + acting.get("base.yaw", 0.0)
         return force, torque
 
+    def _truly(
+        self, mechanism: Mechanism, trial: TrialData
+    ) -> tuple[Mapping[str, np.ndarray], Mapping[str, np.ndarray]]:
+        """Where the base was and how it moved, on the grid, by a mechanism's factors."""
+        places, rates = self._seen[trial.id]
+        if not self.doubted.sigma:
+            return places, rates
+        grid = self._grid[trial.id]
+        more = {n: self.doubted.brought(mechanism, trial.recorded, c, grid) for n, c in TRACK.items()}
+        return (
+            {n: place + more[n] for n, place in places.items()},
+            {n: rate + _smoothed(np.gradient(more[n], grid), SMOOTH) for n, rate in rates.items()},
+        )
+
     def _shaped(self, trial: TrialData, mechanism: Mechanism) -> Shape:
         """The arm's motion through the maps of its sensor, with the platform's own values; kept while they stay."""
-        maps = tuple(m for m in mechanism.maps if m.channel in self.drives.values())
+        maps = tuple(m for m in mechanism.maps if m.channel.partition(BAR)[0] in self.drives.values())
         mass, inertia = mechanism.coordinates["base"].mass, mechanism.coordinates["base.yaw"].mass
         key = (trial.id, maps)
         if key not in self._shape:
             if len(self._shape) > 64:
                 self._shape.clear()
+            grid = self._grid[trial.id]
             moved = [
-                through_sensor(tuple(m for m in maps if m.channel == c), q, STEP)
+                through_sensor(
+                    tuple(m for m in maps if m.channel == c),
+                    q + self.doubted.brought(mechanism, trial.recorded, c, grid),
+                    STEP,
+                )
                 for c, q in zip(self.drives.values(), self._joints[trial.id], strict=True)
             ]
             self._shape[key] = self._arm(np.array(moved), self._grid[trial.id])

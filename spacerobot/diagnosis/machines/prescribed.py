@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from spacerobot.diagnosis.machines.contract import FIRST_NOISE, Machine, Nuisance, Predicted, conditions_of
+from spacerobot.diagnosis.machines.doubted import doubted
 from spacerobot.diagnosis.machines.measured import through_sensor
 from spacerobot.diagnosis.machines.sizes import sizes_of
 from spacerobot.diagnosis.machines.windows import PIECES
@@ -59,7 +60,8 @@ class Prescribed(Machine):
                 cut.append(TrialData(piece_id(trial.id, n), study.condition(trial), {}, (block,), *ends))
         self.trials = tuple(cut)
         self.stated = frozenset([channel] if parts[0][3].sigma_stated else [])
-        self.believed = Believed({}, {}, {}, conditions_of(cut))
+        self.doubted = doubted(study, trials, {channel}, zeros=False)  # its zero is free in every trial
+        self.believed = Believed({}, {}, {}, conditions_of(cut), zeros=self.doubted.sigma)
         self._offset = {}
         for trial, time, value, _ in parts:
             apart = value - np.interp(time, *self._grid[trial.id])
@@ -72,7 +74,10 @@ class Prescribed(Machine):
     def nuisances(self, trial: TrialData) -> tuple[Nuisance, ...]:
         """Where the channel counts from."""
         guess, scale = self._offset[trial.recorded]
-        return (Nuisance("zero", False, guess, max(scale, 1e-12)),)
+        (block,) = trial.blocks
+        columns = self.doubted.of(trial.recorded, block.channels[0], block.time)
+        beside = tuple((key, float(np.median(column))) for key, column in columns.items())
+        return (Nuisance("zero", False, guess, max(scale, 1e-12), beside=beside),)
 
     def predict(self, mechanism: Mechanism, trial: TrialData, initial: np.ndarray) -> Predicted:
         """The known motion as the sensor shows it."""
@@ -80,7 +85,10 @@ class Prescribed(Machine):
         (block,) = trial.blocks
         maps = tuple(m for m in mechanism.maps if m.channel == block.channels[0])
         shown = through_sensor(maps, path, float(grid[1] - grid[0]))
-        return Predicted((np.interp(block.time, grid, shown)[None, :] + float(initial[0]),))
+        (zero,) = self.nuisances(trial)
+        blocks = [np.interp(block.time, grid, shown)[None, :] + zero.true(float(initial[0]), mechanism)]
+        self.take_off_beside(blocks, mechanism, trial)
+        return Predicted(tuple(blocks))
 
 
 def carried(study: Study) -> list[Prescribed]:

@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
+from functools import partial
 from typing import Self
 
 import numpy as np
 
 from spacerobot.diagnosis.machines.contract import FACTORS, Machine, Nuisance, Predicted, Variant
+from spacerobot.diagnosis.machines.doubted import NONE, Doubted, beyond
 from spacerobot.diagnosis.machines.touch import Moment
-from spacerobot.diagnosis.machines.windows import CHANGED, FOLDS, Drive, cut, local, spread_over
+from spacerobot.diagnosis.machines.windows import CHANGED, FOLDS, Drive, Local, cut, local, spread_over
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed, Site
 from spacerobot.effects.effect import Effect
@@ -69,6 +71,7 @@ class Simulated(Machine):
         at_rest: bool = False,
         budget: int = BUDGET,
         covered: frozenset[tuple[str, str]] = frozenset(),
+        doubted: Doubted = NONE,
     ) -> None:
         """From recordings.
 
@@ -83,16 +86,18 @@ class Simulated(Machine):
             at_rest: whether trials are known to begin at rest.
             budget: readings that a fit looks at.
             covered: effects, each with its place, that a fitted value stands for.
+            doubted: of its channels; the columns of its inputs are beside the drives.
 
         Raises:
             InputError: no window holds enough readings.
         """
-        self.name, self.build, self.believed, self.sizes = name, build, believed, sizes
+        self.name, self.build, self.sizes = name, build, sizes
         self.base = dict(believed.values)
         self.drives = dict(drives)
         self.given = frozenset(c for d in self.drives.values() for c in d.value)
         self.recorded = {t.id: t for t in recorded}
-        self.at_rest, self.covered = at_rest, covered
+        self.at_rest, self.covered, self.doubted = at_rest, covered, doubted
+        self.believed = replace(believed, zeros=doubted.sigma) if doubted.sigma else believed
         self._window, self._budget = window, budget
         self._cuts: Mapping[str, Sequence[Moment]] = {}
         windows = [w for t in recorded for w in cut(t, window)]
@@ -189,16 +194,25 @@ class Simulated(Machine):
             if "position" in shown:
                 time, value = self._seen(whole, shown["position"], trial)
                 near = local(time, value, trial.start, reach)
-                found.append(Nuisance(coordinate, False, near.value, max(near.value_sigma, trifle), least))
+                beside = self._beside(trial, shown["position"], time, reach)
+                also = tuple((k, b.value) for k, b in beside)
+                found.append(Nuisance(coordinate, False, near.value, max(near.value_sigma, trifle), least, also))
                 if not (self.at_rest and trial.start <= whole.start) and "velocity" not in shown:
                     scale = max(near.slope_sigma, trifle / size.time)
-                    found.append(Nuisance(coordinate, True, near.slope, scale, least / size.time))
+                    also = tuple((k, b.slope) for k, b in beside)
+                    found.append(Nuisance(coordinate, True, near.slope, scale, least / size.time, also))
             if "velocity" in shown:
                 time, value = self._seen(whole, shown["velocity"], trial)
                 near = local(time, value, trial.start, reach)
                 scale = max(near.value_sigma, trifle / size.time)
-                found.append(Nuisance(coordinate, True, near.value, scale, least / size.time))
+                also = tuple((k, b.value) for k, b in self._beside(trial, shown["velocity"], time, reach))
+                found.append(Nuisance(coordinate, True, near.value, scale, least / size.time, also))
         return found
+
+    def _beside(self, trial: TrialData, readout: Readout, time: np.ndarray, reach: float) -> list[tuple[str, Local]]:
+        """Where a window starts by each doubted column of a channel, counted as its coordinate is."""
+        columns = self.doubted.of(trial.recorded, readout.channel, time)
+        return [(k, local(time, readout.sign * column, trial.start, reach)) for k, column in columns.items()]
 
     def _seen(self, whole: TrialData, readout: Readout, trial: TrialData) -> tuple[np.ndarray, np.ndarray]:
         """Times and values of a channel up to the end of a window, counted as its coordinate is.
@@ -218,9 +232,9 @@ class Simulated(Machine):
     def predict(self, mechanism: Mechanism, trial: TrialData, initial: np.ndarray) -> Predicted:
         """Simulate the window from its initial values and read its channels."""
         run = self._run(mechanism, trial, initial)
-        return Predicted(
-            tuple(np.array(list(read_channels(run, mechanism, b.channels, b.time).values())) for b in trial.blocks)
-        )
+        blocks = [np.array(list(read_channels(run, mechanism, b.channels, b.time).values())) for b in trial.blocks]
+        self.take_off_beside(blocks, mechanism, trial)
+        return Predicted(tuple(blocks))
 
     def travelled(
         self, port: str, mechanism: Mechanism, trial: TrialData, initial: np.ndarray
@@ -236,13 +250,13 @@ class Simulated(Machine):
         position: dict[str, float] = {}
         velocity: dict[str, float] = {}
         for nuisance, value in zip(self.nuisances(trial), initial, strict=True):
-            (velocity if nuisance.rate else position)[nuisance.coordinate] = float(value)
+            (velocity if nuisance.rate else position)[nuisance.coordinate] = nuisance.true(float(value), mechanism)
         # what a late sensor shows at the window's start happened before it: the run begins then, with that state
         late = _delays(mechanism, trial)
         start, end = trial.start - max(late), trial.end - min(late) + 1e-9
         drive = self.drives.get(trial.recorded)
         if drive is not None:
-            drive = drive.through(mechanism.maps, start, end)
+            drive = drive.told(partial(beyond, mechanism)).through(mechanism.maps, start, end)
         step, inputs = 0.25 * self.sizes[""].time, None
         if drive is not None and mechanism.inputs:
             first, last = np.searchsorted(drive.time, [start, end])

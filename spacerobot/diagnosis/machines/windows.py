@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from types import MappingProxyType
 
 import numpy as np
 
@@ -30,6 +31,7 @@ class Drive:
     time: np.ndarray  # (T,) s
     value: Mapping[str, np.ndarray]  # channel -> (T,)
     jumps: np.ndarray = field(default_factory=lambda: np.zeros(0))  # times at which an integrator must stop
+    beside: Mapping[str, np.ndarray] = field(default_factory=dict)  # "CHANNEL|COLUMN" -> (T,), see `doubted.py`
     spacing: float = 0.0  # of which this is a part [s]; its own where zero
 
     @cached_property
@@ -42,7 +44,16 @@ class Drive:
 
     def times(self, factor: float) -> Drive:
         """The same inputs, so many times as strong."""
-        return replace(self, value={c: factor * v for c, v in self.value.items()})
+        value, beside = ({c: factor * v for c, v in of.items()} for of in (self.value, self.beside))
+        return replace(self, value=value, beside=beside)
+
+    def told(self, beyond: Callable[[str], float]) -> Drive:
+        """The inputs as they truly were, with each doubted column's factor so much larger than believed."""
+        value = dict(self.value)
+        for key, column in self.beside.items():
+            channel = key.partition("|")[0]
+            value[channel] = value[channel] + beyond(key) * column
+        return replace(self, value=value, beside={})
 
     def through(self, maps: Sequence[ChannelMap], start: float, end: float) -> Drive:
         """What of the recorded command comes out, from `start` to `end`: weaker, later, or sluggish."""
@@ -56,7 +67,7 @@ class Drive:
             part = slice(max(int(first) - MARGIN, 0), int(last) + MARGIN)
             rest = {c: tuple(m for m in some if m.kind != "delay") for c, some in own.items()}
             shown = {c: through_sensor(rest[c], v[part], 1.0) for c, v in self.value.items()}
-            return Drive(self.time[part] + delay, shown, self.jumps + delay, self.step)
+            return Drive(self.time[part] + delay, shown, self.jumps + delay, spacing=self.step)
         late = sum(abs(m.value) for some in own.values() for m in some if m.kind == "delay")
         # points of its own between the corners: a grid that moved with `start` would leap from corner to corner
         fine = self.step / FINER
@@ -101,16 +112,18 @@ CHANGED = 0.05
 """Share of an input's range by which it changes where it does: less is a sensor's noise, or slow control."""
 
 
-def commanded(channels: Mapping[str, tuple[np.ndarray, np.ndarray]]) -> Drive:
-    """Commands that each hold until their next one, by channel: times and values, shape (T,) each.
+def commanded(
+    channels: Mapping[str, tuple[np.ndarray, np.ndarray]],
+    beside: Mapping[str, tuple[np.ndarray, np.ndarray]] = MappingProxyType({}),
+) -> Drive:
+    """Commands that each hold until their next one, by channel: times and values, shape (T,) each; and what is beside.
 
     Where one leaps an integrator must stop; small changes are joined by lines from the middle of one command to that of
     the next, which push as much.
     """
     times = np.unique(np.concatenate([t for t, _ in channels.values()]))
-    held = {
-        c: v[np.clip(np.searchsorted(t, times + EDGE, "right") - 1, 0, t.size - 1)] for c, (t, v) in channels.items()
-    }
+    every = {**channels, **beside}
+    held = {c: v[np.clip(np.searchsorted(t, times + EDGE, "right") - 1, 0, t.size - 1)] for c, (t, v) in every.items()}
     ends = np.append(times[1:], times[-1] + float(np.median(np.diff(times))))
     leaps = np.zeros(times.size - 1, dtype=bool)
     for held_value in held.values():
@@ -120,7 +133,8 @@ def commanded(channels: Mapping[str, tuple[np.ndarray, np.ndarray]]) -> Drive:
     kept = np.stack([begins, np.ones(times.size, dtype=bool), stops], axis=1)
     jumps = np.concatenate([times[begins] + EDGE, ends[stops]])
     value = {c: np.repeat(v, 3)[kept.ravel()] for c, v in held.items()}
-    return Drive(corners.ravel()[kept.ravel()], value, np.sort(jumps))
+    inside, outside = ({c: v for c, v in value.items() if c in of} for of in (channels, beside))
+    return Drive(corners.ravel()[kept.ravel()], inside, np.sort(jumps), outside)
 
 
 def band_limited(time: np.ndarray, value: np.ndarray, factor: int) -> tuple[np.ndarray, np.ndarray]:

@@ -12,17 +12,16 @@ from typing import Any
 import numpy as np
 
 from spacerobot.diagnosis.machines.contract import CLOCK, Machine, Nuisance, Predicted, Variant
+from spacerobot.diagnosis.machines.doubted import doubted
 from spacerobot.diagnosis.machines.mechanism_cache import MechanismCache
 from spacerobot.diagnosis.machines.robot_channels import robot_channels
 from spacerobot.diagnosis.machines.sizes import beside_usual, sizes_of_hits
 from spacerobot.diagnosis.terms.candidates import candidate_sites
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed, Hypothesis, Site
-from spacerobot.diagnosis.terms.parameters import zero_key
 from spacerobot.effects.effect import Effect
 from spacerobot.effects.learned import Variable
 from spacerobot.effects.mechanism import Mechanism
-from spacerobot.effects.primitives import ChannelMap
 from spacerobot.effects.sizes import Sizes
 from spacerobot.recordings.beliefs import ABSORBING, beliefs_of
 from spacerobot.recordings.study import Study
@@ -110,6 +109,7 @@ class RigModel(Machine):
         self.sensors = _sensors(study)
         clocks = _alone(study, self.sensors)
         conditions = tuple(study.conditions())
+        self.doubted = doubted(study, study.trials, channels, zeros=False)
         self.believed = Believed(
             known,
             sigma,
@@ -119,10 +119,9 @@ class RigModel(Machine):
             tuple(ABSORBING),
             clocks=clocks,
             unheld={**self.beliefs.free, **absent},
-            zeros=_zeros(study, channels),
+            zeros={**_zeros(study, channels), **self.doubted.sigma},
             absolute={n: s for n, s in study.absolute.items() if n in names},
         )
-        self._beside = _beside(study, channels)
         self._number = {t.id: k for k, t in enumerate(study.trials)}
         self.tolerance = tolerance
         self._lately = MechanismCache()
@@ -233,9 +232,9 @@ class RigModel(Machine):
         def make() -> Mechanism:
             values = hypothesis.trial_values(z, self.base, trial.condition, trial.overrides)
             free = hypothesis.values(z)
-            zeros = (ChannelMap(c, "offset", free[zero_key(c)]) for c in self.believed.zeros)
             number = self._number.get(trial.recorded, 0)
-            return hypothesis.edit(self.mechanism(values, trial).with_map(*zeros), free, trial.id, number)
+            made = self.mechanism(values, trial).with_map(*self.zeros(free))
+            return hypothesis.edit(made, free, trial.id, number)
 
         return self._lately.mechanism(hypothesis, z, trial, make)
 
@@ -256,7 +255,7 @@ class RigModel(Machine):
             np.array(list(read_channels(run, mechanism, b.channels, b.time - by if by else b.time).values()))
             for b, by in zip(trial.blocks, late, strict=True)
         )
-        self.add_beside(blocks, mechanism, trial)
+        self.take_off_beside(blocks, mechanism, trial)
         return RigPredicted(blocks=blocks, touches=tuple(run.touches().tolist()), late=late, run=run)
 
     def start(
@@ -301,23 +300,6 @@ class RigModel(Machine):
         """By the largest force in the contact, wherever the law acts, and by the port's spring."""
         spring = self.base["contact.stiffness" if port == "contact" else "wrist.stiffness"]
         return SHARE * max(abs(x) for x in seen["N"]), STIFF * spring
-
-    def add_beside(self, blocks: Sequence[np.ndarray], mechanism: Mechanism, trial: TrialData) -> None:
-        """Take what other columns bring into the channels of a trial, by factors that are doubted, off what is shown.
-
-        With a factor larger than believed the channel's readings, as they are made, lack that much of the column.
-
-        Args:
-            blocks: what was predicted, shape (channels, times) each; changed in place.
-            mechanism: with the factors, as offsets of "CHANNEL|COLUMN".
-            trial: whose times.
-        """
-        for name, (time, value) in self._beside.get(trial.recorded, {}).items():
-            beyond = sum(m.value for m in mechanism.maps if m.channel == name and m.kind == "offset")
-            channel = name.partition("|")[0]
-            for block, shown in zip(trial.blocks, blocks, strict=True):
-                if channel in block.channels:
-                    shown[block.channels.index(channel)] -= beyond * np.interp(block.time, time, value)
 
 
 def _late(trial: TrialData, nuisances: tuple[Nuisance, ...], initial: np.ndarray) -> tuple[float, ...]:
@@ -376,26 +358,10 @@ def _spring(trial: TrialData, known: Mapping[str, float]) -> float | None:
 
 
 def _zeros(study: Study, shown: set[str]) -> dict[str, float]:
-    """Channels whose zero the lab has found, with its standard deviation [SI]; "CHANNEL|COLUMN" of doubted factors."""
-    specs = [c for s in study.streams.values() for c in s.channels if c.name in shown]
-    found = {f"{c.name}|{column}": sigma for c in specs for column, sigma in c.plus_sigma}
-    stated = {c.name for c in specs if c.offset_sigma > 0.0}
+    """Channels whose zero the lab has found, with its standard deviation [SI]."""
+    stated = {c.name for s in study.streams.values() for c in s.channels if c.name in shown and c.offset_sigma > 0.0}
     rows = (study.recording(t) for t in study.trials) if stated else ()
-    return {name: r[name].zero for r in rows for name in r if name in stated} | found
-
-
-def _beside(study: Study, shown: set[str]) -> dict[str, dict[str, tuple[np.ndarray, np.ndarray]]]:
-    """Trial -> "CHANNEL|COLUMN" -> times and readings of a column that comes into a channel by a doubted factor."""
-    if not any(c.plus_sigma and c.name in shown for s in study.streams.values() for c in s.channels):
-        return {}
-    found: dict[str, dict[str, tuple[np.ndarray, np.ndarray]]] = {}
-    for trial in study.trials:
-        own = found.setdefault(trial.id, {})
-        for name, series in study.recording(trial).items():
-            for column, (value, _) in series.beside.items() if name in shown else ():
-                good = np.isfinite(value)
-                own[f"{name}|{column}"] = series.time[good], value[good]
-    return found
+    return {name: r[name].zero for r in rows for name in r if name in stated}
 
 
 def turning(study: Study) -> bool:

@@ -56,8 +56,11 @@ def of_study(study: Study) -> Iterator[InputError]:
         except InputError as error:
             yield error
         else:
+            from spacerobot.diagnosis.machines.doubted import found_by_none
+
             for model in models:
                 yield from of_model(study, model)
+            yield from found_by_none(study, (key for model in models for key in model.believed.zeros))
     elif len(study.trials) < 2:
         valid = "a second trial, which a fit to the first is tried on (hits in one recording: a `window` for each)"
         yield InputError(

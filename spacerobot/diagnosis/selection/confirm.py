@@ -63,7 +63,7 @@ def difference(workshop: Workshop, chosen: Fit, trial: TrialData) -> float:
     named = (n.coordinate for n in workshop.model.nuisances(trial))
     zeros = {n.removeprefix(ZERO) for n in named if n.startswith(ZERO)}
     beside = [np.zeros_like(shown) for shown in reduced.blocks]
-    workshop.model.add_beside(beside, mechanism, trial)
+    workshop.model.take_off_beside(beside, mechanism, trial)
     for block, shown, late, other in zip(trial.blocks, reduced.blocks, reduced.late, beside, strict=True):
         whole = read_channels(run, run.mechanism, block.channels, block.time - trial.start - late)
         for c, channel in enumerate(block.channels):

@@ -68,7 +68,8 @@ class Believed:
             offset, stands for its lateness.
         unheld: of the absorbing ones, those that nothing holds -> the least that each may be.
         absolute: values that are believed to be zero -> standard deviation [their own unit].
-        zeros: channels whose zero is known no better than this standard deviation [the channel's unit].
+        zeros: channels whose zero is known no better than this standard deviation [the channel's unit]; and of
+            "CHANNEL|COLUMN" the factor of a column in one (`machines/doubted.py`).
     """
 
     values: Mapping[str, float]

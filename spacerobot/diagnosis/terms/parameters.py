@@ -90,8 +90,12 @@ def zero(channel: str, sigma: float) -> Free:
 
 
 def zero_key(channel: str) -> str:
-    """Key of a channel's zero among the free parameters; of "CHANNEL|COLUMN", of the column's factor beyond its own."""
-    return f"{channel}.factor" if "|" in channel else f"{channel}.zero"
+    """Key of a channel's zero among the free parameters; of "CHANNEL|COLUMN", of the column's factor beyond its own.
+
+    "CHANNEL|" is the channel's zero too.
+    """
+    name, _, column = channel.partition("|")
+    return f"{channel}.factor" if column else f"{name}.zero"
 
 
 def unknown(name: str, centre: float) -> Free:

@@ -11,7 +11,7 @@ from typing import Any
 
 from spacerobot.diagnosis.answer.schema import validate
 from spacerobot.diagnosis.overlay import FORMAT as OVERLAY
-from spacerobot.recordings.value_units import unit_of_value
+from spacerobot.recordings.value_units import unit_of_channel, unit_of_value
 from spacerobot.support.errors import InputError
 from spacerobot.support.formats import require_format
 from spacerobot.support.showing import html_table
@@ -153,8 +153,9 @@ def _diagnoses(a: Mapping[str, Any], b: Mapping[str, Any]) -> dict[str, tuple[Ro
     ]
     one, two = ((v["held_out"] or {}).get("channels") or {} for v in (a, b))
     for name in dict.fromkeys([*one, *two]):
-        after = [number((c.get(name) or {}).get("rms_after")) for c in (one, two)]
-        held.append(Row(f"{name}, after, SI", after[0], after[1]))
+        unit = unit_of_channel(name)
+        after = [quantity((c.get(name) or {}).get("rms_after"), unit) for c in (one, two)]
+        held.append(Row(f"{name}, after{'' if unit else ', SI'}", after[0], after[1]))
     return {
         "Verdict": tuple(said),
         "Effects": tuple(_values(_of_effects(a), _of_effects(b))),
