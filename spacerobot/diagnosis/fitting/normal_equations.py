@@ -7,6 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+FURTHEST = 20.0
+"""Units of a parameter's scale that a step goes at most; of what stands further off already, as far as it stands: a
+stop's stiffness may be a thousand times what is typical, and would take as many steps of one length."""
+
 
 @dataclass(frozen=True, eq=False)
 class Normal:
@@ -61,9 +65,7 @@ class Normal:
                 break
             free &= ~out
         dz = np.clip(z + dz, low, high) - z
-        largest = np.abs(dz).max(initial=0.0)
-        if largest > 20.0:
-            dz *= 20.0 / largest
+        dz /= max(1.0, float((np.abs(dz) / np.maximum(FURTHEST, np.abs(z))).max(initial=0.0)))
         dn = [-np.linalg.solve(inner, tail + cross @ dz) for inner, cross, tail in self.own]
         profile = float(sum(t @ np.linalg.solve(i, t) for i, _, t in self.own))
         promised = -(2.0 * self.gradient @ dz + dz @ self.reduced @ dz) + profile

@@ -7,6 +7,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+from spacerobot.effects.one_sided import SIDES
 from spacerobot.effects.registry import all_effects
 
 _PLACES = {
@@ -87,14 +88,19 @@ def of_body(verdict: Mapping[str, Any], name: str = "body") -> dict[str, Any]:
 
 def effect_phrase(item: Mapping[str, Any]) -> str:
     """ "Coulomb friction in the wrist's guide"."""
-    return f"{effect_title(str(item['effect']))} {place(str(item['where']))}"
+    return f"{effect_title(str(item['effect']))}{_side(item)} {place(str(item['where']))}"
 
 
 def effect_object(item: Mapping[str, Any]) -> str:
     """The same as the object of a sentence: "a time offset in the force sensor"."""
     known = all_effects().get(str(item["effect"]))
     said = known.phrase or known.title if known is not None else effect_title(str(item["effect"]))
-    return f"{said} {place(str(item['where']))}"
+    return f"{said}{_side(item)} {place(str(item['where']))}"
+
+
+def _side(item: Mapping[str, Any]) -> str:
+    """On which side alone it stands, where it does; empty elsewhere."""
+    return f" on one side ({item['kind']})" if item.get("kind") in SIDES else ""
 
 
 def effects_phrase(items: Sequence[Mapping[str, Any]]) -> str:
