@@ -55,6 +55,9 @@ def place(where: str) -> str:
         return _PLACES[where]
     if where.startswith("joint."):
         return f"in joint {where.removeprefix('joint.')}"
+    if where.startswith("command."):
+        _, kind, axis = where.split(".")
+        return f"in the commanded {kind} ({axis})"
     head, dot, axis = where.partition(".")
     if dot and head in ("target", "base", "body"):
         return f"{_PLACES[head]} ({axis})"
@@ -285,6 +288,8 @@ def with_own_units(verdict: Mapping[str, Any], channels: Mapping[str, Mapping[st
 def _own_unit(where: str, channels: Mapping[str, Mapping[str, Any]]) -> str:
     here = {str(c.get("unit") or "") for c in channels.values() if c.get("stream") == where}
     kinds = {"force_sensor": "N", "mocap": "m", "command": "N"}
+    if where.startswith("command."):
+        return "N m" if where.startswith("command.torque.") else "N"
     return kinds.get(where) or (here.pop() if len(here) == 1 else "")
 
 
