@@ -139,6 +139,18 @@ class Effect(ABC):
         """
         raise NotFoundError(f"form of {self.name}", form, self.forms)
 
+    def forms_at(self, seen: np.ndarray) -> tuple[str, ...]:
+        """Its forms that are another thing than the plain one at a place that was at these displacements, in any order.
+
+        Args:
+            seen: shape (T,) [m or rad]; empty where nothing reads the place.
+        """
+        return self.forms
+
+    def towards(self, displacement: np.ndarray) -> np.ndarray:
+        """How far displacements go towards where the effect begins, or beyond it, shape (T,): here either way."""
+        return np.abs(displacement)
+
     def plausible(self, values: Mapping[str, float], sizes: Sizes) -> bool:
         """Whether the effect with these numbers is what its name says; bounds of parameters are seen to elsewhere.
 

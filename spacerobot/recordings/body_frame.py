@@ -43,4 +43,6 @@ def turn_to_world(specs: Iterable[ChannelSpec], series: dict[str, Series]) -> No
             np.sin(turn) * ahead + np.cos(turn) * aside,
         )
         for axis, value in zip("xy", world, strict=True):
-            series[f"{name}.{axis}"] = replace(one, name=f"{name}.{axis}", value=value, valid=np.isfinite(value))
+            series[f"{name}.{axis}"] = replace(
+                one, name=f"{name}.{axis}", value=value, valid=np.isfinite(value), frame="body"
+            )

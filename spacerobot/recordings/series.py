@@ -37,6 +37,7 @@ class Series(Brief):
         zero: one standard deviation of where its zero is, SI; 0 where it is exact.
         beside: other columns that come in by a factor which is doubted: name -> (n,) readings in this channel's unit,
             and the factor's standard deviation.
+        frame: "body" of a force that was commanded along its body's axes; its values are along the world's.
     """
 
     name: str
@@ -51,6 +52,7 @@ class Series(Brief):
     use: str = "output"
     zero: float = 0.0
     beside: Mapping[str, tuple[Floats, float]] = field(default_factory=dict, repr=False)
+    frame: str = "world"
 
     def __len__(self) -> int:
         return len(self.time)

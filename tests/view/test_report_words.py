@@ -67,6 +67,8 @@ def test_numbers_keep_three_digits(value: float) -> None:
 def test_articles_and_plain_hundreds() -> None:
     assert effect_object({"effect": "time_offset", "where": "force_sensor"}) == "a time offset in the force sensor"
     assert effect_object({"effect": "end_stop", "where": "wrist"}) == "an end stop in the wrist's guide"
+    above = {"effect": "end_stop", "where": "joint.a", "kind": "above"}
+    assert effect_object(above) == "an end stop on one side (above) in joint a"
     assert effect_object({"effect": "coulomb_friction", "where": "wrist"}) == "Coulomb friction in the wrist's guide"
     assert number(190.4, 2) == "190"
     assert number(1.9e7, 2) == "1.9 × 10⁷"

@@ -51,7 +51,13 @@ class Effect(Placed, frozen=True, kw_only=True):
         Annotated[list[str], Meta(min_length=1, description="the only trials in which it acts; all if absent")]
         | UnsetType
     ) = UNSET
-    kind: Annotated[str, Meta(description="of a filter: butterworth, bessel or zero_phase")] | UnsetType = UNSET
+    kind: (
+        Annotated[
+            str,
+            Meta(description="of a filter: butterworth, bessel or zero_phase; of a stop on one side: above or below"),
+        ]
+        | UnsetType
+    ) = UNSET
     part: Annotated[str, Meta(description="of several joints, bodies or axes, which lacks it")] | UnsetType = UNSET
 
 

@@ -15,6 +15,11 @@ LEAST = 1.0
 drifted before shows in nothing, and a step along that would be as long as one likes."""
 
 
+FURTHEST = 20.0
+"""Units of a parameter's scale that a step goes at most; of what stands further off already, as far as it stands: a
+stop's stiffness may be a thousand times what is typical, and would take as many steps of one length."""
+
+
 @dataclass(frozen=True, eq=False)
 class Normal:
     """Normal equations with the trials' own parameters eliminated (a Schur complement)."""
@@ -67,9 +72,7 @@ class Normal:
                 break
             free &= ~out
         dz = np.clip(z + dz, low, high) - z
-        largest = np.abs(dz).max(initial=0.0)
-        if largest > 20.0:
-            dz *= 20.0 / largest
+        dz /= max(1.0, float((np.abs(dz) / np.maximum(FURTHEST, np.abs(z))).max(initial=0.0)))
         dn = [-np.linalg.solve(inner, tail + cross @ dz) for inner, cross, tail in own]
         promised = -(2.0 * self.right @ dz + dz @ self.full @ dz)
         for (inner, cross, tail), n in zip(self.own, dn, strict=True):

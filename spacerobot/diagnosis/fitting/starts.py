@@ -12,10 +12,8 @@ from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed, Hypothesis, Site, hypothesis
+from spacerobot.diagnosis.terms.reach import reached_edge
 from spacerobot.support.errors import SimulationError
-
-JUST_BELOW = 0.99
-"""Share of the largest displacement recorded at which a stop is looked for: it gives way, and there is noise."""
 
 MOMENTS = 24
 """Times at which a momentary effect is tried."""
@@ -50,11 +48,12 @@ def effect_starts(sites: Sequence[Site], known: Mapping[str, float] | None = Non
 def informed_starts(site: Site, trials: Sequence[TrialData]) -> list[dict[str, float]]:
     """Starts that the recordings suggest: where a place hardly exceeds a displacement, at the largest one seen."""
     reach = [p for p in site.effect.parameters if p.reach]
-    seen = [float(np.abs(x).max(initial=0.0)) for trial in trials for x in _displacements(site.where, trial)]
-    if not reach or not seen or max(seen) <= 0.0:
+    seen = [x for trial in trials for x in _displacements(site.where, trial)] if reach else []
+    edge = reached_edge(site.effect, np.concatenate([np.zeros(0), *seen]))
+    if edge is None:
         return []
     usual = effect_starts([site])
-    at = {site.key(p.name): min(max(JUST_BELOW * max(seen), p.lower), p.upper) for p in reach}
+    at = {site.key(p.name): edge for p in reach}
     return [{**usual[len(usual) // 2], **at}, {**usual[-1], **at}]
 
 

@@ -43,6 +43,11 @@ SWINGS = 10.0
 """The same of a joint that nothing drives and gravity alone brings back, in radians of its motion."""
 
 
+ZERO = math.radians(0.5)
+"""Standard deviation [rad] of where an encoder's zero is, of a joint that swings by itself and of which no study says
+more: it is set by eye, or by what it hangs at, which dry friction holds off."""
+
+
 def weight_of(robot: Robot, gravity: Sequence[float], joint: str) -> tuple[float, float]:
     """(a, b): gravity asks a sin q + b cos q of the joint at its angle q, or b wherever it has slid [N m or N].
 
@@ -62,7 +67,8 @@ def weight_of(robot: Robot, gravity: Sequence[float], joint: str) -> tuple[float
 def axis(
     joint: str, sensor: str, angular: bool, weight: tuple[float, float] = (0.0, 0.0), driven: bool = True
 ) -> Build:
-    """The mechanism of one joint, by its values "joint.NAME.mass", ".stiffness", ".damping", ".gain", ".bias".
+    """The mechanism of one joint, by its values "joint.NAME.mass", ".stiffness", ".damping", ".gain", ".bias",
+    ".zero".
 
     Args:
         joint: its name.
@@ -81,10 +87,12 @@ def axis(
         if values.get(f"{name}.damping"):
             forces.append(Force(f"{name}.damper", name, DAMPER, (values[f"{name}.damping"],), role="damper"))
         constant = -torque_log.bias(values, joint) if driven else values.get(f"{name}.torque", 0.0)
+        constant += values.get(f"{name}.stiffness", 0.0) * values.get(f"{name}.zero", 0.0)  # there the spring rests
         if constant:
             forces.append(Force(f"{name}.bias", name, CONSTANT, (constant,)))
         if any(weight):
-            forces.append(Force(f"{name}.weight", name, *((WEIGHT, weight) if angular else (CONSTANT, (-weight[1],)))))
+            felt = (WEIGHT, _turned(weight, values.get(f"{name}.zero", 0.0))) if angular else (CONSTANT, (-weight[1],))
+            forces.append(Force(f"{name}.weight", name, *felt))
         late = torque_log.late(values, joint) if driven else 0.0
         return Mechanism(
             coordinates={name: Coordinate(name, values[f"{name}.mass"], angular=angular)},
@@ -102,6 +110,12 @@ def axis(
 def _between(time: np.ndarray, value: np.ndarray, factor: int) -> tuple[np.ndarray, np.ndarray]:
     """A signal at so many times its rate."""
     return band_limited(time, value, factor) if factor > 1 else (time, value)
+
+
+def _turned(weight: tuple[float, float], zero: float) -> tuple[float, float]:
+    """(a, b) of `weight_of` by the encoder's reading, which is `zero` [rad] where the joint's angle is nothing."""
+    a, b = weight
+    return a * math.cos(zero) + b * math.sin(zero), b * math.cos(zero) - a * math.sin(zero)
 
 
 def axis_model(study: Study, trials: Sequence[Trial], joint: str, robot: Robot) -> Simulated:
@@ -152,9 +166,12 @@ def axis_model(study: Study, trials: Sequence[Trial], joint: str, robot: Robot) 
     if f"{name}.mass" not in unknown:
         values.setdefault(f"{name}.mass", own + values.get(f"{name}.armature", 0.0))
     sigma = {n: s for n, s in study.sigma.items() if n in values and n not in unknown}
-    absolute = {n: s for n, s in study.absolute.items() if n in values and n not in unknown}
+    absolute = {n: s for n, s in study.absolute.items() if n.startswith(f"{name}.") and n not in unknown}
+    values |= {n: 0.0 for n in absolute if n not in values}
     logs = (study.recording(t)[f"{name}.torque"].good()[0] for t in trials)
     late = moment(f"{name}.delay", {*absolute, *values}, (np.median(np.diff(log)) for log in logs)) if driven else {}
+    if not driven and angular and any(weight) and f"{name}.zero" not in values:
+        late[f"{name}.zero"] = ZERO
     values = values | dict.fromkeys(late, 0.0)
     fitted = {*unknown, *sigma, *absolute}
     sprung = f"{name}.stiffness" in values or f"{name}.stiffness" in unknown

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from spacerobot.diagnosis.machines.contract import FIRST_NOISE, conditions_of
 from spacerobot.diagnosis.machines.doubted import doubted
 from spacerobot.diagnosis.machines.simulated import Build, Simulated
 from spacerobot.diagnosis.machines.sizes import sizes_of
-from spacerobot.diagnosis.machines.windows import FOLDS, commanded, moment
+from spacerobot.diagnosis.machines.windows import FOLDS, Turned, commanded, moment
 from spacerobot.diagnosis.terms.candidates import stood_for
 from spacerobot.diagnosis.terms.data import Block, TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed
@@ -194,6 +195,7 @@ def _model(study: Study, trials: Sequence[Trial], group: str, name: str) -> Simu
     axes = [a for a in axes_of(study, group, free) if a.shown(sorted(every)) and (not driven or a.force in driven)]
     shown = [c for a in axes for c, _ in a.shown(sorted(every))]
     doubts = doubted(study, trials, {*shown, *driven})
+    bodily = _bodily(study, trials, group)
     whole, drives, sizes = [], {}, _sizes(study, trials, axes, driven, group)
     for trial in trials:
         recording = study.recording(trial)
@@ -214,6 +216,11 @@ def _model(study: Study, trials: Sequence[Trial], group: str, name: str) -> Simu
         if driven:
             beside = doubts.only(driven.__contains__).columns.get(trial.id, {})
             drives[trial.id] = commanded({c: recording[c].good() for c in driven}, beside)
+        if set(bodily) <= set(driven) and bodily:
+            turning, angle = recording[f"{group}.yaw"].good()
+            ahead, aside = bodily
+            turned = Turned(ahead, aside, turning, np.unwrap(angle))
+            drives[trial.id] = replace(drives[trial.id], turned=turned)
     values = {f"body.{n.split('.', 1)[1]}": v for n, v in study.values().items() if n.startswith(f"{group}.")}
     unknown, relative = {}, []
     for key, angular in (("body.mass", False), ("body.yaw_inertia", True)):
@@ -232,6 +239,10 @@ def _model(study: Study, trials: Sequence[Trial], group: str, name: str) -> Simu
         forces = tuple(c for c in driven if c.startswith(f"{group}.force."))
         if 0 < len(forces) < len(driven):
             sensors[FORCES] = forces
+        # a zero of its own has each channel: a force's in the world is a tilt, a body's turns with it
+        singly = {f"{COMMAND}{c.removeprefix(group)}": c for c in driven if c in bodily or c not in forces}
+        if len(driven) > 1:
+            sensors |= {name: (c,) for name, c in singly.items()}
     known = study.recording(trials[0])
     said = {f"body.{n.split('.', 1)[1]}": v for n, v in study.sigma.items() if n.startswith(f"{group}.")}
     sigma = {n: v for n, v in said.items() if n in ("body.mass", "body.yaw_inertia") and n not in unknown}
@@ -244,6 +255,9 @@ def _model(study: Study, trials: Sequence[Trial], group: str, name: str) -> Simu
     catalogue = all_effects().values()
     covered = {(e.name, place) for e in catalogue for place in covers if stood_for(e, place, stand)}
     covered |= {(e.name, FORCES) for e in catalogue if e.kind == "sensor" and e.name != "scale"}
+    if len(driven) > 1:  # one number is no zero of a force and of a torque
+        covered |= {(e.name, name) for e in catalogue for name in singly if e.kind == "sensor" and e.name != "bias"}
+        covered.add(("bias", COMMAND))
     if free or _falls(study):
         covered |= {(e.name, a.name) for e in catalogue if e.carried for a in axes if not a.angular}
     made = Simulated(
@@ -268,6 +282,13 @@ def _window(whole: Sequence[TrialData], pace: float, driven: bool) -> float:
     if driven:
         return RESTART * pace
     return math.inf if len(whole) > 1 else (whole[0].end - whole[0].start) / FOLDS
+
+
+def _bodily(study: Study, trials: Sequence[Trial], group: str) -> tuple[str, ...]:
+    """The channels of a pair of forces that every trial has along the body's axes; none elsewhere."""
+    pair = (f"{group}.force.x", f"{group}.force.y")
+    told = [study.recording(t) for t in trials]
+    return pair if all(c in r and r[c].frame == "body" for r in told for c in pair) else ()
 
 
 def _pull(study: Study, free: bool) -> dict[str, float]:

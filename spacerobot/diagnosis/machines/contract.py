@@ -17,6 +17,7 @@ from spacerobot.diagnosis.machines.touch import Moment
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed, Hypothesis, Site
 from spacerobot.diagnosis.terms.parameters import zero_key
+from spacerobot.diagnosis.terms.reach import started_there
 from spacerobot.effects.effect import Effect
 from spacerobot.effects.learned import Variable
 from spacerobot.effects.mechanism import Mechanism
@@ -127,8 +128,8 @@ class Machine(ABC):
         predicts_readings: whether what is predicted are the sensors' own readings, not a balance of them.
         doubted: zeros of its channels and factors of other columns in them, which its fit finds.
         met: by recorded trial, when it met something, a floor or a hand, that the baseline does not know; cut there.
-        moment: values, believed to be zero, of when its inputs acted within a sample, with their deviations [s]; held
-            there unless they are worth being free.
+        moment: values, believed to be zero, of when its inputs acted within a sample [s] or what an encoder reads where
+            it hangs [rad], with their deviations; held there unless they are worth being free.
         metric: what the residual is, for tables, e.g. "torque balance" or "simulated motion".
     """
 
@@ -211,11 +212,14 @@ class Machine(ABC):
                 continue
             for where in dict.fromkeys(effect.places(plain)):
                 found.append(self.site(effect, where))
+                if any(p.reach for p in effect.parameters):  # from where on it acts, and to which side, is the place's
+                    forms = effect.forms_at(self.visited(where))
+                    found += [self.site(effect.in_form(form), where) for form in forms]
         return found
 
     def site(self, effect: Effect, where: str, trials: tuple[str, ...] = ()) -> Site:
         """An effect at a place, in all trials or in some, its parameters scaled to what is typical there."""
-        return Site(scaled(effect, self.size_at(where)), where, trials)
+        return Site(started_there(scaled(effect, self.size_at(where)), self.visited(where)), where, trials)
 
     def moment_free(self) -> Self | None:
         """The same with its inputs' moment free within a sample; None where it has none."""
@@ -271,10 +275,10 @@ class Machine(ABC):
         return self.sizes.get(where, self.sizes[""])
 
     def visited(self, where: str) -> np.ndarray:
-        """How far from its zero a place was read, in any order, shape (T,) [m or rad]; empty where nothing reads it."""
+        """Where a place was read, in any order, shape (T,) [m or rad from its zero]; empty where nothing reads it."""
         name = f"{where}.position"
         shown = [t.channel(name)[1] for t in self.trials if name in t.channels]
-        return np.asarray(np.abs(np.concatenate([np.zeros(0), *shown])))
+        return np.concatenate([np.zeros(0), *shown])
 
     def travelled(
         self, port: str, mechanism: Mechanism, trial: TrialData, initial: np.ndarray

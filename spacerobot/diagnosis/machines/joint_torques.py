@@ -358,7 +358,7 @@ class InverseDynamics(Machine):
         if joint not in self.joints:
             return np.zeros(0)
         index = self.joints.index(joint)
-        return np.asarray(np.abs(np.concatenate([self._motion[t.id].position[:, index] for t in self.trials])))
+        return np.concatenate([self._motion[t.id].position[:, index] for t in self.trials])
 
     def travelled(
         self, port: str, mechanism: Mechanism, trial: TrialData, initial: np.ndarray

@@ -16,6 +16,10 @@ from spacerobot.effects.sizes import Sizes
 SMALL = 0.05
 """A fit's unit step of a parameter, as a share of its typical size."""
 
+STIFF = 50.0
+"""Stiffness at which a stop is screened, in units of a spring that the typical force bends by the typical length; a fit
+begins at the share of it that would do."""
+
 SPREAD = 1.0 / 3.0
 """Standard deviation of what a hit moves in a trial over its peak, and such a time over the spring's own: that of half
 a sine in a recording some four times as long."""
@@ -71,10 +75,12 @@ def scaled(effect: Effect, sizes: Sizes) -> Effect:
     """
     if effect.learned:
         return effect
-    parameters = tuple(_scaled(p, sizes) for p in effect.parameters)
-    made: Effect = type(
-        type(effect).__name__, (type(effect),), {"parameters": parameters, "__doc__": type(effect).__doc__}
-    )()
+    made = copy.copy(effect)
+    vars(made)["parameters"] = tuple(_scaled(p, sizes) for p in effect.parameters)
+    if any(p.reach for p in effect.parameters):  # what acts beyond a displacement is not soft
+        vars(made)["parameters"] = tuple(
+            p if p.shape else replace(p, starts=(STIFF * sizes.of(p.unit),)) for p in made.parameters
+        )
     return made
 
 

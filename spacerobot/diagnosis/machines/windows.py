@@ -25,6 +25,29 @@ ENOUGH = 256
 
 
 @dataclass(frozen=True, eq=False)
+class Turned:
+    """Forces that were commanded along a body's own axes, and how the body was turned.
+
+    Attributes:
+        ahead, aside: their channels, as they are in the world.
+        time: of the yaw, shape (N,) [s].
+        yaw: as recorded, shape (N,) [rad].
+    """
+
+    ahead: str
+    aside: str
+    time: np.ndarray
+    yaw: np.ndarray
+
+    def by(self, value: Mapping[str, np.ndarray], time: np.ndarray, way: float) -> dict[str, np.ndarray]:
+        """The forces at these times, shape (T,), turned with the body (way 1), or back into its axes (-1)."""
+        angle = way * np.interp(time, self.time, self.yaw)
+        x, y = value[self.ahead], value[self.aside]
+        cos, sin = np.cos(angle), np.sin(angle)
+        return {**value, self.ahead: cos * x - sin * y, self.aside: sin * x + cos * y}
+
+
+@dataclass(frozen=True, eq=False)
 class Drive:
     """Recorded inputs of one trial on times of their own. U inputs, T times."""
 
@@ -33,6 +56,7 @@ class Drive:
     jumps: np.ndarray = field(default_factory=lambda: np.zeros(0))  # times at which an integrator must stop
     beside: Mapping[str, np.ndarray] = field(default_factory=dict)  # "CHANNEL|COLUMN" -> (T,), see `doubted.py`
     spacing: float = 0.0  # of which this is a part [s]; its own where zero
+    turned: Turned | None = None  # where forces in `value` are along a body's axes by nature
 
     @cached_property
     def step(self) -> float:
@@ -56,10 +80,17 @@ class Drive:
         return replace(self, value=value, beside={})
 
     def through(self, maps: Sequence[ChannelMap], start: float, end: float) -> Drive:
-        """What of the recorded command comes out, from `start` to `end`: weaker, later, or sluggish."""
+        """What of the recorded command comes out, from `start` to `end`: weaker, later, or sluggish.
+
+        What was commanded along a body's axes acts along them when it comes out, however the body has turned since.
+        """
         own = {c: tuple(m for m in maps if m.channel == c) for c in self.value}
         if not any(own.values()):
             return self
+        if self.turned is not None and (own[self.turned.ahead] or own[self.turned.aside]):
+            plain = replace(self, value=self.turned.by(self.value, self.time, -1.0), turned=None)
+            out = plain.through(maps, start, end)
+            return replace(out, value=self.turned.by(out.value, out.time, 1.0))
         delays = {sum(m.value for m in some if m.kind == "delay") for some in own.values()}
         if len(delays) == 1 and all(m.kind in ("gain", "offset", "delay") for some in own.values() for m in some):
             (delay,) = delays  # all come out so much later, as they are

@@ -30,7 +30,9 @@ def formed(pool: Pool, found: Found, report: Report) -> None:
         crowded = [where for _, where in found.best.hypothesis.label].count(site.where) > 1
         if found.explained and not crowded:
             continue
-        others = [pool.workshop.model.site(effect(site.effect.name + FORM + f), site.where) for f in site.effect.forms]
+        model = pool.workshop.model
+        forms = site.effect.forms_at(model.visited(site.where))
+        others = [model.site(effect(site.effect.name + FORM + f), site.where) for f in forms]
         for beside in _without(found, site.where):
             report("screening forms", 0, len(others))
             tasks = []

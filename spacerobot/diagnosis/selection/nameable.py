@@ -128,10 +128,10 @@ def reached(sites: Sequence[Site], values: Mapping[str, float], visited: Callabl
     """
     for site in sites:
         for edge in (values[site.key(p.name)] for p in site.effect.parameters if p.reach):
-            seen = visited(site.where)
+            seen, edge = site.effect.towards(visited(site.where)), float(site.effect.towards(np.array(edge)))
             inside, beyond = seen[seen <= edge], seen[seen > edge]
             if inside.size and beyond.size:
-                widest = max(float(np.ptp(beyond)), STEP * float(seen.max()))
+                widest = max(float(np.ptp(beyond)), STEP * float(np.abs(seen).max()))
                 if float(beyond.min() - inside.max()) > widest:
                     return False
     return True

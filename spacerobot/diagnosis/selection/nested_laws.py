@@ -38,6 +38,20 @@ def general_sites(special: Site, known: Known) -> Iterator[Site]:
             yield site
 
 
+def special_sites(general: Site, known: Known) -> Iterator[Site]:
+    """Every effect at its place that is a special case of it."""
+    for (special, where), site in sorted(known.items()):
+        if where == general.where and refines(general.effect.name, special):
+            yield site
+
+
+def level_of(special: Site, general: Site, fit: Fit) -> dict[str, float]:
+    """Start values of a special case: the mean of what a fit of the general law has in the unit of its strength."""
+    strength, values = special.effect.strength, fit.values()
+    alike = [values[general.key(p.name)] for p in general.effect.parameters if p.unit == strength.unit]
+    return {special.key(strength.name): float(np.mean(alike))} if alike else {}
+
+
 def inherited(new: Site, special: Site, fit: Fit) -> dict[str, float]:
     """Start values of a general effect: its special case's own of the same name, or its first where the units agree."""
     own = {p.name: fit.values()[special.key(p.name)] for p in special.effect.parameters}

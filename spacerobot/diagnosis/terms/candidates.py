@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Container, Iterable, Mapping, Sequence
 
 from spacerobot.diagnosis.terms.hypothesis import Believed, Site
-from spacerobot.effects.effect import Effect, said_name
+from spacerobot.effects.effect import FORM, Effect, said_name
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.registry import all_effects, effect
 from spacerobot.support.errors import InputError, NotFoundError
@@ -44,8 +44,8 @@ def by_name(label: Sequence[tuple[str, str]]) -> tuple[tuple[str, str], ...]:
 
 
 def redundant(label: Sequence[tuple[str, str]]) -> bool:
-    """Whether one place has two laws of the same thing."""
-    laws = plainest(label)
+    """Whether one place has two laws of the same thing; so are two forms of one effect."""
+    laws = [(name.split(FORM)[0], where) for name, where in plainest(label)]
     return len(laws) != len(set(laws))
 
 

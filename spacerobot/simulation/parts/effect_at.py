@@ -20,7 +20,8 @@ class EffectAt:
     Attributes:
         effect: its name.
         where: its place.
-        parameters: name -> value, of a filter order and kind too; on a joint that turns, N may be Nm and m rad.
+        parameters: name -> value, of a filter order and kind too, of a stop on one side its kind; on a joint that
+            turns, N may be Nm and m rad.
     """
 
     effect: str
@@ -48,8 +49,11 @@ class EffectAt:
         """The effect in the form that order and kind state, and the other parameters."""
         rest = dict(self.parameters)
         found = effect(self.effect)
-        if not found.forms or not rest.keys() & {"order", "kind"}:
+        known = found.in_form(found.forms[0]).settings.keys() if found.forms else set()
+        if not known & rest.keys():
             return found, rest
+        if "order" not in known:
+            return found.in_form(str(rest.pop("kind"))), rest
         order, kind = rest.pop("order", 1.0), rest.pop("kind", found.forms[0].split("_", 1)[1])
         given = f"{order:g}_{kind}" if isinstance(order, int | float) else f"{order}_{kind}"
         if order == 1 and any(form.endswith(f"_{kind}") for form in found.forms):

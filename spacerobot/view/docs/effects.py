@@ -74,7 +74,8 @@ def _entry(one: Effect) -> list[str]:
         lines += [f"Takes over from {taken}, which is refitted freely.", ""]
     if one.forms:
         forms = ", ".join(f"`{one.name}~{form}`" for form in one.forms)
-        lines += [f"Also in the forms {forms}; a scene may state `order` and `kind` instead.", ""]
+        stated = " and ".join(f"`{key}`" for key in one.in_form(one.forms[0]).settings)
+        lines += [f"Also in the forms {forms}; a scene may state {stated} instead.", ""]
     hidden = proved().get(one.name, ())
     shown = f"Proved at {', '.join(f'`{place}`' for place in hidden)}." if hidden else "Not yet proved."
     return [*lines, f"Source: {one.source}. {shown}", ""]

@@ -7,6 +7,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+from spacerobot.effects.one_sided import SIDES
 from spacerobot.effects.registry import all_effects
 
 _PLACES = {
@@ -54,6 +55,9 @@ def place(where: str) -> str:
         return _PLACES[where]
     if where.startswith("joint."):
         return f"in joint {where.removeprefix('joint.')}"
+    if where.startswith("command."):
+        _, kind, axis = where.split(".")
+        return f"in the commanded {kind} ({axis})"
     head, dot, axis = where.partition(".")
     if dot and head in ("target", "base", "body"):
         return f"{_PLACES[head]} ({axis})"
@@ -87,14 +91,19 @@ def of_body(verdict: Mapping[str, Any], name: str = "body") -> dict[str, Any]:
 
 def effect_phrase(item: Mapping[str, Any]) -> str:
     """ "Coulomb friction in the wrist's guide"."""
-    return f"{effect_title(str(item['effect']))} {place(str(item['where']))}"
+    return f"{effect_title(str(item['effect']))}{_side(item)} {place(str(item['where']))}"
 
 
 def effect_object(item: Mapping[str, Any]) -> str:
     """The same as the object of a sentence: "a time offset in the force sensor"."""
     known = all_effects().get(str(item["effect"]))
     said = known.phrase or known.title if known is not None else effect_title(str(item["effect"]))
-    return f"{said} {place(str(item['where']))}"
+    return f"{said}{_side(item)} {place(str(item['where']))}"
+
+
+def _side(item: Mapping[str, Any]) -> str:
+    """On which side alone it stands, where it does; empty elsewhere."""
+    return f" on one side ({item['kind']})" if item.get("kind") in SIDES else ""
 
 
 def effects_phrase(items: Sequence[Mapping[str, Any]]) -> str:
@@ -279,6 +288,8 @@ def with_own_units(verdict: Mapping[str, Any], channels: Mapping[str, Mapping[st
 def _own_unit(where: str, channels: Mapping[str, Mapping[str, Any]]) -> str:
     here = {str(c.get("unit") or "") for c in channels.values() if c.get("stream") == where}
     kinds = {"force_sensor": "N", "mocap": "m", "command": "N"}
+    if where.startswith("command."):
+        return "N m" if where.startswith("command.torque.") else "N"
     return kinds.get(where) or (here.pop() if len(here) == 1 else "")
 
 

@@ -9,13 +9,17 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from spacerobot.diagnosis.fitting.fit_store import Kept
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.machines.axis import weight_of
 from spacerobot.diagnosis.machines.choose import models_for
 from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
 from spacerobot.diagnosis.machines.simulated import Simulated
 from spacerobot.diagnosis.selection.bench import Bench
+from spacerobot.diagnosis.selection.forward_selection import grow
+from spacerobot.diagnosis.selection.moment import with_free_moment
 from spacerobot.diagnosis.terms.hypothesis import hypothesis
+from spacerobot.effects.registry import effect
 from spacerobot.model.library import load
 from spacerobot.recordings.study import Study, load_study
 
@@ -33,24 +37,26 @@ URDF = f"""<robot name="pendulum">
 """
 
 
-def swings(coulomb: float, quadratic: float, release: float, time: np.ndarray) -> np.ndarray:
+def swings(coulomb: float, quadratic: float, release: float, time: np.ndarray, constant: float = 0.0) -> np.ndarray:
     """Angles from upright, by another integrator than the package's own."""
 
     def rate(_: float, y: np.ndarray) -> list[float]:
         q, v = y
         lost = DAMPING * v + coulomb * math.tanh(v / 1e-3) + quadratic * v * abs(v)
-        return [v, (MASS * 9.81 * ARM * math.sin(q) - lost) / WHOLE]
+        return [v, (MASS * 9.81 * ARM * math.sin(q) - lost + constant) / WHOLE]
 
     found = solve_ivp(rate, (0.0, time[-1]), [release, 0.0], t_eval=time, rtol=1e-9, atol=1e-10, max_step=0.01)
     return np.asarray(found.y[0])
 
 
-def pendulum(folder: Path, coulomb: float, quadratic: float, extra: str = "") -> Study:
+def pendulum(
+    folder: Path, coulomb: float, quadratic: float, extra: str = "", zero: float = 0.0, constant: float = 0.0
+) -> Study:
     (folder / "pendulum.urdf").write_text(URDF)
     time = np.arange(0.0, 12.0, 0.02)
     rng = np.random.default_rng(3)
     for n, release in enumerate((1.7, 2.4, 2.8)):
-        angle = swings(coulomb, quadratic, release, time) + 2e-4 * rng.standard_normal(time.size)
+        angle = swings(coulomb, quadratic, release, time, constant) + zero + 2e-4 * rng.standard_normal(time.size)
         rows = "\n".join(f"{t:.4f},{q:.8f}" for t, q in zip(time, angle, strict=True))
         (folder / f"run{n}.csv").write_text(f"t,q\n{rows}\n")
     (folder / "study.toml").write_text(
@@ -119,6 +125,43 @@ def test_dry_friction_and_drag_promise_as_a_pair_what_neither_does_alone(tmp_pat
     found = fit.values()
     assert found["coulomb_friction@joint.hinge.force_N"] == pytest.approx(COULOMB, rel=0.1)
     assert found["quadratic_damping@joint.hinge.coefficient_Ns2_m2"] == pytest.approx(QUADRATIC, rel=0.1)
+
+
+ZERO = 0.004
+"""Of an encoder, set by eye [rad]."""
+
+
+def test_the_zero_of_an_encoder_shows_in_the_weight(tmp_path: Path) -> None:
+    (model,) = models_for(pendulum(tmp_path, 0.0, 0.0, zero=ZERO))
+    assert set(model.moment) == {"joint.hinge.zero"}
+    free = model.moment_free()
+    assert free is not None
+    fit = Fitter(free, free.trials).fit(hypothesis(free.believed, ()), max_iterations=8)
+    assert fit.values()["joint.hinge.zero"] == pytest.approx(ZERO, rel=0.02)
+
+
+def test_a_stated_zero_is_where_it_is_stated(tmp_path: Path) -> None:
+    pendulum(tmp_path, 0.0, 0.0, zero=ZERO)
+    text = (tmp_path / "study.toml").read_text().replace("hinge.torque = 0", f"hinge.torque = 0\nhinge.zero = {ZERO}")
+    (tmp_path / "study.toml").write_text(text)
+    (model,) = models_for(load_study(tmp_path))
+    assert not model.moment
+    made = hypothesis(model.believed, ())
+    fit = Fitter(model, model.trials).fit(made, warm={"joint.hinge.damping": DAMPING}, max_iterations=8)
+    assert fit.chi2 < 1.2 * fit.samples
+
+
+@pytest.mark.parametrize(("zero", "constant"), [(ZERO, 0.0), (0.0, 4e-4)])
+def test_friction_of_two_levels_is_one_beside_a_zero_but_not_beside_a_push(
+    zero: float, constant: float, tmp_path: Path
+) -> None:
+    """Near the bottom a zero that is off pushes as a constant does, high up it does not."""
+    (model,) = models_for(pendulum(tmp_path, COULOMB, 0.0, "horizon = 4.0", zero, constant))
+    names = ("asymmetric_friction", "coulomb_friction")
+    growth = grow(model, effects=[effect(n) for n in names], most=2)
+    assert growth.after.label == (("asymmetric_friction", "joint.hinge"),)
+    free = with_free_moment(growth, Kept(None, ""))
+    assert (free is not None) == bool(zero)
 
 
 def test_of_several_idle_joints_the_balance_is_against_no_torque(tmp_path: Path) -> None:
