@@ -46,9 +46,10 @@ class Doubted:
 
     def brought(self, mechanism: Mechanism, trial: str, channel: str, time: np.ndarray) -> np.ndarray:
         """What they add to a channel's readings at these times, shape (T,), with a mechanism's factors."""
+        own = {k: by for k in self.sigma if k.partition(BAR)[0] == channel and (by := beyond(mechanism, k))}
         out = np.zeros_like(time)
-        for key, column in self.of(trial, channel, time).items() if self.sigma else ():
-            out += beyond(mechanism, key) * column
+        for key, column in self.of(trial, channel, time).items() if own else ():
+            out += own.get(key, 0.0) * column
         return out
 
     def take_off(
