@@ -1,4 +1,5 @@
-"""For every test: the same examples in every run, and one line at the end of what was skipped for want of a library."""
+"""For every test: the same examples in every run, what is long in one piece first, and one line at the end of what was
+skipped for want of a library."""
 
 from __future__ import annotations
 
@@ -21,6 +22,15 @@ WANTS = {
     "notebooks": ("nbclient", "nbformat", "ipykernel", "ipywidgets"),
 }
 """Extra of pyproject.toml -> its libraries that tests can do without."""
+
+
+FIRST = ("test_readme.py",)
+"""Files that begin with a minute's work in one piece: at the end all other workers would wait for it."""
+
+
+def pytest_collection_modifyitems(items: list[Any]) -> None:
+    """Those first, all others in their order."""
+    items.sort(key=lambda item: item.path.name not in FIRST)
 
 
 def pytest_terminal_summary(terminalreporter: Any) -> None:
