@@ -6,7 +6,6 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from spacerobot.diagnosis.machines.robot_channels import of_robot
 from spacerobot.diagnosis.machines.wrist_rig import RigModel
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.effects.mechanism import Mechanism
@@ -14,11 +13,14 @@ from spacerobot.effects.sizes import Sizes
 from spacerobot.support.errors import SimulationError
 
 STILL = 1e-3
-"""Share of the largest displacement of its kind that a place stays within where it does not move: what the pose of an
-arm that stands in a plane, written to six digits, leaves of the joints that would turn it out of it."""
+"""Share of the largest displacement of its kind that a place stays within where it does not move and nothing reads it:
+what noise in how the trials start leaves of the joints that would turn an arm out of the plane in which it stands."""
 
 READ = 2.0
-"""Rms of a channel about its mean, in its noise, within which it does not move either."""
+"""Rms of a channel about its mean, in its noise, above which it is read to move."""
+
+SHOWN = 0.2
+"""Displacement as believed, in the noise of its channel, that its hundreds of readings show together."""
 
 
 def sizes_at_places(
@@ -65,15 +67,19 @@ def _force(mechanism: Mechanism, port: str, d: np.ndarray, v: np.ndarray) -> flo
 
 
 def _moves(port: str, size: Sizes, found: dict[str, Sizes], trials: Sequence[TrialData]) -> bool:
+    """As it is read, or as believed; where nothing reads it, beside its like."""
+    readings = [t.channel(f"{port}.position") for t in trials if f"{port}.position" in t.channels]
+    if readings:
+        return any(r > READ or size.length * w > 1.0 for r, w in map(_spread, readings))
     kind = "joint." if port.startswith("joint.") else "base"
-    largest = max(s.length for name, s in found.items() if name.startswith(kind))
-    return size.length > STILL * largest or any(_read(f"{port}.position", t) for t in trials)
+    return size.length > STILL * max(s.length for name, s in found.items() if name.startswith(kind))
 
 
-def _read(channel: str, trial: TrialData) -> bool:
-    """Whether a recording shows that what a channel reads moves."""
-    if channel not in trial.channels or not of_robot(channel):
-        return False
-    _, value, weight = trial.channel(channel)
+def _spread(channel: tuple[np.ndarray, np.ndarray, np.ndarray]) -> tuple[float, float]:
+    """Rms of readings about their mean, in their noise, and the inverse of that noise."""
+    _, value, weight = channel
     good = weight > 0.0
-    return bool(good.any() and np.std(value[good]) * float(np.median(weight[good])) > READ)
+    if not good.any():
+        return 0.0, 0.0
+    usual = float(np.median(weight[good]))
+    return float(np.std(value[good])) * usual, usual
