@@ -70,7 +70,7 @@ def _moves(port: str, size: Sizes, found: dict[str, Sizes], trials: Sequence[Tri
     """As it is read, or as believed; where nothing reads it, beside its like."""
     readings = [t.channel(f"{port}.position") for t in trials if f"{port}.position" in t.channels]
     if readings:
-        return any(r > READ or size.length * w > 1.0 for r, w in map(_spread, readings))
+        return any(r > READ or size.length * w > SHOWN for r, w in map(_spread, readings))
     kind = "joint." if port.startswith("joint.") else "base"
     return size.length > STILL * max(s.length for name, s in found.items() if name.startswith(kind))
 
