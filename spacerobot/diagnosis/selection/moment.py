@@ -40,12 +40,7 @@ def with_free_moment(growth: Growth, kept: Kept) -> Machine | None:
     bench.weights = growth.bench.weights
 
     def tried(sites: Sequence[Site], start: Mapping[str, float] = MappingProxyType({})) -> Candidate | None:
-        values = {k: v for k, v in chosen.fit.values().items() if "@" in k}
-        found = [
-            bench.fitted_as(near, sites, {**begun, **start})
-            for near, begun in ((chosen.fit, {}), (growth.before.fit, values))  # a value may sit at its bound there
-        ]
-        fit = min((f for f in found if f is not None), key=lambda f: f.cost, default=None)
+        fit = bench.fitted_as(chosen.fit, sites, start)
         if fit is None or any(abs(fit.values()[n]) > MOVED * size for n, size in model.moment.items()):
             return None  # later than that a sensor is late
         return Candidate(fit, bench.held_out(fit))

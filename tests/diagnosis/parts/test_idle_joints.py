@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +10,6 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from spacerobot.diagnosis.fitting.fit_store import Kept
-from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.machines.axis import weight_of
 from spacerobot.diagnosis.machines.choose import models_for
@@ -20,7 +18,7 @@ from spacerobot.diagnosis.machines.simulated import Simulated
 from spacerobot.diagnosis.selection.bench import Bench
 from spacerobot.diagnosis.selection.forward_selection import grow
 from spacerobot.diagnosis.selection.moment import with_free_moment
-from spacerobot.diagnosis.terms.hypothesis import Site, hypothesis
+from spacerobot.diagnosis.terms.hypothesis import hypothesis
 from spacerobot.effects.registry import effect
 from spacerobot.model.library import load
 from spacerobot.recordings.study import Study, load_study
@@ -164,19 +162,6 @@ def test_friction_of_two_levels_is_one_beside_a_zero_but_not_beside_a_push(
     assert growth.after.label == (("asymmetric_friction", "joint.hinge"),)
     free = with_free_moment(growth, Kept(None, ""))
     assert (free is not None) == bool(zero)
-
-
-def test_a_zero_is_tried_from_the_baseline_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where a value all but sits at its bound beside friction of two levels, a fit that begins there goes nowhere."""
-    (model,) = models_for(pendulum(tmp_path, COULOMB, 0.0, "horizon = 4.0", ZERO))
-    growth = grow(model, effects=[effect(n) for n in ("asymmetric_friction", "coulomb_friction")], most=2)
-    begun_at = Bench.fitted_as
-
-    def stuck(bench: Bench, near: Fit, sites: Sequence[Site], start: Mapping[str, float]) -> Fit | None:
-        return None if near is growth.after.fit else begun_at(bench, near, sites, start)
-
-    monkeypatch.setattr(Bench, "fitted_as", stuck)
-    assert with_free_moment(growth, Kept(None, "")) is not None
 
 
 def test_of_several_idle_joints_the_balance_is_against_no_torque(tmp_path: Path) -> None:
