@@ -19,6 +19,8 @@ STOP = Site(effect("end_stop"), "joint.a")
         (np.linspace(0.0, 0.79, 200), True),  # never there: the fit has nothing to go by, which is another's to judge
         (np.concatenate([np.linspace(0.0, 0.02, 50), np.linspace(1.43, 1.52, 50)]), False),
         (np.concatenate([np.linspace(0.0, 0.78, 9), np.linspace(0.81, 0.812, 9)]), True),  # a stiff one, few readings
+        (np.linspace(-1.5, 1.5, 200), True),
+        (np.linspace(-1.7, 1.7, 200), False),  # beyond it lies more than before it: a spring, or nothing at all
     ],
 )
 def test_a_stop_is_where_readings_come_up_to_it(seen: np.ndarray, right: bool) -> None:

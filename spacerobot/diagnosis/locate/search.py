@@ -96,14 +96,16 @@ class Search:
             if found is not None:
                 drafts.append((key, found))
         corrected = significance.holm([v.log_p for _, v in drafts])
-        rows = [self._row(key, v, p) for (key, v), p in zip(drafts, corrected, strict=True)]
+        rows = [self._row(key, v, p, noise_known) for (key, v), p in zip(drafts, corrected, strict=True)]
         if noise_known:
             return tuple(sorted(rows, key=lambda r: (r.p >= CLEAR, r.log_p)))
         return tuple(sorted(rows, key=lambda r: (r.p >= CLEAR, -r.share if r.p < CLEAR else r.log_p)))
 
-    def _row(self, key: Key, v: Verdict, p: float) -> Row:
+    def _row(self, key: Key, v: Verdict, p: float, noise_known: bool) -> Row:
+        """A test as told. Noise that is not known accounts for none of what is left: a share is one of all of it."""
         total = self.totals[key[0]]
-        share = min(v.fall / max(total.chi2 - total.freedom, v.fall), 1.0) if v.fall > 0.0 else 0.0
+        left = total.chi2 - total.freedom * noise_known
+        share = min(v.fall / max(left, v.fall), 1.0) if v.fall > 0.0 else 0.0
         return Row(*key, share, max(p, v.p_flips), v.score, v.coefficient, v.error, v.at, v.log_p, v.p_flips)
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.terms.candidates import means as signs_mean
 from spacerobot.diagnosis.terms.candidates import redundant
-from spacerobot.diagnosis.terms.decision import AT_BOUND
+from spacerobot.diagnosis.terms.decision import AT_BOUND, OUTER
 from spacerobot.diagnosis.terms.hypothesis import Site
 from spacerobot.effects.effect import Parameter
 from spacerobot.effects.sizes import Sizes
@@ -119,7 +119,8 @@ def reached(sites: Sequence[Site], values: Mapping[str, float], visited: Callabl
     """Whether every place came up to the displacement at which its effect begins.
 
     A joint that was read about 0 and about 1.4 rad, and at nothing between, says nothing of a stop at 0.8: the gap in
-    its readings there must be no wider than what was seen beyond, or than a step of a motion.
+    its readings there must be no wider than what was seen beyond, or than a step of a motion. Nor is it a stop that
+    leaves its place less than half of its way.
 
     Args:
         sites: effects at their places.
@@ -129,6 +130,8 @@ def reached(sites: Sequence[Site], values: Mapping[str, float], visited: Callabl
     for site in sites:
         for edge in (values[site.key(p.name)] for p in site.effect.parameters if p.reach):
             seen, edge = site.effect.towards(visited(site.where)), float(site.effect.towards(np.array(edge)))
+            if seen.size and edge < seen.max() - (1.0 - OUTER) * (seen.max() - min(seen.min(), 0.0)):
+                return False
             inside, beyond = seen[seen <= edge], seen[seen > edge]
             if inside.size and beyond.size:
                 widest = max(float(np.ptp(beyond)), STEP * float(np.abs(seen).max()))

@@ -117,6 +117,10 @@ BENT = 0.9
 TWICE = 2.0 / 3.0
 """Difference of two levels over their mean where one is twice the other: friction that is not the same both ways."""
 
+OUTER = 0.5
+"""Share of the way that a place went which a stop leaves free: what acts over more of it is a spring, and stands for
+any slow defect of a model (a stop of 0.04 rad in a motion of half a radian, of an arm whose links are somewhat off)."""
+
 AT_BOUND = 1e-3
 """Distance from a bound, as a share of it, within which a value sits there: searches stop at a bound to the last
 digit, and nothing physical is known to a thousandth of where somebody drew a line."""
