@@ -266,7 +266,8 @@ class WholeRig(RigModel):
             believed = hypothesis(self.believed, [])
 
             def simulated(trial: TrialData) -> tuple[Mechanism, np.ndarray]:
-                initial = np.array([n.guess for n in self.nuisances(trial)])
+                own = self.nuisances(trial)  # a drift of joints or base that readings do not show is none
+                initial = np.array([0.0 if _faint(n) else n.guess for n in own])
                 return self.trial_mechanism(believed, believed.start(), trial), initial
 
             self._at = sizes_at_places(self, simulated, self.trials)
@@ -294,6 +295,10 @@ class WholeRig(RigModel):
 
 def _zero(nuisance: Nuisance) -> bool:
     return nuisance.coordinate.startswith(ZERO)
+
+
+def _faint(nuisance: Nuisance) -> bool:
+    return nuisance.rate and of_robot(nuisance.coordinate) and abs(nuisance.guess) < nuisance.scale
 
 
 def _in_robot(where: str) -> bool:
