@@ -52,11 +52,11 @@ class Normal:
         return np.linalg.pinv(self.reduced, hermitian=True)
 
     def step(
-        self, damping: float, z: np.ndarray, low: np.ndarray, high: np.ndarray
+        self, damping: float, z: np.ndarray, low: np.ndarray, high: np.ndarray, own_too: bool = True
     ) -> tuple[np.ndarray, list[np.ndarray], float]:
         """Damped step within bounds: global part, own parts (in scales), and the promised fall of the cost."""
         own, reduced, gradient = self.own, self.reduced, self.gradient
-        if damping >= REFUSED:
+        if own_too and damping >= REFUSED:
             own = [(i + damping * np.diag(np.maximum(np.diag(i), LEAST)), cross, tail) for i, cross, tail in own]
             reduced, gradient = _reduced(self.full, self.right, own)
         free = np.ones(z.size, dtype=bool)

@@ -169,6 +169,9 @@ class Machine(ABC):
         """
         return {}
 
+    drifts = False
+    """Whether joints drift before a touch: where one sticks, a trial's own values are damped as all others are."""
+
     def nuisances(self, trial: TrialData) -> tuple[Nuisance, ...]:
         """What is free in this trial alone."""
         return ()
