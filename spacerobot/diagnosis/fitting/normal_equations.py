@@ -52,7 +52,7 @@ class Normal:
         return np.linalg.pinv(self.reduced, hermitian=True)
 
     def step(
-        self, damping: float, z: np.ndarray, low: np.ndarray, high: np.ndarray, own_too: bool = True
+        self, damping: float, z: np.ndarray, low: np.ndarray, high: np.ndarray, own_too: bool = True, far: bool = True
     ) -> tuple[np.ndarray, list[np.ndarray], float]:
         """Damped step within bounds: global part, own parts (in scales), and the promised fall of the cost."""
         own, reduced, gradient = self.own, self.reduced, self.gradient
@@ -72,7 +72,7 @@ class Normal:
                 break
             free &= ~out
         dz = np.clip(z + dz, low, high) - z
-        dz /= max(1.0, float((np.abs(dz) / np.maximum(FURTHEST, np.abs(z))).max(initial=0.0)))
+        dz /= max(1.0, float((np.abs(dz) / np.maximum(FURTHEST, np.abs(z) if far else 0.0)).max(initial=0.0)))
         dn = [-np.linalg.solve(inner, tail + cross @ dz) for inner, cross, tail in own]
         promised = -(2.0 * self.right @ dz + dz @ self.full @ dz)
         for (inner, cross, tail), n in zip(self.own, dn, strict=True):

@@ -169,6 +169,9 @@ class Machine(ABC):
         """
         return {}
 
+    strides = True
+    """Whether a step of a fit may double what a value stands at."""
+
     drifts = False
     """Whether joints drift before a touch: where one sticks, a trial's own values are damped as all others are."""
 

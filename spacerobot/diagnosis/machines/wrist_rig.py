@@ -79,6 +79,7 @@ class RigModel(Machine):
     """
 
     name = "wrist rig"
+    strides = False
     learns = True
     """Whether a law without a name is looked for at its ports."""
     metric = "simulated motion"
