@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import ClassVar, Final
+from typing import ClassVar, Final, Self
 
 import numpy as np
 
@@ -146,6 +147,12 @@ class Effect(ABC):
             seen: shape (T,) [m or rad]; empty where nothing reads the place.
         """
         return self.forms
+
+    def with_parameters(self, parameters: Iterable[Parameter]) -> Self:
+        """The same effect, its parameters with other scales, starts or bounds."""
+        made = copy.copy(self)
+        vars(made)["parameters"] = tuple(parameters)
+        return made
 
     def towards(self, displacement: np.ndarray) -> np.ndarray:
         """How far displacements go towards where the effect begins, or beyond it, shape (T,): here either way."""

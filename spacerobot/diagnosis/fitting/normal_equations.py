@@ -14,7 +14,6 @@ LEAST = 1.0
 """Curvature of a trial's own value, in units of its scale, that is damped at least: where a joint sticks, how fast it
 drifted before shows in nothing, and a step along that would be as long as one likes."""
 
-
 FURTHEST = 20.0
 """Units of a parameter's scale that a step goes at most; of what stands further off already, as far as it stands: a
 stop's stiffness may be a thousand times what is typical, and would take as many steps of one length."""

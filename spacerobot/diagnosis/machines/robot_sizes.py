@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
+from spacerobot.diagnosis.machines.contract import Nuisance
+from spacerobot.diagnosis.machines.robot_channels import of_robot
 from spacerobot.diagnosis.machines.wrist_rig import RigModel
 from spacerobot.diagnosis.terms.data import TrialData
+from spacerobot.diagnosis.terms.hypothesis import hypothesis
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.sizes import Sizes
 from spacerobot.support.errors import SimulationError
@@ -23,21 +26,19 @@ SHOWN = 0.2
 """Displacement as believed, in the noise of its channel, that its hundreds of readings show together."""
 
 
-def sizes_at_places(
-    model: RigModel, simulated: Callable[[TrialData], tuple[Mechanism, np.ndarray]], trials: Sequence[TrialData]
-) -> dict[str, Sizes]:
+def sizes_at_places(model: RigModel) -> dict[str, Sizes]:
     """Place -> what is typical there, of joints and of the base; places that do not move are not among them.
 
     Of what a free joint does, the force is what its inertia takes; of one on a servo, what its spring does.
 
     Args:
-        model: the rig.
-        simulated: of a trial, its mechanism as believed and its own values.
-        trials: to look at.
+        model: the rig, with its trials.
     """
     seen: dict[str, list[tuple[float, float, float]]] = {}  # mean squares of displacement and rate, and the force
-    for trial in trials:
-        mechanism, initial = simulated(trial)
+    believed = hypothesis(model.believed, [])
+    for trial in model.trials:
+        mechanism = model.trial_mechanism(believed, believed.start(), trial)
+        initial = np.array([0.0 if _faint(n) else n.guess for n in model.nuisances(trial)])
         try:
             run = model.predict(mechanism, trial, initial).run
         except SimulationError:
@@ -53,7 +54,12 @@ def sizes_at_places(
         length, speed, force = np.sqrt(np.mean(np.square(np.array(rows) ** [0.5, 0.5, 1.0]), axis=0)).tolist()
         if length > 0.0 and speed > 0.0 and force > 0.0:
             found[port] = Sizes(force, length, length / speed)
-    return {port: size for port, size in found.items() if _moves(port, size, found, trials)}
+    return {port: size for port, size in found.items() if _moves(port, size, found, model.trials)}
+
+
+def _faint(nuisance: Nuisance) -> bool:
+    """A drift of joints or base that readings do not show is none."""
+    return nuisance.rate and of_robot(nuisance.coordinate) and abs(nuisance.guess) < nuisance.scale
 
 
 def _force(mechanism: Mechanism, port: str, d: np.ndarray, v: np.ndarray) -> float:

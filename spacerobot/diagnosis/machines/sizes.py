@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -75,13 +74,10 @@ def scaled(effect: Effect, sizes: Sizes) -> Effect:
     """
     if effect.learned:
         return effect
-    made = copy.copy(effect)
-    vars(made)["parameters"] = tuple(_scaled(p, sizes) for p in effect.parameters)
-    if any(p.reach for p in effect.parameters):  # what acts beyond a displacement is not soft
-        vars(made)["parameters"] = tuple(
-            p if p.shape else replace(p, starts=(STIFF * sizes.of(p.unit),)) for p in made.parameters
-        )
-    return made
+    parameters = [_scaled(p, sizes) for p in effect.parameters]
+    if any(p.reach for p in parameters):  # what acts beyond a displacement is not soft
+        parameters = [p if p.shape else replace(p, starts=(STIFF * sizes.of(p.unit),)) for p in parameters]
+    return effect.with_parameters(parameters)
 
 
 def beside_usual(effect: Effect, sizes: Sizes) -> Effect:
@@ -91,9 +87,7 @@ def beside_usual(effect: Effect, sizes: Sizes) -> Effect:
     pairs = ((sizes.force, USUAL.force), (sizes.length, USUAL.length), (sizes.time, USUAL.time))
     if all(usual / ALIKE < size < usual * ALIKE for size, usual in pairs):
         return effect
-    made = copy.copy(effect)
-    vars(made)["parameters"] = tuple(_times(p, sizes.of(p.unit) / USUAL.of(p.unit)) for p in effect.parameters)
-    return made
+    return effect.with_parameters(_times(p, sizes.of(p.unit) / USUAL.of(p.unit)) for p in effect.parameters)
 
 
 def _times(parameter: Parameter, factor: float) -> Parameter:

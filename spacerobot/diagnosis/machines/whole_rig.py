@@ -20,7 +20,7 @@ from spacerobot.diagnosis.machines.robot_sizes import sizes_at_places
 from spacerobot.diagnosis.machines.sizes import scaled
 from spacerobot.diagnosis.machines.wrist_rig import LEAST, RigModel, RigPredicted, together, touch_time
 from spacerobot.diagnosis.terms.data import TrialData
-from spacerobot.diagnosis.terms.hypothesis import Hypothesis, Site, hypothesis
+from spacerobot.diagnosis.terms.hypothesis import Hypothesis, Site
 from spacerobot.effects.effect import BASE_PORTS, Effect
 from spacerobot.effects.laws import DAMPER, SPRING
 from spacerobot.effects.mechanism import Mechanism
@@ -264,14 +264,7 @@ class WholeRig(RigModel):
     def places(self) -> dict[str, Sizes]:
         """Of joints and base those that move, and what is typical there."""
         if self._at is None:
-            believed = hypothesis(self.believed, [])
-
-            def simulated(trial: TrialData) -> tuple[Mechanism, np.ndarray]:
-                own = self.nuisances(trial)  # a drift of joints or base that readings do not show is none
-                initial = np.array([0.0 if _faint(n) else n.guess for n in own])
-                return self.trial_mechanism(believed, believed.start(), trial), initial
-
-            self._at = sizes_at_places(self, simulated, self.trials)
+            self._at = sizes_at_places(self)
         return self._at
 
     def turns(self, where: str) -> bool:
@@ -296,10 +289,6 @@ class WholeRig(RigModel):
 
 def _zero(nuisance: Nuisance) -> bool:
     return nuisance.coordinate.startswith(ZERO)
-
-
-def _faint(nuisance: Nuisance) -> bool:
-    return nuisance.rate and of_robot(nuisance.coordinate) and abs(nuisance.guess) < nuisance.scale
 
 
 def _in_robot(where: str) -> bool:

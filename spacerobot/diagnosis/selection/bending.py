@@ -62,11 +62,11 @@ class _Pair:
         initial = fit.trials[trial.id].initial
         here, later = self._more(fit, trial)
         if known is not None:
-            names, own = known.values, known.own
+            names, own = tuple(known.values), known.own
             slopes = {c: known.shown[c][1][1:] if c in known.shown else np.zeros((0, m.size)) for c, m in here.items()}
         else:
             steps = self._steps(fit, trial, values)
-            names, own = {n: values.get(n, 0.0) for n in steps}, self._own(trial)
+            names, own = tuple(steps), self._own(trial)
             found = [self._slope(moved, trial, here, by) for moved, by in steps.values()]
             for n in own:
                 by = STEP * self._small.nuisances(trial)[n].scale

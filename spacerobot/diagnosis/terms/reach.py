@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 from dataclasses import replace
 
 import numpy as np
@@ -43,6 +42,4 @@ def started_there(effect: Effect, seen: np.ndarray) -> Effect:
     edges = [e for share in SHARES if (e := reached_edge(effect, seen, share)) is not None]
     if not edges:
         return effect
-    made = copy.copy(effect)
-    vars(made)["parameters"] = tuple(replace(p, starts=tuple(edges)) if p.reach else p for p in effect.parameters)
-    return made
+    return effect.with_parameters(replace(p, starts=tuple(edges)) if p.reach else p for p in effect.parameters)

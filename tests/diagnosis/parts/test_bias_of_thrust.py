@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 from spacerobot.diagnosis.machines.choose import models_for
 from spacerobot.diagnosis.machines.windows import Turned, commanded
@@ -14,48 +13,23 @@ from spacerobot.diagnosis.selection.forward_selection import grow
 from spacerobot.effects.primitives import ChannelMap
 from spacerobot.effects.registry import effect
 from spacerobot.recordings.study import Study, load_study
+from tests.diagnosis.parts.helpers_air_bed import LEVELS, flown, head
 
-MASS, INERTIA, NOISE, STEP = 12.0, 0.2, 5e-4, 0.05
-STUDY = f"""format = 1
-title = "An air bed that turns"
-[baseline]
-base = "free"
-gravity = [0, 0, -9.80665]
-[baseline.body]
-mass = {MASS}
-yaw_inertia = {INERTIA}
-[streams.log]
-time = "t"
-[streams.log.channels]
-x = {{ is = "body.position.x" }}
-y = {{ is = "body.position.y" }}
-yaw = {{ is = "body.yaw" }}
-fx = {{ is = "body.force.x", use = "input", frame = "body" }}
-fy = {{ is = "body.force.y", use = "input", frame = "body" }}
-tz = {{ is = "body.torque.yaw", use = "input" }}
-"""
 PLACES = ("command.force.x", "command.force.y", "command.torque.yaw")
 
 
 def leaking(folder: Path, bias: tuple[float, float, float]) -> Study:
     """Three runs under commands that hold for half a second, with this added to thrust and torque [N, N, N m]."""
-    random, text = np.random.default_rng(4), [STUDY]
-    time = np.arange(0.0, 6.0, STEP)
+    random, text = np.random.default_rng(4), [head("An air bed that turns", ', frame = "body"')]
+
+    def push(command: np.ndarray, yaw: float) -> np.ndarray:
+        (ahead, aside, turning), cos, sin = command + np.array(bias), np.cos(yaw), np.sin(yaw)
+        return np.array([cos * ahead - sin * aside, sin * ahead + cos * aside, turning])
+
     for run in range(3):
-        level = random.choice([-1.0, 0.0, 1.0], (14, 3)) * np.array([0.4, 0.4, 0.02])
-
-        def rate(t: float, y: np.ndarray, level: np.ndarray = level) -> np.ndarray:
-            push = level[int(t / 0.5 + 1e-9)] + np.array(bias)
-            cos, sin = np.cos(y[2]), np.sin(y[2])
-            world = np.array([cos * push[0] - sin * push[1], sin * push[0] + cos * push[1], push[2]])
-            return np.concatenate([y[3:], world / np.array([MASS, MASS, INERTIA])])
-
+        level = random.choice([-1.0, 0.0, 1.0], (14, 3)) * LEVELS
         start = [0.0, 0.0, run - 1.0, 0.02, -0.03, 0.3 * (-1.0) ** run]
-        moved = solve_ivp(rate, (0.0, 6.0), start, t_eval=time, max_step=0.05, rtol=1e-8, atol=1e-10).y[:3].T
-        moved = moved + NOISE * random.standard_normal(moved.shape)
-        rows = np.column_stack([time, moved, level[(time / 0.5 + 1e-9).astype(int)]])
-        np.savetxt(folder / f"{run}.csv", rows, "%.7g", ",", header="t,x,y,yaw,fx,fy,tz", comments="")
-        text.append(f'[[trials]]\nid = "r{run}"\nlog = "{run}.csv"\n')
+        text.append(flown(folder, run, level, push, start, 6.0, random))
     (folder / "study.toml").write_text("".join(text))
     return load_study(folder)
 

@@ -9,34 +9,9 @@ import pytest
 
 from spacerobot.diagnosis.diagnose import diagnose
 from spacerobot.recordings.study import Study, load_study
+from tests.diagnosis.parts.helpers_axis import HEAD, axis_urdf
 
 MASS, STEP, FINE = 2.0, 0.01, 20
-
-
-def _link(name: str, mass: float) -> str:
-    inertia = '<inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/>'
-    return f'<link name="{name}"><inertial><mass value="{mass}"/>{inertia}</inertial></link>'
-
-
-URDF = (
-    f'<?xml version="1.0"?>\n<robot name="axis">{_link("rail", 10.0)}{_link("carriage", MASS)}'
-    '<joint name="j" type="prismatic"><parent link="rail"/><child link="carriage"/><axis xyz="1 0 0"/>'
-    '<limit lower="-10" upper="10" effort="1e4" velocity="100"/></joint></robot>'
-)
-
-HEAD = """format = 1
-title = "Axis"
-[baseline]
-robot = "axis.urdf"
-base = "fixed"
-joints = "free"
-gravity = [0, 0, 0]
-[streams.log]
-time = "t"
-[streams.log.channels]
-q = { is = "joint.j.position" }
-u = { is = "joint.j.torque", use = "input" }
-"""
 
 
 def followed(folder: Path, *, dry: float = 0.0, viscous: float = 0.0, late: int = 0, sluggish: float = 0.0) -> Study:
@@ -67,7 +42,7 @@ def followed(folder: Path, *, dry: float = 0.0, viscous: float = 0.0, late: int 
         log[:, 2] += 0.02 * random.standard_normal(len(log))
         np.savetxt(folder / f"{n}.csv", log, delimiter=",", header="t,q,u", comments="")
         text += f'[[trials]]\nid = "{n}"\ncondition = "{n}"\nlog = "{n}.csv"\n'
-    (folder / "axis.urdf").write_text(URDF)
+    (folder / "axis.urdf").write_text(axis_urdf(MASS))
     (folder / "study.toml").write_text(text)
     return load_study(folder)
 

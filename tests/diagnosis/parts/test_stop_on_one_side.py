@@ -11,33 +11,17 @@ from spacerobot.diagnosis.machines.choose import models_for
 from spacerobot.diagnosis.selection.forward_selection import grow
 from spacerobot.effects.registry import effect
 from spacerobot.recordings.study import Study, load_study
+from tests.diagnosis.parts.helpers_axis import HEAD, axis_urdf
 
 STEP = 0.01
 CATALOGUE = ("end_stop", "preload", "viscous_friction", "quadratic_damping")
-
-
-def _link(name: str, mass: float) -> str:
-    inertia = '<inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/>'
-    return f'<link name="{name}"><inertial><mass value="{mass}"/>{inertia}</inertial></link>'
 
 
 def stopped(folder: Path, mass: float, centre: float, swing: float, sides: tuple[int, ...], stiffness: float) -> Study:
     """An axis that follows two waves about `centre`, with what a stop pushes with from 0.7 of the swing on in the log
     of its drive; its encoder counts a ten-thousandth of the swing."""
     random, count = np.random.default_rng(7), 1e-4 * swing
-    text = """format = 1
-title = "Axis"
-[baseline]
-robot = "axis.urdf"
-base = "fixed"
-joints = "free"
-gravity = [0, 0, 0]
-[streams.log]
-time = "t"
-[streams.log.channels]
-q = { is = "joint.j.position" }
-u = { is = "joint.j.torque", use = "input" }
-"""
+    text = HEAD
     for n, wave in enumerate((1.6, 2.1, 2.6)):
         time = np.arange(0.0, 6.0, STEP)
         place = centre + swing * (0.8 * np.sin(wave * time) + 0.2 * np.sin(2.7 * wave * time + n))
@@ -49,11 +33,7 @@ u = { is = "joint.j.torque", use = "input" }
         rows = np.column_stack([time, count * np.round(place / count), force])
         np.savetxt(folder / f"{n}.csv", rows, delimiter=",", header="t,q,u", comments="")
         text += f'[[trials]]\nid = "{n}"\ncondition = "{n}"\nlog = "{n}.csv"\n'
-    (folder / "axis.urdf").write_text(
-        f'<robot name="axis">{_link("rail", 10.0)}{_link("carriage", mass)}'
-        '<joint name="j" type="prismatic"><parent link="rail"/><child link="carriage"/><axis xyz="1 0 0"/>'
-        '<limit lower="-10" upper="10" effort="1e4" velocity="100"/></joint></robot>'
-    )
+    (folder / "axis.urdf").write_text(axis_urdf(mass))
     (folder / "study.toml").write_text(text)
     return load_study(folder)
 

@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 from spacerobot.diagnosis.diagnose import diagnose
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
@@ -15,45 +14,19 @@ from spacerobot.diagnosis.machines.choose import models_for
 from spacerobot.diagnosis.selection import held_out
 from spacerobot.diagnosis.terms.hypothesis import hypothesis
 from spacerobot.recordings.study import Study, load_study
+from tests.diagnosis.parts.helpers_air_bed import LEVELS, NOISE, flown, head
 
-MASS, INERTIA, NOISE, SHARE = 12.0, 0.2, 0.0005, 0.8
-STUDY = f"""format = 1
-title = "An air bed with thrusters and a wheel"
-[baseline]
-base = "free"
-gravity = [0, 0, -9.80665]
-[baseline.body]
-mass = {MASS}
-yaw_inertia = {INERTIA}
-[streams.log]
-time = "t"
-[streams.log.channels]
-x = {{ is = "body.position.x" }}
-y = {{ is = "body.position.y" }}
-yaw = {{ is = "body.yaw" }}
-fx = {{ is = "body.force.x", use = "input" }}
-fy = {{ is = "body.force.y", use = "input" }}
-tz = {{ is = "body.torque.yaw", use = "input" }}
-"""
+SHARE = 0.8
 
 
 def air_bed(folder: Path, forces: float, torque: float) -> Study:
     """Three runs under commands that hold for half a second, of which these shares come out."""
-    random, text = np.random.default_rng(5), [STUDY]
-    time = np.arange(0.0, 8.0, 0.05)
-    share = np.array([forces, forces, torque]) / np.array([MASS, MASS, INERTIA])
+    random, text = np.random.default_rng(5), [head("An air bed with thrusters and a wheel")]
+    share = np.array([forces, forces, torque])
     for run in range(3):
-        level = random.choice([-1.0, 0.0, 1.0], (17, 3)) * np.array([0.4, 0.4, 0.02])
-
-        def rate(t: float, y: np.ndarray, level: np.ndarray = level) -> np.ndarray:
-            return np.concatenate([y[3:], share * level[int(t / 0.5 + 1e-9)]])
-
+        level = random.choice([-1.0, 0.0, 1.0], (17, 3)) * LEVELS
         start = [0.0, 0.0, 0.0, *(random.standard_normal(3) * [0.03, 0.03, 0.05])]
-        moved = solve_ivp(rate, (0.0, 8.0), start, t_eval=time, max_step=0.05, rtol=1e-8, atol=1e-10).y[:3].T
-        moved = moved + NOISE * random.standard_normal(moved.shape)
-        rows = np.column_stack([time, moved, level[(time / 0.5 + 1e-9).astype(int)]])
-        np.savetxt(folder / f"{run}.csv", rows, "%.7g", ",", header="t,x,y,yaw,fx,fy,tz", comments="")
-        text.append(f'[[trials]]\nid = "r{run}"\nlog = "{run}.csv"\n')
+        text.append(flown(folder, run, level, lambda command, yaw: share * command, start, 8.0, random))
     (folder / "study.toml").write_text("".join(text))
     return load_study(folder)
 
