@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from spacerobot.cli.beside import beside
 from spacerobot.support.jsonio import dumps
 from spacerobot.support.runs import RunFolder, combined_hash
 
@@ -36,6 +37,7 @@ class Step:
         arguments: what follows the name.
         folder: where its results go, inside the demo's.
         page: the file to look at afterwards, or None.
+        beside: begin it with the first one, in a process of its own.
     """
 
     title: str
@@ -43,11 +45,12 @@ class Step:
     arguments: str
     folder: str
     page: str | None = None
+    beside: bool = False
 
 
 STEPS = (
     Step("A floating target hits the compliant wrist of a PA10-like arm", "simulate", HIT, "collision"),
-    Step("The same model over recordings of such hits", "overlay", STUDY, "overlay", "overlay.html"),
+    Step("The same model over recordings of such hits", "overlay", STUDY, "overlay", "overlay.html", True),
     Step("What the model lacks, named and fitted", "diagnose", STUDY, "diagnosis", "report.html"),
 )
 
@@ -63,17 +66,20 @@ def _steps(args: argparse.Namespace, folder: RunFolder) -> int:
     top = Path(args.out)
     answers: dict[str, Any] = {}
     page = ""
-    for number, step in enumerate(STEPS, start=1):
-        arguments = [*shlex.split(step.arguments), "--out", str(top / step.folder)]
-        if not args.json:
-            print(f"{number}. {step.title}\n$ spacerobot {shlex.join([step.command, *arguments])}\n", flush=True)
-        answers[step.folder] = _typed(
-            step.command, [*arguments, *(["--overwrite"] if args.overwrite else [])], args.json
-        )
-        if step.page is not None:
-            page = str((top / step.folder / step.page).resolve())
-        if not args.json:
-            print()
+    options = [*(["--overwrite"] if args.overwrite else []), *(["--json"] if args.json else [])]
+    with contextlib.ExitStack() as under_way:
+        commands = [[s.command, *shlex.split(s.arguments), "--out", str(top / s.folder)] for s in STEPS]
+        begun = {s: under_way.enter_context(beside([*c, *options])) for s, c in zip(STEPS, commands) if s.beside}
+        for number, (step, command) in enumerate(zip(STEPS, commands), start=1):
+            if not args.json:
+                print(f"{number}. {step.title}\n$ spacerobot {shlex.join(command)}\n", flush=True)
+            answer = begun[step].answer() if step in begun else _typed([*command, *options], args.json)
+            if args.json:
+                answers[step.folder] = json.loads(answer)
+            else:
+                print(answer if step in begun else "")
+            if step.page is not None:
+                page = str((top / step.folder / step.page).resolve())
     if not folder.finished:
         folder.write("demo.png", _picture(top))
         folder.finish()
@@ -85,16 +91,15 @@ def _steps(args: argparse.Namespace, folder: RunFolder) -> int:
     return 0
 
 
-def _typed(command: str, arguments: Sequence[str], as_json: bool) -> Any:
-    """What the command answers: printed, or as the object that its --json prints."""
+def _typed(command: Sequence[str], as_json: bool) -> str:
+    """What the command prints: at once, or, an object, when it is whole."""
     from spacerobot.cli.main import COMMANDS, build_parser
 
-    module = importlib.import_module(f"spacerobot.cli.{COMMANDS[command][0]}")
+    module = importlib.import_module(f"spacerobot.cli.{COMMANDS[command[0]][0]}")
     said = io.StringIO()
-    parsed = build_parser(command).parse_args([command, *arguments, *(["--json"] if as_json else [])])
     with contextlib.redirect_stdout(said if as_json else sys.stdout):
-        module.run(parsed)
-    return json.loads(said.getvalue()) if as_json else None
+        module.run(build_parser(command[0]).parse_args(command))
+    return said.getvalue()
 
 
 def _picture(top: Path) -> bytes:
