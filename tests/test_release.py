@@ -10,6 +10,7 @@ from release import licences
 from release.__main__ import STEPS, _found
 
 
+@pytest.mark.slow
 def test_every_licence_goes_with_ours() -> None:
     found = licences.needed()
     assert {"numpy", "pin", "h5py", "rosbags", "lxml"} <= {each.package for each in found if not each.extra}

@@ -51,6 +51,7 @@ def test_scenes_of_mass_load_in_silence_and_move(name: str, tmp_path: Path, visi
     like_stored(pictures[0], f"mass_{name}")
 
 
+@pytest.mark.slow
 def test_a_notebooks_frame_shows_its_scene(tmp_path: Path, visit: Any) -> None:
     path = tmp_path / "cell.html"
     frame = show(robot_film(load("pa10_wrist")))._repr_mimebundle_()["text/html"]

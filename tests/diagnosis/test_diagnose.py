@@ -118,6 +118,7 @@ def test_a_wrong_stiffness_is_no_missing_physics(tmp_path: Path) -> None:
     assert low < 1.08 * 1020.0 < high
 
 
+@pytest.mark.slow
 def test_masses_that_each_trial_states_are_told_as_a_factor(tmp_path: Path) -> None:
     study = write_study(tmp_path, weighed=0.96)
     found = diagnose(study, jobs=1)
@@ -150,6 +151,7 @@ def test_what_has_no_name_is_not_given_another(tmp_path: Path) -> None:
     assert verdict["effects"] == []
 
 
+@pytest.mark.slow
 def test_a_special_case_that_is_left_out_stays_out(tmp_path: Path) -> None:
     """Where its general effect fits, which would be said more simply."""
     study = write_study(tmp_path, planted=[("coulomb_friction", "wrist", {"force_N": 0.6})])

@@ -88,6 +88,7 @@ def _workshop(
     return Workshop(study)
 
 
+@pytest.mark.slow
 def test_a_worn_guide_is_learned_with_its_band_and_its_formula(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     workshop = _workshop(monkeypatch, tmp_path, worn, (1.6, 0.008, 0.003))
     baseline = workshop.run(Task((), {}))
@@ -137,7 +138,10 @@ def test_a_damper_of_one_stroke_is_learned_and_only_its_sum_with_the_damping_is_
 
 @pytest.mark.parametrize(
     ("law", "numbers", "where", "kind", "of"),
-    [(pressed, (0.06,), "wrist", "friction", "N"), (stiffening, (1e11,), "contact", "force", "d")],
+    [
+        pytest.param(pressed, (0.06,), "wrist", "friction", "N", marks=pytest.mark.slow),
+        (stiffening, (1e11,), "contact", "force", "d"),
+    ],
 )
 def test_a_law_of_the_press_and_one_of_the_tip_are_learned_with_their_formulas(
     monkeypatch: pytest.MonkeyPatch,

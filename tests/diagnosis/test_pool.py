@@ -73,6 +73,7 @@ def test_workers_elsewhere_are_sent_no_recordings_and_find_the_same(
     assert workers.recordings[0] == 0
 
 
+@pytest.mark.slow
 def test_a_cluster_finds_the_same_although_it_loses_a_worker(workshop: Workshop, here: dict[Any, Fit | None]) -> None:
     distributed = pytest.importorskip("distributed")
     from spacerobot.support.executors.cluster import DaskWorkers

@@ -102,6 +102,7 @@ def near_one(values: np.ndarray, count: int) -> None:
 COUNT = 300
 
 
+@pytest.mark.slow
 def test_pulls_have_mean_zero_and_variance_one() -> None:
     together, alone, starts = pulls(COUNT)
     near_one(together, COUNT)

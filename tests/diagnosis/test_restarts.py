@@ -69,6 +69,7 @@ def _at(fit: Fit, cutoff: float) -> Any:
     return z
 
 
+@pytest.mark.slow
 def test_a_moment_is_looked_for_before_and_after_although_only_noise_is_left(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

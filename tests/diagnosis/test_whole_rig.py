@@ -82,6 +82,7 @@ def test_a_hand_that_is_stated_takes_no_part(tmp_path: Path) -> None:
     assert _left(_fitted(workshop)) < 1.1
 
 
+@pytest.mark.slow
 def test_a_joint_that_rubs_opens_the_robots_balances_alone(tmp_path: Path) -> None:
     """Those of wrist and target close; of a robot that is believed rightly every balance does."""
     for name, planted in (("clean", ()), ("rubs", (EffectAt(*ELBOW, {"force_N": 0.4}),))):

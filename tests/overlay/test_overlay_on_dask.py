@@ -11,6 +11,7 @@ from spacerobot.cli.main import main
 from tests.overlay.studies import axis_study
 
 
+@pytest.mark.slow
 def test_a_cluster_gives_the_same_answer(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     distributed = pytest.importorskip("distributed")
     answers = []

@@ -199,6 +199,7 @@ def test_the_command_writes_page_and_figures(tmp_path: Path, capsys: pytest.Capt
     assert (tmp_path / "elsewhere" / "records.jsonl").read_text() == "".join(kept)
 
 
+@pytest.mark.slow
 def test_a_second_batch_is_published_beside_the_first(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     docs, asked = tmp_path / "docs", ["prove", "--share", "0.05", "--seed", "5", "--docs", str(tmp_path / "docs")]
     assert main([*asked, "--out", str(tmp_path / "a")]) == 0

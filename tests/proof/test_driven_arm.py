@@ -114,6 +114,7 @@ def _noise(model: Machine) -> float:
     return noise
 
 
+@pytest.mark.slow
 def test_stated_noise_accounts_for_what_the_right_model_leaves(tmp_path: Path) -> None:
     """And not for what a wrong one does: a ripple, or sensors that are noisier than stated."""
     campaign, logs = plain()
@@ -141,6 +142,7 @@ def test_a_joint_that_stands_still_is_not_compared(tmp_path: Path) -> None:
     assert bench.fitted((), {}).held_out > 1.2
 
 
+@pytest.mark.slow
 def test_every_kind_can_be_made() -> None:
     made = {o.kind: conceal(o) for o in of_family(FAMILY, dict.fromkeys(MAKERS, 1), 3)}
     assert set(made) == set(FULL) == set(MAKERS)
@@ -154,6 +156,7 @@ def test_every_kind_can_be_made() -> None:
     assert links()["link2"] == pytest.approx(8.41)
 
 
+@pytest.mark.slow
 def test_a_wrists_diagnosis_depends_on_its_own_code_alone(tmp_path: Path) -> None:
     """What its hash leaves out is not loaded by it; what it loads is in the hash. Three trials go all the way."""
     whole = Path(__file__).parents[2] / "examples" / "studies" / "guide-friction"

@@ -58,6 +58,7 @@ def test_reduced_and_multibody_slide_alike() -> None:
             assert np.abs(few[name] - many[name]).max() < 1e-8
 
 
+@pytest.mark.slow
 @settings(max_examples=12, derandomize=True, deadline=None)
 @given(
     mu=st.sampled_from([0.0, 0.1, 0.7]),

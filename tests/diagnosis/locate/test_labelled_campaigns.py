@@ -30,14 +30,16 @@ def located(name: str) -> Located:
     ("name", "balance", "depends_on"),
     [
         ("guide-friction", "wrist", ("sign of velocity",)),
-        ("hardening-spring", "wrist", ("displacement^3",)),
-        ("bed-tilt", "target", ("constant",)),
+        pytest.param("hardening-spring", "wrist", ("displacement^3",), marks=pytest.mark.slow),
+        pytest.param("bed-tilt", "target", ("constant",), marks=pytest.mark.slow),
         ("force-delay", "force_sensor", ("time",)),
-        ("eccentric-hit", "target.yaw", ("force",)),
-        ("hertz-contact", "contact", ("constant", "displacement", "displacement^2")),
+        pytest.param("eccentric-hit", "target.yaw", ("force",), marks=pytest.mark.slow),
+        pytest.param(
+            "hertz-contact", "contact", ("constant", "displacement", "displacement^2"), marks=pytest.mark.slow
+        ),
         ("compliant-arm", "hand", ("force", "frequency")),
-        ("end-stop", "wrist", ("large displacement",)),
-        ("sloshing-target", "target", ("frequency",)),
+        pytest.param("end-stop", "wrist", ("large displacement",), marks=pytest.mark.slow),
+        pytest.param("sloshing-target", "target", ("frequency",), marks=pytest.mark.slow),
     ],
 )
 def test_the_first_row_points_at_the_left_out_physics(name: str, balance: str, depends_on: tuple[str, ...]) -> None:

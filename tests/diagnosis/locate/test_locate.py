@@ -121,6 +121,7 @@ def test_values_within_their_sigma_are_not_reported_and_far_ones_are() -> None:
     assert locate(model, trials).found(0.05) == ()
 
 
+@pytest.mark.slow
 def test_calibrated_on_noise() -> None:
     plain: list[float] = []
     alarms = 0

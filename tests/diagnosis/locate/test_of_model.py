@@ -21,6 +21,7 @@ def models(name: str) -> dict[str, Machine]:
     return {m.name: m for m in models_for(load_study(STUDIES / name))}
 
 
+@pytest.mark.slow
 @pytest.mark.real
 def test_dry_friction_in_the_joints_of_a_real_arm() -> None:
     found = {name: locate_model(m) for name, m in models("franka_exciting").items()}

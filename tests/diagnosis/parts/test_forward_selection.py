@@ -52,6 +52,7 @@ def test_what_is_there_stands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     assert ("coulomb_friction", f"joint.{JOINT}") in chosen_rashly(tmp_path, monkeypatch, (item,))
 
 
+@pytest.mark.slow
 def test_an_effect_whose_interval_holds_nothing_is_not_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Even where chance and unseen trials were to speak for it."""
     monkeypatch.setattr(module, "by_chance", lambda *asked: False)

@@ -91,6 +91,7 @@ def test_the_drive_is_overlaid_as_it_was_found(tmp_path: Path) -> None:
         assert np.sqrt(np.mean(channel.residual**2)) < 2.5  # N; the drive pushes with 48
 
 
+@pytest.mark.slow
 def test_several_driven_joints_are_overlaid(tmp_path: Path) -> None:
     """By the torque that moves them: a right arm's to about its noise, and friction shows at the joint that has it."""
     (tmp_path / "right").mkdir()

@@ -19,7 +19,11 @@ def against(velocity: np.ndarray, power: float) -> np.ndarray:
 
 @pytest.mark.parametrize(
     ("effect", "power", "size"),
-    [("coulomb_friction", 0.0, 0.08), ("viscous_drag", 1.0, 0.6), ("quadratic_drag", 2.0, 1.5)],
+    [
+        ("coulomb_friction", 0.0, 0.08),
+        pytest.param("viscous_drag", 1.0, 0.6, marks=pytest.mark.slow),
+        pytest.param("quadratic_drag", 2.0, 1.5, marks=pytest.mark.slow),
+    ],
 )
 def test_an_oblique_slide_has_one_law_for_all_directions(
     effect: str, power: float, size: float, tmp_path: Path
@@ -57,6 +61,7 @@ def test_nothing_struck_a_body_that_glides(tmp_path: Path) -> None:
     assert verdict["verdict"] == "nothing_missing"
 
 
+@pytest.mark.slow
 def test_what_comes_again_in_another_trial_is_no_knock(tmp_path: Path) -> None:
     """At the same moment and the same way: the machine does it, and its model leaves it out. It has no name here."""
     kick = (2.2, (0.10, -0.06, 0.004))

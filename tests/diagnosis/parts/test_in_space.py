@@ -50,7 +50,10 @@ def thrown(folder: Path, resists: Callable[[np.ndarray], np.ndarray], *, fall: n
 
 @pytest.mark.parametrize(
     ("name", "power", "size"),
-    [("quadratic_drag", 1, 0.004), pytest.param("viscous_drag", 0, 0.03, marks=pytest.mark.slow)],
+    [
+        pytest.param("quadratic_drag", 1, 0.004, marks=pytest.mark.slow),
+        pytest.param("viscous_drag", 0, 0.03, marks=pytest.mark.slow),
+    ],
 )
 def test_drag_in_the_air_is_one_law_in_three_directions(name: str, power: int, size: float, tmp_path: Path) -> None:
     study = thrown(tmp_path, lambda v: -size * float(np.linalg.norm(v)) ** power * v)

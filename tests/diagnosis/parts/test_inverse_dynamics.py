@@ -121,6 +121,7 @@ def test_emps_friction_against_the_published_values() -> None:
         assert np.sqrt(error / sum(np.sum(t.blocks[0].value ** 2) for t in chosen)) < limit
 
 
+@pytest.mark.slow
 @pytest.mark.real
 def test_franka_joints_have_friction() -> None:
     models = models_for(real_study("franka_exciting"))

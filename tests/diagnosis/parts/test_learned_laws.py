@@ -175,6 +175,7 @@ def test_what_does_not_repeat_is_not_learned_and_says_why(tmp_path: Path) -> Non
     assert any(after.not_learned in line for line in said["why"])
 
 
+@pytest.mark.slow
 def test_drag_of_a_power_of_its_own_is_learned_at_a_body(tmp_path: Path) -> None:
     def drag(x: float, v: float) -> float:
         return float(-0.6 * v * abs(v) ** 0.5)

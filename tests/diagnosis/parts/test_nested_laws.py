@@ -45,6 +45,7 @@ def levels(fit: Fit) -> tuple[float, float]:
 TWO = (("asymmetric_friction", f"joint.{JOINT}"),)
 
 
+@pytest.mark.slow
 def test_one_level_excludes_two_and_two_do_not_exclude_one(tmp_path: Path) -> None:
     assert TWO not in [f.hypothesis.label for f in beside_coulomb(tmp_path / "one", 0.3, 0.3)]
     assert TWO in [f.hypothesis.label for f in beside_coulomb(tmp_path / "two", 0.33, 0.27)]

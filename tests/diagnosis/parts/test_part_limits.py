@@ -31,12 +31,14 @@ def named(folder: Path, effect: str, size: float, campaigns: int, **options: Any
     return sum(v["verdict"] == "named" and [e["effect"] for e in v["effects"]] == [effect] for v in verdicts)
 
 
+@pytest.mark.slow
 def test_a_limit_is_where_the_decision_turns(tmp_path: Path) -> None:
     limit = limits(said(sliding(tmp_path / "nothing", seed=1001)))["coulomb_friction"]
     assert named(tmp_path, "coulomb_friction", 2.0 * limit, 4) == 4
     assert named(tmp_path, "coulomb_friction", 0.25 * limit, 3) == 0  # where a likelihood ratio alone would see it
 
 
+@pytest.mark.slow
 def test_limits_follow_the_noise(tmp_path: Path) -> None:
     """An effect size is asked for: twice the noise hides twice as much, whether it is stated or not."""
     found = [
