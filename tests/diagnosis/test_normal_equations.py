@@ -1,4 +1,4 @@
-"""Damped steps of a fit: what its trials have of their own is damped as all else is."""
+"""Damped steps of a fit: what its trials have of their own is damped where it hardly shows."""
 
 from __future__ import annotations
 
@@ -46,12 +46,12 @@ def test_the_undamped_step_is_the_least_squares_one() -> None:
     np.testing.assert_allclose(np.concatenate([dz, *dn]), best, rtol=1e-6, atol=1e-9)
 
 
-def test_more_damping_is_a_shorter_step_of_every_value() -> None:
-    normal, _, _ = _normal(np.random.default_rng(3))
+def test_more_damping_is_a_shorter_step_of_what_is_shared_and_of_what_hardly_shows() -> None:
+    normal, _, _ = _normal(np.random.default_rng(3), faint=1e-4)
     lengths = []
     for damping in (0.0, 1e-2, 1.0, 1e2, 1e4):
         dz, dn, _ = normal.step(damping, np.zeros(SHARED), -FREE, FREE)
-        lengths.append((np.linalg.norm(dz), *(np.linalg.norm(n) for n in dn)))
+        lengths.append((np.linalg.norm(dz), *(abs(n[-1]) for n in dn)))
     longer, shorter = np.array(lengths[:-1]), np.array(lengths[1:])
     assert (shorter < longer).all()
     assert (np.array(lengths[-1]) < 1e-2 * np.array(lengths[0])).all()

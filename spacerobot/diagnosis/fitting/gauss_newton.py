@@ -262,7 +262,7 @@ class Fitter:
             bad = self._hasty and misfit > BAD * state.samples
             settled = SETTLED if self._careful else max(SETTLED, misfit * (WORTH_IF_BAD if bad else WORTH))
             for _ in range(10):
-                dz, dn, promised = system.step(damping, state.z, low, high, self.model.drifts, self.model.strides)
+                dz, dn, promised = system.step(damping, state.z, low, high, self.model.strides)
                 if eager and state.chi2() + float(state.z @ prior @ state.z) - HOPE * promised > hopeless:
                     return state, iterations - 1, False, system, True
                 if promised < settled:

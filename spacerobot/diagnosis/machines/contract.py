@@ -172,9 +172,6 @@ class Machine(ABC):
     strides = True
     """Whether a step of a fit may double what a value stands at."""
 
-    drifts = False
-    """Whether joints drift before a touch: where one sticks, a trial's own values are damped as all others are."""
-
     def nuisances(self, trial: TrialData) -> tuple[Nuisance, ...]:
         """What is free in this trial alone."""
         return ()

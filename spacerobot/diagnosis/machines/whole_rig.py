@@ -58,7 +58,6 @@ class WholeRig(RigModel):
     """
 
     name = "robot with a wrist"
-    drifts = True
     learns = False
     """Ports are many and a simulation is dear: every kind of law at each of them would take an hour."""
 
