@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import shlex
 import subprocess
@@ -26,8 +27,13 @@ def said_by_commands(kind: str) -> list[tuple[str, str]]:
     ]
 
 
+KEPT = "SPACEROBOT_DEMO"
+
+
 @pytest.fixture(scope="module")
 def demo(tmp_path_factory: pytest.TempPathFactory) -> str:
+    if KEPT in os.environ:  # who has run it already has kept what it said
+        return Path(os.environ[KEPT]).read_text(encoding="utf-8")
     out = tmp_path_factory.mktemp("demo")
     # a process of its own: other tests add effects to this one's catalogue
     done = subprocess.run(

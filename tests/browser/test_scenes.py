@@ -29,6 +29,9 @@ FILMS = {
     "free": lambda: trajectory_film(*reversed(free())),
     "trial": lambda: study_film(load_study("guide-friction"), "04"),
 }
+QUICK = ("free", "trial")
+"""Of which there is one in every run: a robot, and a recorded trial."""
+
 MOMENTS = {"arm": (0.3, 5.2), "ur5": (0.4, 2.1), "held": (0.05, 0.4), "free": (0.1, 0.32), "trial": (0.5, 2.8)}
 CANVAS = "#pane canvas"
 
@@ -63,7 +66,7 @@ def seek(page: Any, t: float) -> None:
     drawn(page)
 
 
-@pytest.mark.parametrize("name", list(FILMS))
+@pytest.mark.parametrize("name", [n if n in QUICK else pytest.param(n, marks=pytest.mark.slow) for n in FILMS])
 def test_scene_loads_in_silence_and_its_time_line_moves_it(name: str, pages: dict[str, str], visit: Any) -> None:
     first, second = MOMENTS[name]
     seen = visit(f"{pages[name]}#t={first}")
@@ -98,6 +101,7 @@ def test_play_runs_and_pauses(pages: dict[str, str], visit: Any) -> None:
     seen.calm(pages["held"])
 
 
+@pytest.mark.slow
 def test_reduced_motion_is_respected_and_motion_otherwise_starts_itself(pages: dict[str, str], visit: Any) -> None:
     still = visit(pages["arm"], reduced_motion="reduce")
     assert still.page.locator("#play").get_attribute("aria-label") == "Play"
@@ -105,6 +109,7 @@ def test_reduced_motion_is_respected_and_motion_otherwise_starts_itself(pages: d
     assert moving.page.locator("#play").get_attribute("aria-label") == "Pause"
 
 
+@pytest.mark.slow
 def test_the_spring_is_seen_to_work(pages: dict[str, str], visit: Any) -> None:
     page = visit(f"{pages['arm']}#t=11.2&view=side", width=1280, height=800).page
     alone(page)
@@ -114,6 +119,7 @@ def test_the_spring_is_seen_to_work(pages: dict[str, str], visit: Any) -> None:
     assert difference(rest, picture(page, CANVAS)) > 0.0005
 
 
+@pytest.mark.slow
 def test_switches_and_views_change_the_picture(pages: dict[str, str], visit: Any) -> None:
     seen = visit(f"{pages['trial']}#t=2.8")
     page = seen.page

@@ -68,6 +68,7 @@ def test_a_smaller_model_that_costs_less_is_noticed(base: Fit, chosen: Fit) -> N
     assert not checks.nested([cheap, chosen], chosen).passed
 
 
+@pytest.mark.slow
 def test_an_optimiser_that_stops_short_of_the_truth_is_noticed(
     shop: Workshop, chosen: Fit, monkeypatch: pytest.MonkeyPatch
 ) -> None:

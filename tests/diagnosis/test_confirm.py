@@ -22,6 +22,8 @@ from spacerobot.recordings.study import load_study
 from spacerobot.simulation.scene import Scene
 from spacerobot.simulation.simulate import reduced_start
 
+pytestmark = pytest.mark.slow
+
 LABEL = (("eccentric_contact", "target"),)
 OFFSET = "eccentric_contact@target.offset_m"
 

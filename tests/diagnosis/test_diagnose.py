@@ -160,6 +160,7 @@ def test_a_special_case_that_is_left_out_stays_out(tmp_path: Path) -> None:
     assert not any(e == "coulomb_friction" for label in found.found.fits for e, _ in label)
 
 
+@pytest.mark.slow
 def test_the_papers_puzzle(tmp_path: Path) -> None:
     """A c_eq that fits one speed; Coulomb friction that explains all of them, and speeds not seen."""
     force, fitted_speed = 0.3, 0.07

@@ -140,7 +140,7 @@ def test_a_damper_of_one_stroke_is_learned_and_only_its_sum_with_the_damping_is_
     ("law", "numbers", "where", "kind", "of"),
     [
         pytest.param(pressed, (0.06,), "wrist", "friction", "N", marks=pytest.mark.slow),
-        (stiffening, (1e11,), "contact", "force", "d"),
+        pytest.param(stiffening, (1e11,), "contact", "force", "d", marks=pytest.mark.slow),
     ],
 )
 def test_a_law_of_the_press_and_one_of_the_tip_are_learned_with_their_formulas(

@@ -37,6 +37,10 @@ REACHED = 0.004
 """Displacement [m] that every trial passes: what acts from one on must be reached."""
 
 
+LONG = ("lugre_friction", "maxwell", "stribeck_friction")
+"""These take ten seconds and more."""
+
+
 def candidates() -> list[Site]:
     """What a search along the approach would propose."""
     return candidate_sites(rig({}), Believed(BELIEVED, dict.fromkeys([*BELIEVED, "target.mass"], 0.01), {}, ("all",)))
@@ -81,7 +85,13 @@ def loud(site: Site, folder: Path) -> tuple[Workshop, Fit, dict[str, float]]:
     pytest.fail(f"{site.label} shows at no size")
 
 
-@pytest.mark.parametrize("site", candidates(), ids=lambda s: "-".join(s.label))
+@pytest.mark.parametrize(
+    "site",
+    [
+        pytest.param(s, id="-".join(s.label), marks=[pytest.mark.slow] if s.effect.name in LONG else [])
+        for s in candidates()
+    ],
+)
 def test_what_is_planted_is_found_again(site: Site, tmp_path: Path) -> None:
     """From the starts of a search, to the end: as good a fit as from the truth, and sizes that hold it.
 

@@ -162,6 +162,7 @@ def test_no_answer_is_told(tmp_path: Path, text: str, error: str) -> None:
     assert error in answer.error
 
 
+@pytest.mark.slow
 def test_an_endless_diagnosis_is_ended_with_its_children(tmp_path: Path) -> None:
     text = (
         "import subprocess, sys, time\n"

@@ -89,7 +89,7 @@ def test_groups_of_what_is_measured_are_no_trials(tmp_path: Path, names: tuple[s
     assert len(draft(tmp_path).trials) == 1
 
 
-@pytest.mark.parametrize("ending", ["xlsx", "txt"])
+@pytest.mark.parametrize("ending", [pytest.param("xlsx", marks=pytest.mark.slow), "txt"])
 def test_a_mass_above_a_table_is_the_targets(tmp_path: Path, ending: str) -> None:
     for n, speed in enumerate(SPEEDS):
         t, target, wrist, force = rig(speed)

@@ -48,6 +48,7 @@ def clock(form: str, t: Floats) -> list[str]:
     return [f"{s * {'s': 1, 'ms': 1e3}[form]:.3f}" for s in t]
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
 @given(
     st.sampled_from(sorted(NAMES)),

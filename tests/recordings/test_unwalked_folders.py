@@ -258,6 +258,7 @@ def test_a_date_is_no_list_of_runs(tmp_path: Path) -> None:
     assert "target.mass = 12.5" not in draft_study(tmp_path)
 
 
+@pytest.mark.slow
 def test_a_workbooks_mass_may_stand_in_a_cell_with_its_unit(tmp_path: Path) -> None:
     for n, speed in enumerate(SPEEDS, 1):
         book = openpyxl.Workbook()

@@ -47,6 +47,7 @@ def test_the_way_is_covered_at_the_arrival(gap: float, speed: float, pull: float
     assert several[0] == time
 
 
+@pytest.mark.slow
 @settings(max_examples=4, derandomize=True, deadline=None)
 @given(st.floats(0.0, 0.03), st.floats(-0.04, 0.0), st.floats(0.2, 3.0))
 def test_whoever_simulates_it_sees_the_same_fall(gap: float, speed: float, pull: float) -> None:

@@ -215,6 +215,7 @@ def test_two_roughnesses_add() -> None:
         assert np.abs(across(one, name) - across(two, name)).max() < 1e-8
 
 
+@pytest.mark.slow
 def test_mujocos_elliptic_cone_slides_as_far_and_its_pyramid_does_not() -> None:
     """Another engine, another method: a body that only slides, struck at 45 degrees on a level plane."""
     mujoco = pytest.importorskip("mujoco")

@@ -115,6 +115,7 @@ def agree(scene: Scene) -> bool | None:
 QUIET: Any = {"deadline": None, "suppress_health_check": list(HealthCheck)}
 
 
+@pytest.mark.slow
 @settings(max_examples=12, derandomize=True, **QUIET)
 @given(scene=scenes())
 def test_both_backends_say_the_same_or_one_says_why_not(scene: Scene) -> None:

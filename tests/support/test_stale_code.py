@@ -220,7 +220,9 @@ print(total(s) if sys.argv[1] == "inside" else [a.shape for a in rows(s)])
 """
 
 
-@pytest.mark.parametrize("order", [("inside", "outside", "inside"), ("outside", "inside", "outside")])
+@pytest.mark.parametrize(
+    "order", [("inside", "outside", "inside"), pytest.param(("outside", "inside", "outside"), marks=pytest.mark.slow)]
+)
 def test_what_one_process_left_compiled_serves_the_next(tmp_path: Path, order: tuple[str, ...]) -> None:
     """A function and its lean form do not take each other's place on disk, whichever came first."""
     script = tmp_path / "rows.py"

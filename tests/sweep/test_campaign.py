@@ -97,7 +97,7 @@ def test_a_part_that_is_not_right_is_made_again(tmp_path: Path, alone: dict[str,
     assert files(out) == alone
 
 
-@pytest.mark.parametrize("jobs", [2, 3])
+@pytest.mark.parametrize("jobs", [2, pytest.param(3, marks=pytest.mark.slow)])
 def test_the_files_are_the_same_for_any_number_of_processes(tmp_path: Path, alone: dict[str, bytes], jobs: int) -> None:
     assert sweep(write(tmp_path), tmp_path / "out", "--jobs", str(jobs)) == 0
     assert files(tmp_path / "out") == alone
@@ -168,6 +168,7 @@ def test_a_process_that_dies_is_replaced(tmp_path: Path) -> None:
     assert (tmp_path / "died").exists()
 
 
+@pytest.mark.slow
 def test_processes_that_always_die_are_given_up() -> None:
     from spacerobot.support.executors.base import WorkersLostError
     from spacerobot.support.executors.local import LocalPool

@@ -29,6 +29,7 @@ def cluster() -> Iterator[distributed.LocalCluster]:
         yield found
 
 
+@pytest.mark.slow
 def test_files_are_those_of_one_process(tmp_path: Path, cluster: distributed.LocalCluster) -> None:
     path = write(tmp_path)
     assert sweep(path, tmp_path / "alone") == 0
@@ -104,6 +105,7 @@ def test_a_folder_that_workers_do_not_see_is_refused(
     assert "do not see the folder" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_nobody_there() -> None:
     with pytest.raises(InputError, match="no Dask scheduler answers"):
         DaskWorkers("tcp://127.0.0.1:9")

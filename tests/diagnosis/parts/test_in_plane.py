@@ -38,6 +38,7 @@ def test_an_oblique_slide_has_one_law_for_all_directions(
     assert value["value"] == pytest.approx(size, rel=0.05)
 
 
+@pytest.mark.slow
 def test_knocks_are_found_in_their_trials_with_moment_and_size(tmp_path: Path) -> None:
     """Two of four trials, along, across and about; what acts in all of them is found beside."""
     knocks = {1: (2.2, (0.10, -0.06, 0.004)), 3: (3.9, (-0.08, 0.0, -0.005))}
@@ -55,6 +56,7 @@ def test_knocks_are_found_in_their_trials_with_moment_and_size(tmp_path: Path) -
         assert found[key] == pytest.approx([impulse, moment], rel=0.15), key
 
 
+@pytest.mark.slow
 def test_nothing_struck_a_body_that_glides(tmp_path: Path) -> None:
     """Noise is no knock."""
     verdict = diagnose(in_plane(tmp_path), jobs=1).verdict

@@ -65,6 +65,7 @@ def test_two_levels_are_left_open_where_there_is_little_friction(tmp_path: Path)
     assert rise == pytest.approx(LEVEL_95, rel=1e-3)  # the edge of a 95 % interval, everything else following
 
 
+@pytest.mark.slow
 def test_a_fit_without_two_levels_has_no_end_of_them(tmp_path: Path) -> None:
     (open_,) = beside_coulomb(tmp_path, 0.035, 0.035)
     assert not left_open(replace(open_, covariance=None), open_.hypothesis.sites[0])

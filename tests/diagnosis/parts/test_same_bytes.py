@@ -48,7 +48,9 @@ def bodies(folder: Path) -> None:
     balls(folder, {"light": (0.05, 0.003), "heavy": (8.0, 0.003)})
 
 
-@pytest.mark.parametrize("made", [bodies, pytest.param(rig, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "made", [pytest.param(bodies, marks=pytest.mark.slow), pytest.param(rig, marks=pytest.mark.slow)]
+)
 def test_two_processes_write_the_same(tmp_path: Path, made: Callable[[Path], None]) -> None:
     study = tmp_path / "study"
     study.mkdir()

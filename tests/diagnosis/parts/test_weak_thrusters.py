@@ -31,7 +31,9 @@ def air_bed(folder: Path, forces: float, torque: float) -> Study:
     return load_study(folder)
 
 
-@pytest.mark.parametrize("torque", [pytest.param(1.0, marks=pytest.mark.slow), SHARE])
+@pytest.mark.parametrize(
+    "torque", [pytest.param(1.0, marks=pytest.mark.slow), pytest.param(SHARE, marks=pytest.mark.slow)]
+)
 def test_weak_thrusters_are_never_a_payload_for_sure(torque: float, tmp_path: Path) -> None:
     """Forces alone: the same as a larger mass, and both are said. With their torque: what the command is worth."""
     verdict = diagnose(air_bed(tmp_path, SHARE, torque), jobs=1).verdict
