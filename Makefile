@@ -37,11 +37,11 @@ demo: $(VENV)/.core  ## simulate a capture, then diagnose the bundled study
 test: lint types suite  ## lint, types and the test suite
 
 suite: $(VENV)/.test  ## the test suite alone
-	$(BIN)/python -m pytest -n 2 -m "not slow"
+	$(BIN)/python -m pytest -n 2 --dist loadfile -m "not slow"
 
 test-extras: $(VENV)/.core  ## the test suite with every optional library: tables, proof, notebooks, browser
 	$(INSTALL) -c constraints.txt -e '.[test,scale,tables,proof,notebooks,browser]'
-	$(BIN)/python -m pytest -n 2 -m "not slow"
+	$(BIN)/python -m pytest -n 2 --dist loadfile -m "not slow"
 
 test-long: $(VENV)/.test  ## the tests that take minutes
 	$(BIN)/python -m pytest -m slow

@@ -37,8 +37,8 @@ REACHED = 0.004
 """Displacement [m] that every trial passes: what acts from one on must be reached."""
 
 
-LONG = ("lugre_friction", "maxwell", "stribeck_friction")
-"""These take ten seconds and more."""
+LONG = ("lugre_friction", "maxwell", "bouc_wen", "dahl_friction", "stribeck_friction")
+"""These take five seconds and more."""
 
 
 def candidates() -> list[Site]:

@@ -40,6 +40,7 @@ def installed(tmp_path: Path) -> Path:
     return tmp_path
 
 
+@pytest.mark.slow
 def test_a_copied_effect_passes_every_test_of_the_catalogue(installed: Path) -> None:
     path = os.pathsep.join(filter(None, (str(installed), str(ROOT), os.environ.get("PYTHONPATH"))))
     done = subprocess.run(

@@ -59,7 +59,9 @@ def test_a_struct_for_each_trial_with_the_force_at_its_own_rate(tmp_path: Path) 
     assert np.ptp(force.value) == pytest.approx(np.ptp(rig(SPEEDS[0])[3]), rel=1e-3)
 
 
-@pytest.mark.parametrize("plugin", [StoragePlugin.MCAP, pytest.param(StoragePlugin.SQLITE3, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "plugin", [pytest.param(p, marks=pytest.mark.slow) for p in (StoragePlugin.MCAP, StoragePlugin.SQLITE3)]
+)
 def test_a_bag_of_several_topics(tmp_path: Path, plugin: StoragePlugin) -> None:
     types = get_typestore(Stores.ROS2_HUMBLE)
     kinds = {"pose": "geometry_msgs/msg/PoseStamped", "wrench": "geometry_msgs/msg/WrenchStamped"}

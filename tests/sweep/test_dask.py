@@ -37,6 +37,7 @@ def test_files_are_those_of_one_process(tmp_path: Path, cluster: distributed.Loc
     assert files(tmp_path / "dask") == files(tmp_path / "alone")
 
 
+@pytest.mark.slow
 def test_a_worker_killed_midway_loses_nothing_and_counts_nothing_twice(
     tmp_path: Path, cluster: distributed.LocalCluster
 ) -> None:
