@@ -29,6 +29,9 @@ RESCUE_GAIN = 5.0
 BUDGET = 6
 """Simulations of each trial that a fit may spend per iteration it is allowed; beyond, it ends where it stands."""
 
+LADDER = 10
+"""Steps that are tried, each damped ten times as much as the one before; then again, trials' own values damped too."""
+
 REUSE = 5
 """How many steps may be taken on one set of derivatives, corrected by each step, while each keeps its promise."""
 
@@ -261,8 +264,12 @@ class Fitter:
             misfit = abs(state.chi2() - state.samples)
             bad = self._hasty and misfit > BAD * state.samples
             settled = SETTLED if self._careful else max(SETTLED, misfit * (WORTH_IF_BAD if bad else WORTH))
-            for _ in range(10):
-                dz, dn, promised = system.step(damping, state.z, low, high, self.model.strides)
+            first = damping
+            for tried in range(2 * LADDER):
+                # where every step was refused, it may be the trials' own values that lead nowhere
+                own_too = tried >= LADDER
+                damping = first if tried == LADDER else damping
+                dz, dn, promised = system.step(damping, state.z, low, high, self.model.strides, own_too)
                 if eager and state.chi2() + float(state.z @ prior @ state.z) - HOPE * promised > hopeless:
                     return state, iterations - 1, False, system, True
                 if promised < settled:

@@ -7,12 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-REFUSED = 1e-3
-"""Damping from which trials' own values that hardly show are damped: a step was refused, maybe on their account."""
-
 LEAST = 1.0
-"""Curvature of a trial's own value, in units of its scale, below which it hardly shows: where a joint sticks, how fast
-it drifted before is in no reading, and a step along that would be as long as one likes."""
+"""Curvature of a trial's own value, in units of its scale, that is damped at least: where a joint sticks, how fast it
+drifted before shows in nothing, and a step along that would be as long as one likes."""
 
 FURTHEST = 20.0
 """Units of a parameter's scale that a step goes at most; of what stands further off already, as far as it stands: a
@@ -51,12 +48,21 @@ class Normal:
         return np.linalg.pinv(self.reduced, hermitian=True)
 
     def step(
-        self, damping: float, z: np.ndarray, low: np.ndarray, high: np.ndarray, far: bool = True
+        self, damping: float, z: np.ndarray, low: np.ndarray, high: np.ndarray, far: bool = True, own_too: bool = False
     ) -> tuple[np.ndarray, list[np.ndarray], float]:
-        """Damped step within bounds: global part, own parts (in scales), and the promised fall of the cost."""
+        """Damped step within bounds: global part, own parts (in scales), and the promised fall of the cost.
+
+        Args:
+            damping: in units of the curvature.
+            z: where it begins.
+            low: bounds of z.
+            high: bounds of z.
+            far: whether it may go as far as z stands.
+            own_too: whether what trials have of their own is damped as well.
+        """
         own, reduced, gradient = self.own, self.reduced, self.gradient
-        if damping >= REFUSED:
-            own = [(i + damping * np.diag(np.maximum(LEAST - np.diag(i), 0.0)), cross, tail) for i, cross, tail in own]
+        if own_too:
+            own = [(i + damping * np.diag(np.maximum(np.diag(i), LEAST)), cross, tail) for i, cross, tail in own]
             reduced, gradient = _reduced(self.full, self.right, own)
         free = np.ones(z.size, dtype=bool)
         dz = np.zeros(z.size)
