@@ -25,9 +25,9 @@ $(VENV)/.core: $(BIN)/python pyproject.toml constraints.txt
 	$(INSTALL) -c constraints.txt -e .
 	@touch $@
 
-$(VENV)/.test: $(VENV)/.core
+$(VENV)/.test: $(BIN)/python pyproject.toml constraints.txt
 	$(INSTALL) -c constraints.txt -e '.[$(EXTRAS)]'
-	@touch $@
+	@touch $(VENV)/.core $@
 
 setup: $(VENV)/.core  ## install the package and its libraries into .venv
 
