@@ -10,7 +10,7 @@ ifneq ($(UV),)
   INSTALL   = $(UV) pip install -q --python $(BIN)/python
 else
   MAKE_VENV = $(PYTHON) -m venv $(VENV)
-  INSTALL   = $(BIN)/python -m pip install -q --disable-pip-version-check
+  INSTALL   = $(BIN)/python -m pip install -q --disable-pip-version-check $(PIP_FLAGS)
 endif
 
 .PHONY: help setup demo test test-extras suite test-long test-all prove-quick proof-pages fuzz lint types check notebooks docs wheel picture real-table limits constraints clean
