@@ -13,6 +13,9 @@ else
   INSTALL   = $(BIN)/python -m pip install -q --disable-pip-version-check $(PIP_FLAGS)
 endif
 
+# Of the tests that are no long ones; those of a file share what they set up.
+SHORT  := -n 2 --dist loadfile -m "not slow"
+
 .PHONY: help setup demo test test-extras suite test-long test-all prove-quick proof-pages fuzz lint types check notebooks docs wheel picture real-table limits constraints clean
 
 help:  ## this list
@@ -37,11 +40,11 @@ demo: $(VENV)/.core  ## simulate a capture, then diagnose the bundled study
 test: lint types suite  ## lint, types and the test suite
 
 suite: $(VENV)/.test  ## the test suite alone
-	$(BIN)/python -m pytest -n 2 --dist loadfile -m "not slow"
+	$(BIN)/python -m pytest $(SHORT)
 
 test-extras: $(VENV)/.core  ## the test suite with every optional library: tables, proof, notebooks, browser
 	$(INSTALL) -c constraints.txt -e '.[test,scale,tables,proof,notebooks,browser]'
-	$(BIN)/python -m pytest -n 2 --dist loadfile -m "not slow"
+	$(BIN)/python -m pytest $(SHORT)
 
 test-long: $(VENV)/.test  ## the tests that take minutes
 	$(BIN)/python -m pytest -m slow

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import IO
 
 from spacerobot.support.errors import SpacerobotError
+from spacerobot.support.orphans import leashed
 from spacerobot.support.progress import Progress
 
 _ROOT = str(Path(__file__).resolve().parents[2])
@@ -28,11 +29,12 @@ class Beside:
 
     def __init__(self, command: Sequence[str], said: IO[str], complained: IO[str]) -> None:
         self.command, self._said, self._complained = list(command), said, complained
-        own = [sys.executable, "-P", "-m"]
-        line = [*own, "spacerobot.support.orphans", str(os.getpid()), *own, "spacerobot", *command]
         path = os.pathsep.join(filter(None, [_ROOT, os.environ.get("PYTHONPATH")]))
         self.process = subprocess.Popen(  # noqa: S603 - our own command
-            line, stdout=said, stderr=complained, env={**os.environ, "PYTHONPATH": path}
+            leashed([sys.executable, "-P", "-m", "spacerobot", *command]),
+            stdout=said,
+            stderr=complained,
+            env={**os.environ, "PYTHONPATH": path},
         )
 
     def answer(self) -> str:
@@ -54,7 +56,8 @@ class Beside:
 @contextlib.contextmanager
 def beside(command: Sequence[str]) -> Iterator[Beside]:
     """Begin a command; whoever leaves before its end takes it along."""
-    with tempfile.TemporaryFile("w+", encoding="utf-8") as said, tempfile.TemporaryFile("w+") as complained:
+    with contextlib.ExitStack() as files:
+        said, complained = (files.enter_context(tempfile.TemporaryFile("w+", encoding="utf-8")) for _ in range(2))
         begun = Beside(command, said, complained)
         try:
             yield begun

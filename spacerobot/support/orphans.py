@@ -36,7 +36,7 @@ def end_with_parent(parent: int | None = None) -> None:
 
 def leashed(command: Sequence[str]) -> list[str]:
     """The command line by which this process begins a command that is not to outlive it."""
-    return [sys.executable, "-m", "spacerobot.support.orphans", str(os.getpid()), *command]
+    return [sys.executable, "-P", "-m", "spacerobot.support.orphans", str(os.getpid()), *command]
 
 
 def become(command: Sequence[str], parent: int) -> None:

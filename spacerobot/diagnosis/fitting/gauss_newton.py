@@ -266,10 +266,10 @@ class Fitter:
             settled = SETTLED if self._careful else max(SETTLED, misfit * (WORTH_IF_BAD if bad else WORTH))
             first = damping
             for tried in range(2 * LADDER):
-                # where every step was refused, it may be the trials' own values that lead nowhere
-                own_too = tried >= LADDER
-                damping = first if tried == LADDER else damping
-                dz, dn, promised = system.step(damping, state.z, low, high, self.model.strides, own_too)
+                if tried == LADDER:  # every step was refused: it may be the trials' own values that lead nowhere
+                    damping = first
+                far, own_too = self.model.strides, tried >= LADDER
+                dz, dn, promised = system.step(damping, state.z, low, high, far=far, own_too=own_too)
                 if eager and state.chi2() + float(state.z @ prior @ state.z) - HOPE * promised > hopeless:
                     return state, iterations - 1, False, system, True
                 if promised < settled:

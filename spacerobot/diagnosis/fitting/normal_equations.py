@@ -48,7 +48,14 @@ class Normal:
         return np.linalg.pinv(self.reduced, hermitian=True)
 
     def step(
-        self, damping: float, z: np.ndarray, low: np.ndarray, high: np.ndarray, far: bool = True, own_too: bool = False
+        self,
+        damping: float,
+        z: np.ndarray,
+        low: np.ndarray,
+        high: np.ndarray,
+        *,
+        far: bool = True,
+        own_too: bool = False,
     ) -> tuple[np.ndarray, list[np.ndarray], float]:
         """Damped step within bounds: global part, own parts (in scales), and the promised fall of the cost.
 

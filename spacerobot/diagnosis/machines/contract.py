@@ -152,6 +152,8 @@ class Machine(ABC):
     """What else could be measured where no other trial tells more."""
     free_mass: str = "body.mass"
     """Name of the mass that another trial may change."""
+    strides: bool = True
+    """Whether a step of a fit may double what a value stands at."""
 
     @abstractmethod
     def mechanism(self, values: Mapping[str, float], trial: TrialData) -> Mechanism:
@@ -168,9 +170,6 @@ class Machine(ABC):
             values: by dotted name; the believed ones where a name is missing.
         """
         return {}
-
-    strides = True
-    """Whether a step of a fit may double what a value stands at."""
 
     def nuisances(self, trial: TrialData) -> tuple[Nuisance, ...]:
         """What is free in this trial alone."""
