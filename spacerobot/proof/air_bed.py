@@ -9,6 +9,7 @@ import numpy as np
 from spacerobot.proof.campaign import Belief, Campaign, Trial
 from spacerobot.proof.engine.rig import Values
 from spacerobot.proof.engine.sensors import Channel, Stream
+from spacerobot.proof.labs.lab import Instrument, Lab
 
 HEAD = {
     "robot": "pa10_wrist",
@@ -36,9 +37,17 @@ SCATTER = {"wrist.stiffness": 0.003}
 """The spring is remounted with the mass."""
 
 
+def own_lab(rng: np.random.Generator, spring: float | None = None) -> Lab:
+    """The lab of the PA10: one of its springs, drawn unless it is given [N/m]."""
+    stiffness = float(rng.choice(list(SPRINGS))) if spring is None else spring
+    extra = round(float(rng.uniform(4.0, 7.0)), 1)
+    return Lab(stiffness, SPRINGS[stiffness], extra, MASSES, SIGMA)
+
+
 def air_bed(
     rng: np.random.Generator,
     *,
+    lab: Lab | None = None,
     per_mass: int = 4,
     spring: float | None = None,
     turning: bool = False,
@@ -49,22 +58,15 @@ def air_bed(
 
     Args:
         rng: where everything comes from.
+        lab: whose; the PA10's if None.
         per_mass: trials with each target.
-        spring: believed stiffness [N/m]; drawn if None.
+        spring: the PA10's lab's [N/m]; drawn if None.
         turning: a target that can turn, with its yaw recorded.
         spinning: that arrives turning, off its centre, and is followed sideways too.
         hand_marker: whether the hand is tracked.
     """
-    stiffness = float(rng.choice(list(SPRINGS))) if spring is None else spring
-    damping, extra = SPRINGS[stiffness], float(rng.uniform(4.0, 7.0))
-    believed = {
-        "wrist.mass": 0.7,
-        "wrist.stiffness": stiffness,
-        "wrist.damping": damping,
-        "wrist.equivalent_damping": round(extra, 1),
-        "contact.stiffness": 68000.0,
-    }
-    sigma = dict(SIGMA)
+    lab = own_lab(rng, spring) if lab is None else lab
+    believed, sigma = lab.believed, dict(lab.sigma)
     turning = turning or spinning
     if turning:
         believed["target.yaw_inertia"] = 0.45
@@ -73,15 +75,15 @@ def air_bed(
     over = 1.0 + sigma["target.mass"] * rng.standard_normal()
     lateral = round(float(rng.choice([-1.0, 1.0]) * rng.uniform(0.01, 0.03)), 4) if spinning else 0.0
     trials: list[Trial] = []
-    for mass in MASSES:
+    for mass in lab.masses:
         remounted = built["wrist.stiffness"] * (1.0 + SCATTER["wrist.stiffness"] * rng.standard_normal())
-        for speed in rng.permutation(_speeds(rng, per_mass)):
+        for speed in rng.permutation(_speeds(rng, per_mass, *lab.speeds)):
             values = Values(
                 wrist_mass=built["wrist.mass"],
                 wrist_stiffness=remounted,
                 wrist_damping=built["wrist.damping"] + built["wrist.equivalent_damping"],
                 contact_stiffness=built["contact.stiffness"],
-                contact_damping=60.0,
+                contact_damping=lab.contact_damping,
                 target_mass=mass * over,
                 yaw_inertia=built.get("target.yaw_inertia", math.nan),
                 ahead=0.15 if turning else 0.0,
@@ -95,7 +97,7 @@ def air_bed(
                 position["target.yaw"] = -spin * gap / float(speed)
                 velocity["target.yaw"] = spin
                 velocity["target.y"] = float(rng.normal(0.0, 0.002))
-            contact = math.pi * math.sqrt((mass + 0.7) / stiffness)
+            contact = math.pi * math.sqrt((mass + lab.wrist_mass) / lab.stiffness)
             name = f"{len(trials) + 1:02d}"
             duration = round(gap / float(speed) + 1.4 * contact + 0.7, 2)
             trials.append(Trial(name, values, {"target.mass": mass}, position, velocity, duration))
@@ -104,21 +106,23 @@ def air_bed(
         values_stated["target.contact_point"] = [0.15, lateral]
     return Campaign(
         "Air-bed collisions",
-        Belief(HEAD, values_stated, sigma, SCATTER),
-        {**built, "contact.damping": 60.0, "target.mass over believed": over, "target.contact_point.lateral": lateral},
+        Belief({**HEAD, "approach": list(lab.approach)}, values_stated, sigma, SCATTER),
+        {
+            **built,
+            "contact.damping": lab.contact_damping,
+            "target.mass over believed": over,
+            "target.contact_point.lateral": lateral,
+        },
         tuple(trials),
-        instruments(rng, turning, spinning, hand_marker),
+        instruments(rng, lab, turning, spinning, hand_marker),
         seed=int(rng.integers(2**31)),
     )
 
 
-def instruments(rng: np.random.Generator, turning: bool, sideways: bool, hand: bool) -> tuple[Stream, ...]:
-    """Motion capture and a force sensor, with the nuisance of the day."""
-    tracked = [Channel("target.x", 1.5e-4, 1e-5), Channel("wrist.x", 1.5e-4, 1e-5)]
-    if hand:
-        tracked.append(Channel("hand.x", 1.5e-4, 1e-5))
-    if sideways:
-        tracked.append(Channel("target.y", 1.5e-4, 1e-5))
+def instruments(rng: np.random.Generator, lab: Lab, turning: bool, sideways: bool, hand: bool) -> tuple[Stream, ...]:
+    """Motion capture and a force sensor, if there is one, with the nuisance of the day."""
+    names = ["target.x", "wrist.x", *(["hand.x"] if hand else []), *(["target.y"] if sideways else [])]
+    tracked = [_channel(name, lab.camera) for name in names]
     if turning:
         tracked.append(Channel("target.yaw", 5e-4, 1e-5))
 
@@ -130,13 +134,18 @@ def instruments(rng: np.random.Generator, turning: bool, sideways: bool, hand: b
             "dropouts": float(rng.uniform(0.0, 0.6)),
         }
 
-    return (
-        Stream("mocap", "mocap", 120.0, tuple(tracked), **nuisance()),
-        Stream("force", "force_sensor", 1000.0, (Channel("contact.force", 0.25, 0.01),), **nuisance()),
-    )
+    found = [Stream("mocap", "mocap", lab.camera.rate, tuple(tracked), **nuisance())]
+    if lab.force is not None:
+        press = (_channel("contact.force", lab.force),)
+        found.append(Stream("force", "force_sensor", lab.force.rate, press, **nuisance()))
+    return tuple(found)
 
 
-def _speeds(rng: np.random.Generator, count: int) -> np.ndarray:
+def _channel(name: str, by: Instrument) -> Channel:
+    return Channel(name, by.sigma, by.quantum, by.stated)
+
+
+def _speeds(rng: np.random.Generator, count: int, slow: float, fast: float) -> np.ndarray:
     """Speeds [m/s] set by hand: spread from slow to fast, each a little off."""
-    nominal = np.geomspace(0.045, 0.12, count)
+    nominal = np.geomspace(slow, fast, count)
     return nominal * np.exp(0.06 * rng.standard_normal(count))

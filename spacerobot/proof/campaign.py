@@ -15,7 +15,7 @@ from spacerobot.proof.engine.missing import Missing
 from spacerobot.proof.engine.physics import apply
 from spacerobot.proof.engine.rig import Rig, Values
 from spacerobot.proof.engine.run import run
-from spacerobot.proof.engine.sensors import COLUMNS, Reading, Stream, read, spoil
+from spacerobot.proof.engine.sensors import COLUMNS, Channel, Reading, Stream, read, spoil
 from spacerobot.support.errors import InputError
 from spacerobot.support.files import write_text
 from spacerobot.support.jsonio import dumps
@@ -174,12 +174,17 @@ def study_text(campaign: Campaign) -> str:
             lines += ["", f"[baseline.{title}]", *(f'"{name}" = {value!r}' for name, value in table.items())]
     for stream in campaign.streams:
         lines += ["", f"[streams.{stream.name}]", 'time = "time_s"', f"[streams.{stream.name}.channels]"]
-        lines += [f'{column(c.name)} = {{ is = "{c.name}", sigma = {c.sigma!r} }}' for c in stream.channels]
+        lines += [f"{column(c.name)} = {_said(c)}" for c in stream.channels]
     for trial in campaign.trials:
         lines += ["", "[[trials]]", f'id = "{trial.id}"']
         lines += [f"{name} = {_toml(value)}" for name, value in trial.overrides.items()]
         lines += [f'{s.name} = "{trial.id}_{s.name}.csv"' for s in campaign.streams]
     return "\n".join(lines) + "\n"
+
+
+def _said(channel: Channel) -> str:
+    stated = f", sigma = {channel.sigma!r}" if channel.stated else ""
+    return f'{{ is = "{channel.name}"{stated} }}'
 
 
 def column(channel: str) -> str:

@@ -13,6 +13,7 @@ from spacerobot.diagnosis.fitting.starts import fit_from
 from spacerobot.diagnosis.machines.wrist_rig import RigModel
 from spacerobot.diagnosis.terms.data import trial_data
 from spacerobot.proof.campaign import Belief, Campaign, Readings, noisy, perform, write_study
+from spacerobot.proof.draws import by_factors
 from spacerobot.proof.engine.laws import LARGEST, LAWS
 from spacerobot.proof.orders import COVERED, Order
 from spacerobot.proof.scenes import hideable, scene
@@ -300,11 +301,6 @@ def _draw(
     if not keys:
         raise InputError("nothing of the kind can be hidden in this scene", given=campaign.title)
     return keys[int(rng.integers(len(keys)))]
-
-
-def by_factors(rng: np.random.Generator, low: float, high: float) -> float:
-    """A number between two, drawn evenly in the logarithm."""
-    return float(np.exp(rng.uniform(np.log(low), np.log(high))))
 
 
 def _strength(rng: np.random.Generator, lowest: float = STRONG[0]) -> float:

@@ -11,6 +11,8 @@ from spacerobot.proof import air_bed
 from spacerobot.proof.campaign import Belief, Campaign, Trial
 from spacerobot.proof.engine.arm import POSE, arm_mass
 from spacerobot.proof.engine.sensors import Channel
+from spacerobot.proof.labs.another import another_lab
+from spacerobot.proof.labs.orders import FAMILY as ANOTHER_LAB
 from spacerobot.proof.sizes import JOINTS, places
 from spacerobot.proof.whole.orders import FAMILY
 from spacerobot.proof.whole.scene import whole_machine
@@ -34,6 +36,10 @@ def scene(family: str, rng: np.random.Generator, *, effect: tuple[str, str] | No
         return _arm(family, rng)
     if family == FAMILY:
         return whole_machine(_arm("chaser", rng), rng)
+    if family == ANOTHER_LAB:
+        lab, hand = another_lab(rng, air_bed.SIGMA), bool(rng.random() < 0.3)
+        per_mass = int(rng.integers(2 if len(lab.masses) > 1 else 4, 6))
+        return replace(air_bed.air_bed(rng, lab=lab, per_mass=per_mass, hand_marker=hand), family=family)
     name = effect[0] if effect else ""
     marker = name == "arm_compliance" or (not name and bool(rng.random() < 0.5))
     turning = name in ("eccentric_contact",)
@@ -49,6 +55,7 @@ def hideable(campaign: Campaign, *, outside: bool = False) -> list[tuple[str, st
     found = places(turning="target.y" in channels, outside=outside)
     if campaign.family == FAMILY:
         return [] if outside else [("coulomb_friction", "wrist"), *JOINTS]
+    found = [k for k in found if k[1] not in ("force_sensor", "mocap") or k[1] in {s.sensor for s in campaign.streams}]
     if campaign.family == "servo arm" and not outside:
         return [("arm_compliance", "arm")]
     if "target.yaw" in channels:  # the oscillator moves along a line, not with a body that turns

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from spacerobot.proof.driven.orders import FAMILY
+from spacerobot.proof.labs.orders import FAMILY as LABS
 from spacerobot.proof.orders import CURVES, FAMILIES, KINDS, MOVING
 from spacerobot.proof.rates import (
     Rate,
@@ -33,6 +34,7 @@ SCENES = {
     "chaser": "free-floating chaser, its joints locked",
     "servo arm": "seven joints on servo springs",
     FAMILY: "seven joints driven: friction, load, rotors",
+    LABS: "other labs' rigs: springs, masses, speeds, instruments, directions",
     WHOLE: "free-floating chaser, its seven joints free or on servos",
 }
 """Scene -> in words."""
@@ -156,7 +158,7 @@ def by_row(records: Sequence[Record]) -> list[tuple[str, str, list[Record]]]:
     counted = usable(records)
     rows = []
     for kind in KINDS:
-        for title, scenes in (("rig", FAMILIES[:1]), ("moving", MOVING), ("joints", (FAMILY,))):
+        for title, scenes in (("rig", FAMILIES[:1]), ("moving", MOVING), ("joints", (FAMILY,)), ("labs", (LABS,))):
             inside = [r for r in counted if r["kind"] == kind and r["family"] in scenes]
             if inside:
                 rows.append((kind, title, inside))

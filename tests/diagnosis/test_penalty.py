@@ -21,18 +21,28 @@ def fit(*label: tuple[str, str]) -> Any:
     return SimpleNamespace(hypothesis=SimpleNamespace(label=tuple(sorted(label)), sites=sites))
 
 
-def winner(general: Any, special: Any, earned: float) -> Any:
+def winner(general: Any, special: Any, earned: float, explained: float = 0.0, adequate: bool = False) -> Any:
     scores = {id(special): 1e5, id(general): 1e5 - earned}
-    return simplest(sorted([general, special], key=lambda f: scores[id(f)]), scores)
+    ranked = sorted([general, special], key=lambda f: scores[id(f)])
+    return simplest(ranked, scores, 1e5 + explained, lambda fit: adequate)
 
 
 @given(st.integers(-100, 10**6))
 def test_a_further_effect_wins_exactly_where_it_leads_by_the_margin(earned: int) -> None:
-    """Whatever the first one explains: what earns decisively is never dropped in silence."""
+    """Whatever the first one explains, where it leaves more than noise."""
     pair, single = fit(FRICTION, DRAG), fit(FRICTION)
     assert winner(pair, single, earned) is (pair if earned >= MARGIN else single)
+    assert winner(pair, single, earned, 1e6) is (pair if earned >= MARGIN else single)
     rich = fit(STRIBECK)
     assert winner(rich, single, earned) is (rich if earned >= MARGIN else single)
+
+
+@given(st.integers(-100, 10**6), st.integers(0, 10**6))
+def test_beside_a_law_that_leaves_noise_it_must_earn_more_than_that_laws_own_defects(earned: int, by: int) -> None:
+    """A tiny further effect would else be named wherever the first one is as strong as a simulator is exact."""
+    pair, single = fit(FRICTION, DRAG), fit(FRICTION)
+    wins = earned >= max(MARGIN, SMALL * by)
+    assert winner(pair, single, earned, by, True) is (pair if wins else single)
 
 
 @given(st.integers(-(10**6), 10**6))

@@ -58,6 +58,10 @@ def sized(parameter: Parameter, size: float) -> float:
     return min(max(parameter.null + size * (start - parameter.null), parameter.lower), parameter.upper)
 
 
+BESIDE = 9.0
+"""What a reading beside a touch may cost that one of two fits leaves out: three of its sigmas."""
+
+
 def planted(site: Site, size: float, folder: Path) -> tuple[Workshop, dict[str, float]]:
     numbers = {p.name: sized(p, size) for p in site.effect.parameters}
     where = folder / f"{size:.6g}"
@@ -106,7 +110,7 @@ def test_what_is_planted_is_found_again(site: Site, tmp_path: Path) -> None:
     if not found.converged:
         on = shop.run(Task((site.label,), {}, near=found, max_iterations=40, patient=True))
         found = found if on is None else on
-    assert found.cost < known.cost + SLACK
+    assert found.cost < known.cost + SLACK + BESIDE * abs(found.samples - known.samples)
     assert found.chi2 < QUIET * found.samples
     assert found.covariance is not None
     hidden = {site.key(name) for name in site.effect.limits}

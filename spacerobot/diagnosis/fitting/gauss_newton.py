@@ -32,6 +32,14 @@ BUDGET = 6
 LADDER = 10
 """Steps that are tried, each damped ten times as much as the one before; then again, trials' own values damped too."""
 
+SAY = 10.0
+"""Independent things that a channel of a trial says of what it does not fit yet: beliefs are held by as much first."""
+
+FREE = 1e-9
+"""Damping, as a share of the curvature, that is next to none: a fit has converged only when no more than so much holds
+it where it is. Where tens of thousands of readings make the curvature, far more hides what a prior would move.
+"""
+
 REUSE = 5
 """How many steps may be taken on one set of derivatives, corrected by each step, while each keeps its promise."""
 
@@ -72,6 +80,7 @@ class Fitter:
         self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
         self._left = 0
         self._rows_of: tuple[object, dict[str, np.ndarray]] | None = None
+        self.unstated: dict[str, float] | None = None
         own = {t.id: model.nuisances(t) for t in trials}
         self._scales = {name: np.array([n.scale for n in some]) for name, some in own.items()}
         self._starts_by = {name: [max(DIFFERENCE, n.floor) for n in some] for name, some in own.items()}
@@ -103,7 +112,12 @@ class Fitter:
         return State(z, dict(own), {k: r[0] for k, r in rows.items()}, {k: r[1] for k, r in rows.items()})
 
     def jacobian(
-        self, hypothesis: Hypothesis, state: State, trial: TrialData, old: np.ndarray | None = None
+        self,
+        hypothesis: Hypothesis,
+        state: State,
+        trial: TrialData,
+        old: np.ndarray | None = None,
+        both: bool = False,
     ) -> np.ndarray:
         """Derivatives of one trial's residual, shape (S, G + N), by differences into the bounds.
 
@@ -130,13 +144,13 @@ class Fitter:
             def with_value(by: float, g: int = g) -> np.ndarray:
                 return self.residual(hypothesis, _moved(z, g, by), trial, initial)[0]
 
-            columns[:, g] = _slope(with_value, base, step, low[g] <= z[g] - step <= high[g], self._careful)
+            columns[:, g] = _slope(with_value, base, step, low[g] <= z[g] - step <= high[g], both)
         for n, scale in enumerate(scales if old is None else ()):
 
             def with_start(by: float, n: int = n, scale: float = scale) -> np.ndarray:
                 return self.residual(hypothesis, z, trial, _moved(initial, n, by * scale))[0]
 
-            columns[:, z.size + n] = _slope(with_start, base, self._starts_by[trial.id][n], True, self._careful)
+            columns[:, z.size + n] = _slope(with_start, base, self._starts_by[trial.id][n], True, both)
         return columns
 
     def fit(
@@ -178,7 +192,9 @@ class Fitter:
             raise SimulationError("the start of a fit cannot be simulated")
         used = 0
         if robust and state.chi2() > ROBUST_ABOVE * state.samples:
-            state, used, _, _, _ = self._descend(hypothesis, state, True, max_iterations // 2)
+            for firm in (self._firmness(state), 1.0):
+                state, more, _, _, _ = self._descend(hypothesis, state, True, max_iterations // 3, firm=firm)
+                used += more
         given_up, system = False, None
         for _ in range(RESCUES):
             if rows is None:
@@ -236,6 +252,11 @@ class Fitter:
         keep = {**state.keep, **{k: v[2] for k, v in found.items()}}
         return State(state.z, own, raw, keep), True
 
+    def _firmness(self, state: State) -> float:
+        """By what readings that do not fit outweigh what is believed: they go on from sample to sample."""
+        groups = sum(len(b.channels) for t in self.trials for b in t.blocks)
+        return max(state.samples / (SAY * groups), 1.0)
+
     def _descend(
         self,
         hypothesis: Hypothesis,
@@ -246,25 +267,27 @@ class Fitter:
         known: Mapping[str, np.ndarray] | None = None,
         loose: bool = False,
         eager: bool = False,
+        firm: float = 1.0,
     ) -> tuple[State, int, bool, Normal | None, bool]:
         """Where it ended, steps taken, whether it converged, its last normal equations, and whether it was given up."""
         low, high = hypothesis.bounds()
-        prior = hypothesis.precision
+        prior = firm * hypothesis.precision
         damping, converged, iterations, age = 1e-4, False, 0, 0 if known is None else 1
         system = None
         rows: dict[str, np.ndarray] = dict(known or {})
-        ended = False
+        ended, both = False, self._careful
+        lowest, idle = np.inf, 0
         while iterations < max_iterations and not (converged or ended) and self._left > 0:
             iterations += 1
             if age >= REUSE:
                 rows, age = {}, 0
-            rows = self._jacobians(hypothesis, state, rows)
+            rows = self._jacobians(hypothesis, state, rows, both)
             system = self._normal(state, rows, prior, robust)
             accepted = False
-            misfit = abs(state.chi2() - state.samples)
+            misfit = abs(state.loss(self.trials, robust) - state.samples)
             bad = self._hasty and misfit > BAD * state.samples
             settled = SETTLED if self._careful else max(SETTLED, misfit * (WORTH_IF_BAD if bad else WORTH))
-            first = damping
+            first, freely = damping, False
             for tried in range(2 * LADDER):
                 if tried == LADDER:  # every step was refused: it may be the trials' own values that lead nowhere
                     damping = first
@@ -272,7 +295,10 @@ class Fitter:
                 dz, dn, promised = system.step(damping, state.z, low, high, far=far, own_too=own_too)
                 if eager and state.chi2() + float(state.z @ prior @ state.z) - HOPE * promised > hopeless:
                     return state, iterations - 1, False, system, True
-                if promised < settled:
+                if promised < settled and not freely and damping > FREE:
+                    freely, damping = True, FREE  # so little may be the damping's doing, along a narrow valley
+                    continue
+                if promised < settled or (freely and damping > first):
                     converged = age == 0
                     ended = loose
                     break
@@ -283,28 +309,36 @@ class Fitter:
                     fall = state.loss(self.trials, robust) - new.loss(self.trials, robust, state.keep)
                     fall += float(state.z @ prior @ state.z - new.z @ prior @ new.z)
                     if fall > 0.0:
-                        damping = max(damping * (0.2 if fall > 0.7 * promised else 1.0), 1e-9)
-                        converged = fall < settled and age == 0
+                        damping = max(damping * (0.2 if fall > 0.7 * promised else 1.0), FREE)
+                        converged = fall < settled and age == 0 and (freely or damping <= FREE)
                         ended = fall < settled and loose
                         age = age + 1 if fall > 0.6 * promised else REUSE
                         if age < REUSE:
                             rows = self._corrected(rows, state, new)
                         state, accepted = new, True
+                        cost = state.loss(self.trials, robust) + float(state.z @ prior @ state.z)
+                        lowest, idle = (cost, 0) if cost < lowest - settled else (lowest, idle + 1)
+                        converged |= idle > REUSE  # to and fro, a touch on this side of a sample and on that
                         hope = state.chi2() + float(state.z @ prior @ state.z) - 10.0 * fall
                         if not robust and iterations >= 3 and hope > hopeless:
                             return state, iterations, False, system, False
                         break
                 if age > 0:
                     break
-                damping = max(10.0 * damping, 1e-3)
+                damping = max(10.0 * damping, 0.0 if freely else 1e-3)
+            if converged and not (both or robust or loose or bad):
+                converged, both, age = False, True, REUSE  # it stands as far as differences to one side can tell
             if not (accepted or converged or ended):
-                if age == 0:
+                if age == 0 and (both or robust or loose or bad):
                     break
+                both |= age == 0
                 age = REUSE  # the step came from old derivatives: take new ones before giving up
         return state, iterations, converged, system, False
 
-    def _jacobians(self, hypothesis: Hypothesis, state: State, old: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-        return self._map(lambda t: self.jacobian(hypothesis, state, t, old.get(t.id)))
+    def _jacobians(
+        self, hypothesis: Hypothesis, state: State, old: Mapping[str, np.ndarray], both: bool = False
+    ) -> dict[str, np.ndarray]:
+        return self._map(lambda t: self.jacobian(hypothesis, state, t, old.get(t.id), both))
 
     def _corrected(self, rows: Mapping[str, np.ndarray], old: State, new: State) -> dict[str, np.ndarray]:
         """Derivatives that would have foretold the step just taken (Broyden 1965), by the least change."""

@@ -27,6 +27,11 @@ SIZES, SIZES_OF_LAWS = (0.4, 1.0, 2.5), (1.0,)
 GOOD = 1.3
 """chi-squared per sample above which a fit is tried again with its unstated values back at their centres."""
 
+SCAN, REACH = 1.25, 30.0
+"""Factor between the values of a scan, and how far from its centre it goes either way: where a contact rings, the
+valley of its damping is no wider than a quarter of it.
+"""
+
 
 def effect_starts(sites: Sequence[Site], known: Mapping[str, float] | None = None) -> list[dict[str, float]]:
     """Start values of the effects' parameters: the k-th of each together; keys in `known` keep their value."""
@@ -146,6 +151,7 @@ def fit_from(
     made = hypothesis(believed, sites, start)
     replaced = {name for s in sites for name in s.effect.replaced(s.where)}
     warm = {f.key: 0.0 for f in made.free if f.kind == "absorbing" and f.key in replaced}
+    warm.update({k: v for k, v in unstated(fitter, believed).items() if k in made.keys})
     warm.update({k: v for k, v in start.items() if k in made.keys})
     first = fitter.fit(made, warm=warm, initials=initials, max_iterations=max_iterations, hopeless=hopeless)
     if first.chi2 < GOOD * first.samples or not believed.unknown or first.cost > hopeless:
@@ -158,6 +164,30 @@ def fit_from(
     except SimulationError:
         return first
     return second if second.cost < first.cost else first
+
+
+def unstated(fitter: Fitter, believed: Believed) -> Mapping[str, float]:
+    """Where fits begin with what the study does not state: where a scan of it misfits least, all else as believed.
+
+    Each value in turn, by the robust loss, for the trials' starts are first guesses; found once for all fits of a
+    fitter. Centres serve where they fit already, or where nothing can be simulated.
+    """
+    if fitter.unstated is None:
+        fitter.unstated = {}
+        made, own = hypothesis(believed, []), fitter.guess()
+        steps = range(-round(math.log(REACH) / math.log(SCAN)), round(math.log(REACH) / math.log(SCAN)) + 1)
+        state = fitter.state(made, made.start(), own)
+        if state is None or state.chi2() < GOOD * state.samples:
+            return fitter.unstated
+        for name, centre in believed.unknown.items():
+            losses = {}
+            for value in (centre * SCAN**k for k in steps):
+                seen = fitter.state(made, made.start({**fitter.unstated, name: value}), own)
+                if seen is not None:
+                    losses[value] = seen.loss(fitter.trials, True)
+            if losses:
+                fitter.unstated[name] = min(losses, key=losses.__getitem__)
+    return fitter.unstated
 
 
 def fit_near(

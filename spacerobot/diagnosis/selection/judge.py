@@ -10,7 +10,7 @@ import numpy as np
 from spacerobot.diagnosis.fitting.adequacy import Left
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.selection.nameable import held, means
-from spacerobot.diagnosis.selection.penalty import defect, score, simplest
+from spacerobot.diagnosis.selection.penalty import defect, lead_over, score, simplest
 from spacerobot.diagnosis.selection.search_state import Found
 from spacerobot.diagnosis.terms.candidates import by_name, contains
 from spacerobot.diagnosis.terms.decision import (
@@ -94,7 +94,7 @@ def judge(
     if not many:
         scores[id(base)] = min(scores[id(base)], at_will)
     ranked = sorted(candidates, key=lambda f: scores[id(f)])
-    best = simplest(ranked, scores)
+    best = simplest(ranked, scores, scores[id(base)], lambda f: _adequate(f, left_of))
     lead = scores[id(base)] - scores[id(best)]
     bent = many and at_will < scores[id(best)] - MARGIN  # many wrong values do better than any effect
     if best is base or lead < EARN or bent:
@@ -137,7 +137,8 @@ def judge(
             lost = f"chi-squared larger by {fit.cost - favourite.cost:.0f}"
         rivals.append(Rival(fit, scores[id(fit)] - scores[id(favourite)], lost))
     if favourite is best:
-        odds += _richer(favourite, ranked, scores)
+        owed = lead_over(scores[id(base)] - scores[id(favourite)], _adequate(favourite, left_of))
+        odds += _richer(favourite, ranked, scores, owed)
     left = left_of.get(id(favourite))
     adequate = left is not None and left.adequate
     verdict: Kind
@@ -181,11 +182,11 @@ def _law_of_its_own(part: Fit, left_of: Mapping[int, Left]) -> bool:
     return _adequate(part, left_of) and any(s.effect.stands_for for s in part.hypothesis.sites)
 
 
-def _richer(favourite: Fit, ranked: Sequence[Fit], scores: Mapping[int, float]) -> float:
-    """Odds that the nearest set that holds the favourite is meant: even where it would earn its place."""
+def _richer(favourite: Fit, ranked: Sequence[Fit], scores: Mapping[int, float], owed: float) -> float:
+    """Odds that the nearest set that holds the favourite is meant: even where it would earn its place by so much."""
     label = favourite.hypothesis.label
     gains = [scores[id(favourite)] - scores[id(f)] for f in ranked if contains(f.hypothesis.label, label)]
-    return float(np.exp(0.5 * min(max(gains, default=-np.inf) - MARGIN, 0.0)))
+    return float(np.exp(0.5 * min(max(gains, default=-np.inf) - owed, 0.0)))
 
 
 def _unnamed(said: Judgement, better: Sequence[Fit]) -> Judgement:

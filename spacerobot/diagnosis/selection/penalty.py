@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.terms.candidates import contains
@@ -17,18 +17,32 @@ def score(fit: Fit, inflation: float = 1.0) -> float:
     return fit.cost / inflation + PENALTY * count
 
 
-def simplest(ranked: Sequence[Fit], scores: Mapping[int, float]) -> Fit:
+def simplest(
+    ranked: Sequence[Fit], scores: Mapping[int, float], nothing: float, adequate: Callable[[Fit], bool]
+) -> Fit:
     """The best, unless a special case of it does nearly as well.
+
+    Where that leaves nothing but noise, a small share of all that it explains may be its own law's defect.
 
     Args:
         ranked: fits, best first.
         scores: penalised costs by id(fit).
+        nothing: of the baseline.
+        adequate: whether a fit leaves nothing but noise; asked only where it matters.
     """
     best = ranked[0]
     for fit in ranked[1:]:
-        if contains(best.hypothesis.label, fit.hypothesis.label) and scores[id(fit)] - scores[id(best)] < MARGIN:
+        if not contains(best.hypothesis.label, fit.hypothesis.label):
+            continue
+        behind = scores[id(fit)] - scores[id(best)]
+        if behind < MARGIN or (behind < lead_over(nothing - scores[id(fit)], True) and adequate(fit)):
             best = fit
     return best
+
+
+def lead_over(explained: float, adequate: bool) -> float:
+    """Lead that a set must have over a part of it that explains so much, and leaves nothing but noise or more."""
+    return max(MARGIN, SMALL * explained) if adequate else MARGIN
 
 
 def defect(special: Fit, general: Fit, explained: float, adequate: bool) -> float:

@@ -81,7 +81,7 @@ class Found:
         """The one of these that a verdict would prefer; of those that it could not name, where there is no other."""
         fits = [f for f in fits if nameable(f) and self.plausible(f)] or fits
         scores = {id(f): score(f) for f in fits}
-        return simplest(sorted(fits, key=lambda f: scores[id(f)]), scores)
+        return simplest(sorted(fits, key=lambda f: scores[id(f)]), scores, score(self.baseline), self.noise)
 
     def singles_by_cost(self) -> list[Fit]:
         """Fits of one effect, best first."""

@@ -153,9 +153,11 @@ class Hypothesis:
         """All rig values of one trial: believed, overridden, moved by the free parameters.
 
         A believed value that a trial overrides (a target mass) is moved by the same relative amount in every trial:
-        its deviation is one for the whole study.
+        its deviation is one for the whole study. A condition's own change is a share of what is stated, so that the
+        two add: what readings know of their sum to a part in a million leaves a straight valley, no bent one.
         """
-        values = {**base, **overrides}
+        stated = {**base, **overrides}
+        values = dict(stated)
         for f, x in zip(self.free, z, strict=True):
             if f.kind == "believed":
                 if f.centre:
@@ -168,7 +170,7 @@ class Hypothesis:
             if f.kind == "scatter":
                 where, name = f.key.split("|", 1)
                 if where == condition:
-                    values[name] *= f.value(float(x))
+                    values[name] += (f.value(float(x)) - 1.0) * stated.get(name, values[name])
         for name in self.removed:
             values[name] = 0.0
         return values

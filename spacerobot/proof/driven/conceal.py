@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from spacerobot.proof.conceal import STRONG, by_factors
+from spacerobot.proof.conceal import STRONG
+from spacerobot.proof.draws import by_factors
 from spacerobot.proof.driven.arm import Log, inertias, joints
 from spacerobot.proof.driven.campaign import LAST_SIGMA, ROTOR_SIGMA, Campaign, drawn
 from spacerobot.proof.driven.hidden import KNOWN, OUTSIDE, draw

@@ -32,11 +32,12 @@ COLUMNS = {
 
 @dataclass(frozen=True)
 class Channel:
-    """One column of a stream: its noise (one standard deviation) and the step of its digits."""
+    """One column of a stream: its noise (one standard deviation, stated or not) and the step of its digits."""
 
     name: str
     sigma: float
     quantum: float
+    stated: bool = True
 
 
 @dataclass(frozen=True)

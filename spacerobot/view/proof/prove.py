@@ -16,6 +16,7 @@ from spacerobot import __version__
 from spacerobot.proof.batch import draw_seed, run_batch
 from spacerobot.proof.code_hash import WRIST, code_hashes, group
 from spacerobot.proof.driven import orders as driven
+from spacerobot.proof.labs import orders as labs
 from spacerobot.proof.orders import FULL, KINDS, QUICK, Order, of_family, schedule
 from spacerobot.proof.published import as_lines, changed, check_orders, read_batch, seed_of, still_valid
 from spacerobot.proof.rates import Record
@@ -207,7 +208,7 @@ def orders_of(
         withheld_rounds=some(size.withheld_rounds),
     )
     every = schedule(smaller, seed_of(batch, WRIST))
-    for own in (driven, whole):
+    for own in (driven, labs, whole):
         counts = {kind: some(count) for kind, count in (own.QUICK if quick else own.FULL).items()}
         every += of_family(own.FAMILY, counts, seed_of(batch, group(own.FAMILY)))
     orders = [o for o in every if o.kind in kinds and o.family in scenes]

@@ -1,0 +1,1 @@
+"""Rigs of other labs: other springs, masses, speeds, instruments and directions than the one the diagnosis grew on."""
