@@ -14,7 +14,7 @@ else
 endif
 
 # Of the tests that are no long ones; those of a file share what they set up.
-SHORT  := -n 2 --dist loadfile -m "not slow"
+SHORT  := -n 3 --dist loadfile -m "not slow"
 
 .PHONY: help setup demo test test-extras suite test-long test-all prove-quick proof-pages fuzz lint types check notebooks docs wheel picture real-table limits constraints clean
 

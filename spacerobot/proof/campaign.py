@@ -137,14 +137,14 @@ def write_study(folder: Path, campaign: Campaign, readings: Readings, *, exact: 
         folder: where.
         campaign: whose.
         readings: of its trials.
-        exact: write all digits, not those of the instruments.
+        exact: write all digits, not those of the instruments, and their noise in any case: such readings show none.
     """
     for trial in campaign.trials:
         for stream in campaign.streams:
             text = _table(stream, readings[trial.id][stream.name], exact)
             write_text(folder / f"{trial.id}_{stream.name}.csv", text)
     path = folder / "study.toml"
-    write_text(path, study_text(campaign))
+    write_text(path, study_text(campaign, every_sigma=exact))
     return path
 
 
@@ -158,8 +158,8 @@ def seal(campaign: Campaign, about: Mapping[str, Any]) -> str:
     return dumps(truth) + "\n"
 
 
-def study_text(campaign: Campaign) -> str:
-    """The study file, format 1."""
+def study_text(campaign: Campaign, *, every_sigma: bool = False) -> str:
+    """The study file, format 1; with every instrument's noise if asked for, else that which the lab states."""
     belief = campaign.belief
     lines = ["format = 1", f'title = "{campaign.title}"', "", "[baseline]"]
     lines += [f"{key} = {_toml(value)}" for key, value in belief.head.items()]
@@ -174,7 +174,7 @@ def study_text(campaign: Campaign) -> str:
             lines += ["", f"[baseline.{title}]", *(f'"{name}" = {value!r}' for name, value in table.items())]
     for stream in campaign.streams:
         lines += ["", f"[streams.{stream.name}]", 'time = "time_s"', f"[streams.{stream.name}.channels]"]
-        lines += [f"{column(c.name)} = {_said(c)}" for c in stream.channels]
+        lines += [f"{column(c.name)} = {_said(c, every_sigma)}" for c in stream.channels]
     for trial in campaign.trials:
         lines += ["", "[[trials]]", f'id = "{trial.id}"']
         lines += [f"{name} = {_toml(value)}" for name, value in trial.overrides.items()]
@@ -182,8 +182,8 @@ def study_text(campaign: Campaign) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _said(channel: Channel) -> str:
-    stated = f", sigma = {channel.sigma!r}" if channel.stated else ""
+def _said(channel: Channel, sigma: bool) -> str:
+    stated = f", sigma = {channel.sigma!r}" if sigma or channel.stated else ""
     return f'{{ is = "{channel.name}"{stated} }}'
 
 

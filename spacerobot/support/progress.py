@@ -146,6 +146,12 @@ class Progress:
         count = f": {self._count}{of} {plural(self._unit)}" if self._count or of else ""
         return f"{self._what}{count}, {time.monotonic() - self._begun:.0f} s{waits}"
 
+    def call(self, what: str) -> None:
+        """Say from now on that this is being done."""
+        if what != self._what:
+            self._what = what
+            self._bar.set_description_str(what, refresh=False)
+
     def advance(self, steps: int = 1, note: str = "") -> None:
         """Count `steps` more; `note` says what was done."""
         if note:

@@ -36,7 +36,8 @@ def test_pictures_page_is_silent_and_its_pictures_are_seen(tmp_path: Path, visit
     assert "7.84" in seen.page.locator("p").first.inner_text()
 
 
-@pytest.mark.parametrize("name", [pytest.param("path", marks=pytest.mark.slow), "map"])
+@pytest.mark.parametrize("name", ["path", "map"])
+@pytest.mark.slow
 def test_scenes_of_mass_load_in_silence_and_move(name: str, tmp_path: Path, visit: Any) -> None:
     film = path_film(load("pa10_wrist"), POSE, END, X) if name == "path" else map_film(load("pa10_wrist"), POSE, X)
     path = tmp_path / f"{name}.html"

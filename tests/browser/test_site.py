@@ -17,8 +17,12 @@ def at_home(requests: list[str]) -> bool:
     return all(r.startswith((SITE.as_uri(), "data:", "blob:", "about:")) for r in requests)
 
 
+NOTEBOOKS = sorted(f"notebooks/{p.stem}" for p in SITE.glob("notebooks/0?_*[a-z].html"))
+LONG = ("notebooks/04_from_touch_to_tumble",)
+
+
 @pytest.mark.parametrize(
-    "name", [*PAGES, *sorted(f"notebooks/{p.stem}" for p in SITE.glob("notebooks/0?_*[a-z].html"))]
+    "name", [*PAGES, *(pytest.param(n, marks=pytest.mark.slow) if n in LONG else n for n in NOTEBOOKS)]
 )
 def test_page_opens_in_silence(name: str, visit: Any) -> None:
     seen = visit((SITE / f"{name}.html").as_uri())

@@ -24,7 +24,8 @@ HIGHEST = """() => {
 """Where the canvas begins and how much wider it is than the line [px]; where the curve is highest, a share of it."""
 
 
-@pytest.mark.parametrize("width", [700, pytest.param(1100, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("width", [700, 1100])
+@pytest.mark.slow
 def test_the_curve_lies_over_its_time_line(visit: Any, tmp_path: Path, width: int) -> None:
     film = study_film(load_study("guide-friction"), "04")
     force = next(r for r in film.readouts if r.name == film.chart)

@@ -11,13 +11,21 @@ from spacerobot.support.errors import SpacerobotError
 
 
 def test_its_answer_is_what_the_command_prints() -> None:
-    with beside(["effects", "--json"]) as begun:
+    with beside(["study", "schema"]) as begun:
         assert json.loads(begun.answer())
 
 
 def test_its_failure_is_told_in_its_own_words() -> None:
-    with beside(["overlay", "no-such-study"]) as begun, pytest.raises(SpacerobotError, match="no-such-study"):
+    with beside(["study", "check", "no-such-study"]) as begun, pytest.raises(SpacerobotError, match="no-such-study"):
         begun.answer()
+
+
+def test_answers_come_in_turn_and_none_after_a_failure() -> None:
+    with beside(["study", "schema"], ["effects", "no-such-effect"], ["study", "schema"]) as begun:
+        assert json.loads(begun.answer(0))
+        for number in (1, 2):
+            with pytest.raises(SpacerobotError, match="no-such-effect"):
+                begun.answer(number)
 
 
 def test_who_leaves_early_takes_it_along() -> None:

@@ -110,6 +110,7 @@ def test_an_interval_that_claims_too_much_is_noticed(
     assert "coulomb_friction@wrist.force_N" in sizes.detail
 
 
+@pytest.mark.slow
 def test_a_size_that_jagged_costs_hide_widens_its_interval(
     shop: Workshop, chosen: Fit, monkeypatch: pytest.MonkeyPatch
 ) -> None:

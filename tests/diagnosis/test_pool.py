@@ -95,10 +95,12 @@ def test_a_cluster_finds_the_same_although_it_loses_a_worker(workshop: Workshop,
     assert_equal(here, found)
 
 
+@pytest.mark.slow
 def test_processes_find_the_same(workshop: Workshop, here: dict[Any, Fit | None]) -> None:
     assert_equal(here, fitted(Pool(workshop, 2)))
 
 
+@pytest.mark.slow
 def test_a_task_knows_the_same_results_however_many_processes_there_are(workshop: Workshop) -> None:
     tasks = [replace(TILT, max_iterations=1, start={"table_tilt@target.angle_rad": k * 1e-6}) for k in range(1, 14)]
 
@@ -133,6 +135,7 @@ def _where(workshop: Workshop, factor: int) -> tuple[int, int]:
     return os.getpid(), factor * len(workshop.trials)
 
 
+@pytest.mark.slow
 def test_work_aside_is_done_elsewhere_where_there_is_an_elsewhere(workshop: Workshop) -> None:
     count = 3 * len(workshop.trials)
     with Pool(workshop, 1) as pool:

@@ -35,7 +35,9 @@ def _left(fit: Fit) -> float:
     return fit.chi2 / fit.samples
 
 
-@pytest.mark.parametrize(("joints", "floating"), [("servo", False), ("locked", True), ("free", True)])
+@pytest.mark.parametrize(
+    ("joints", "floating"), [pytest.param("servo", False, marks=pytest.mark.slow), ("locked", True), ("free", True)]
+)
 def test_what_is_believed_rightly_leaves_noise(tmp_path: Path, joints: str, floating: bool) -> None:
     study = moving_robot(tmp_path, joints, floating=floating)
     admit(study)

@@ -16,12 +16,12 @@ from fuzz.page import RESULTS, faults, filled, mended
 from fuzz.targets import TARGETS
 
 ROOT = Path(__file__).resolve().parents[2]
-CASES = {"scene": 20, "mesh": 40, "hdf5": 40, "mat": 40, "bag": 30}
+CASES = {"scene": 10, "mesh": 20, "hdf5": 20, "mat": 20, "bag": 15, "urdf": 30}
 
 
 @pytest.mark.parametrize("name", [*TARGETS, *KINDS])
 def test_nothing_but_answers_and_input_errors(name: str) -> None:
-    command = [sys.executable, "-m", "fuzz.replay", name, str(CASES.get(name, 100))]
+    command = [sys.executable, "-m", "fuzz.replay", name, str(CASES.get(name, 50))]
     environment = {**os.environ, "PYTHONDONTWRITEBYTECODE": "1"}
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, env=environment, timeout=300)
     assert done.returncode == 0, done.stderr[-2000:]

@@ -170,6 +170,7 @@ def test_a_batch_that_runs_out_of_time_writes_what_it_has_and_goes_on(
     assert "part of the batch" not in (docs / "proof.md").read_text()
 
 
+@pytest.mark.slow
 def test_the_command_writes_page_and_figures(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out, docs = tmp_path / "out", tmp_path / "docs"
     arguments = ["prove", "--out", str(out), "--share", "0.2", "--seed", "11", "--json", "--docs", str(docs)]

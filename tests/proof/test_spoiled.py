@@ -115,13 +115,8 @@ def test_a_judge_of_spoiled_recordings() -> None:
     assert not judge(unit, None, "took more than 900 s").top
 
 
-QUICK = (1,)
-"""The others take as long again."""
-
-
-@pytest.mark.parametrize(
-    "number", [k if k in QUICK else pytest.param(k, marks=pytest.mark.slow) for k in range(len(RELATIVES))]
-)
+@pytest.mark.parametrize("number", range(len(RELATIVES)))
+@pytest.mark.slow
 def test_a_relative_is_hidden_in_its_form(number: int) -> None:
     made = conceal(Order("relative", "rig", number, seed=90 + number))
     effect, where, how = RELATIVES[number]

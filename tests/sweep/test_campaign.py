@@ -97,7 +97,8 @@ def test_a_part_that_is_not_right_is_made_again(tmp_path: Path, alone: dict[str,
     assert files(out) == alone
 
 
-@pytest.mark.parametrize("jobs", [2, pytest.param(3, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("jobs", [2, 3])
+@pytest.mark.slow
 def test_the_files_are_the_same_for_any_number_of_processes(tmp_path: Path, alone: dict[str, bytes], jobs: int) -> None:
     assert sweep(write(tmp_path), tmp_path / "out", "--jobs", str(jobs)) == 0
     assert files(tmp_path / "out") == alone
@@ -149,6 +150,7 @@ def always_killed(task: int) -> int:
     return task
 
 
+@pytest.mark.slow
 def test_a_process_that_dies_is_replaced(tmp_path: Path) -> None:
     from spacerobot.support.executors.local import LocalPool
 

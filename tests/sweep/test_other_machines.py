@@ -40,9 +40,10 @@ def here() -> dict[str, np.ndarray]:
     "change",
     [
         pytest.param(LIBRARIES, id="libraries"),
-        pytest.param({**LIBRARIES, **COMPILER}, id="libraries and compiler", marks=pytest.mark.slow),
+        pytest.param({**LIBRARIES, **COMPILER}, id="libraries and compiler"),
     ],
 )
+@pytest.mark.slow
 def test_exact_ones_agree_to_1e_12_and_integrated_ones_within_their_tolerance(
     here: dict[str, np.ndarray], change: dict[str, str], tmp_path: Path
 ) -> None:

@@ -75,6 +75,7 @@ def test_films_show_the_mass_of_what_they_show() -> None:
     assert soft == pytest.approx(masses.min(), rel=0.02)
 
 
+@pytest.mark.slow
 def test_mass_pictures_from_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "out"
     assert main(["mass", "pa10_wrist", *Q, *TO, "--out", str(out), "--pictures", "--json"]) == 0

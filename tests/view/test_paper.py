@@ -199,6 +199,7 @@ def test_restitution_rises_with_speed_and_meets_the_constant_once() -> None:
     assert check.friction == pytest.approx(coulomb_slider.equivalent_friction(12.3, 0.1))
 
 
+@pytest.mark.slow
 def test_figures_keep_to_the_palette_and_label_their_axes(folder: Path) -> None:
     from spacerobot.view.paper.data import compute
 

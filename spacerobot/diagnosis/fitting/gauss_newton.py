@@ -295,7 +295,7 @@ class Fitter:
                 dz, dn, promised = system.step(damping, state.z, low, high, far=far, own_too=own_too)
                 if eager and state.chi2() + float(state.z @ prior @ state.z) - HOPE * promised > hopeless:
                     return state, iterations - 1, False, system, True
-                if promised < settled and not freely and damping > FREE:
+                if promised < settled and not (bad or freely) and damping > FREE:
                     freely, damping = True, FREE  # so little may be the damping's doing, along a narrow valley
                     continue
                 if promised < settled or (freely and damping > first):
@@ -310,7 +310,7 @@ class Fitter:
                     fall += float(state.z @ prior @ state.z - new.z @ prior @ new.z)
                     if fall > 0.0:
                         damping = max(damping * (0.2 if fall > 0.7 * promised else 1.0), FREE)
-                        converged = fall < settled and age == 0 and (freely or damping <= FREE)
+                        converged = fall < settled and age == 0 and (bad or freely or damping <= FREE)
                         ended = fall < settled and loose
                         age = age + 1 if fall > 0.6 * promised else REUSE
                         if age < REUSE:

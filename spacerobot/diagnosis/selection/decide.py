@@ -13,6 +13,7 @@ from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.workshop import Workshop
 from spacerobot.diagnosis.selection.judge import Judgement, judge
+from spacerobot.diagnosis.selection.rebase import rebased
 from spacerobot.diagnosis.selection.search import search
 from spacerobot.diagnosis.selection.search_state import Found, Report
 from spacerobot.diagnosis.selection.without_prior import baseline_freed, set_free
@@ -91,6 +92,7 @@ def conclude(pool: Pool, found: Found, report: Report) -> Decided:
         found: the fits; sets whose believed values bend are fitted again and take their places.
         report: told of progress.
     """
+    rebased(pool, found, report)
     report("judging", 0, 1)
     freed = baseline_freed(pool, found.baseline)
     set_free(pool, found, report)

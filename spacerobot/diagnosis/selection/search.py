@@ -15,8 +15,10 @@ from spacerobot.diagnosis.fitting.workshop import Task
 from spacerobot.diagnosis.selection.forms import formed
 from spacerobot.diagnosis.selection.one_trial import knocks
 from spacerobot.diagnosis.selection.pairs import at_full_size, changing, more, pairs, simplify
+from spacerobot.diagnosis.selection.rebase import rebased
 from spacerobot.diagnosis.selection.restarts import other_minima
 from spacerobot.diagnosis.selection.search_state import (
+    CLEAR,
     WORTH_A_FIT,
     Found,
     Report,
@@ -42,7 +44,9 @@ NEAR_ITERATIONS, OTHER_ITERATIONS = 8, 3
 """Steps of a fit from the best-scored start of an effect, and from its others; the best of all go on from there."""
 
 
-def search(pool: Pool, sites: Sequence[Site], report: Report, near: Fit | None = None) -> Found:
+def search(
+    pool: Pool, sites: Sequence[Site], report: Report, near: Fit | None = None, baseline: Fit | None = None
+) -> Found:
     """Fit the baseline, every single effect, and the most promising pairs.
 
     Args:
@@ -50,10 +54,12 @@ def search(pool: Pool, sites: Sequence[Site], report: Report, near: Fit | None =
         sites: effects and places to try.
         report: told of progress.
         near: a set that is known to explain much already.
+        baseline: the fit without effects, where it is known already.
     """
     workshop = pool.workshop
     report("baseline", 0, 1)
-    baseline = pool.here(Task((), {}))
+    first_try = baseline is None
+    baseline = pool.here(Task((), {})) if baseline is None else baseline
     if baseline is None:  # each trial can be simulated as believed, or the door had refused it; a fit moved on
         raise InputError("the rig as believed cannot be fitted to these trials", where=str(workshop.study.path))
     found = Found(baseline, singles=tuple(sites), noise=noise_of(workshop), plausible=plausible_of(workshop))
@@ -78,6 +84,8 @@ def search(pool: Pool, sites: Sequence[Site], report: Report, near: Fit | None =
         # a further start of which so little is promised would be given up at its first step
         (tasks if s is best[s.site.label] or HOPE * s.gain > WORTH_A_FIT else hopeless).append(task)
     given_up = run_tasks(pool, found, tasks, report, "single effects") + hopeless
+    if first_try and rebased(pool, found, report) > CLEAR:  # it had been trapped, and so has all that began at it
+        return search(pool, sites, report, near, found.baseline)
     if not found.explained:
         run_tasks(pool, found, _unfinished(found), report, "single effects, the best to their end")
     if not found.explained:  # then what its first step promised may have been too little to go by

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import re
 from collections.abc import Container, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -80,8 +80,28 @@ class TrialData:
 
 
 def trial_data(study: Study, shown: Container[str] | None = None) -> tuple[TrialData, ...]:
-    """Every trial's output channels, grouped by stream and times; those that a model shows, if it says which."""
-    return tuple(one_trial(study, study.recording(trial), shown) for trial in study.trials)
+    """Every trial's output channels, grouped by stream and times; those that a model shows, if it says which.
+
+    An instrument has one noise: where the study does not state it, what the trials show of it counts together.
+    """
+    recordings = [study.recording(trial) for trial in study.trials]
+    trials = [one_trial(study, recording, shown) for recording in recordings]
+    found: dict[str, list[float]] = {}
+    for recording in recordings:
+        for name, series in recording.items():
+            if not series.sigma_stated and np.isfinite(series.sigma):
+                found.setdefault(name, []).append(series.sigma)
+    noise = {name: float(np.median(some)) for name, some in found.items()}
+    return tuple(replace(t, blocks=tuple(_with_noise(b, noise) for b in t.blocks)) for t in trials)
+
+
+def _with_noise(block: Block, noise: Mapping[str, float]) -> Block:
+    """A block whose channels have this noise, where it is told."""
+    weight = block.weight.copy()
+    for c, channel in enumerate(block.channels):
+        if noise.get(channel, 0.0) > 0.0:
+            weight[c] = (weight[c] > 0.0) / noise[channel]
+    return replace(block, weight=weight)
 
 
 def one_trial(study: Study, recording: Recording, shown: Container[str] | None = None) -> TrialData:

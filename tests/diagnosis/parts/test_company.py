@@ -109,7 +109,8 @@ def of(verdict: Mapping[str, Any], name: str) -> dict[str, Any]:
     return {k: v for k, v in found.items() if k != "part"}
 
 
-@pytest.mark.parametrize("stated", [True, pytest.param(False, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("stated", [True, False])
+@pytest.mark.slow
 def test_a_light_ball_lacks_its_drag_whatever_else_is_dropped(tmp_path: Path, stated: bool) -> None:
     alone = said(balls(tmp_path / "alone", {"light": LIGHT}, stated=stated))
     company = said(balls(tmp_path / "all", {"iron": HEAVY, "light": LIGHT, "lead": HEAVY}, stated=stated))

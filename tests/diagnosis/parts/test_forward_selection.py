@@ -41,6 +41,7 @@ def chosen_rashly(
     return found.after.label
 
 
+@pytest.mark.slow
 def test_what_gains_nothing_under_the_stated_noise_is_not_chosen(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

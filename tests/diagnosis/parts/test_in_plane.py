@@ -21,10 +21,11 @@ def against(velocity: np.ndarray, power: float) -> np.ndarray:
     ("effect", "power", "size"),
     [
         ("coulomb_friction", 0.0, 0.08),
-        pytest.param("viscous_drag", 1.0, 0.6, marks=pytest.mark.slow),
-        pytest.param("quadratic_drag", 2.0, 1.5, marks=pytest.mark.slow),
+        ("viscous_drag", 1.0, 0.6),
+        ("quadratic_drag", 2.0, 1.5),
     ],
 )
+@pytest.mark.slow
 def test_an_oblique_slide_has_one_law_for_all_directions(
     effect: str, power: float, size: float, tmp_path: Path
 ) -> None:

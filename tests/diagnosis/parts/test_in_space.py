@@ -66,6 +66,7 @@ def test_drag_in_the_air_is_one_law_in_three_directions(name: str, power: int, s
     assert set(verdict["held_out"]["channels"]) == {f"body.position.{a}" for a in "xyz"}
 
 
+@pytest.mark.slow
 def test_nothing_is_missing_where_only_gravity_acts(tmp_path: Path) -> None:
     assert diagnose(thrown(tmp_path, np.zeros_like), jobs=1).verdict["verdict"] == "nothing_missing"
 

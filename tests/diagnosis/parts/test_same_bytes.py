@@ -77,7 +77,7 @@ def small_rig(folder: Path) -> None:
     ("made", "seeds", "options"),
     [
         (bodies, (0, 123456789), SMALL),
-        (small_rig, (0, 123456789), SMALL),
+        pytest.param(small_rig, (0, 123456789), SMALL, marks=pytest.mark.slow),
         pytest.param(rig, (0, 7, 123456789), [], marks=pytest.mark.slow),
     ],
 )

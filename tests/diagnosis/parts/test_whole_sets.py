@@ -56,7 +56,7 @@ def test_what_is_sure_of_one_joint_stands_in_every_set_that_another_leaves_open(
     assert parameters["coulomb_friction@joint.S1.force_N"] == pytest.approx(0.035, rel=0.3)
 
 
-@pytest.mark.parametrize("coulomb", [0.0, 0.3])
+@pytest.mark.parametrize("coulomb", [0.0, pytest.param(0.3, marks=pytest.mark.slow)])
 def test_an_effect_that_chance_would_bring_is_dropped_and_no_other(tmp_path: Path, coulomb: float) -> None:
     both = ("coulomb_friction", "joint.S1"), ("viscous_friction", "joint.S1")
     viscous = Missing("viscous_friction", "joint.S1", {"coefficient_Nms_rad": 0.6})
