@@ -55,7 +55,7 @@ test-all:  ## the test suite on every supported Python that is installed
 	  else echo "python$$v is not installed: skipped"; fi; done
 
 prove-quick: $(VENV)/.test  ## a few concealed campaigns of another engine, diagnosed blind and scored
-	$(BIN)/spacerobot prove --quick --scenes rig --no-rivals --out build/proof-quick --overwrite
+	$(BIN)/spacerobot prove --quick --scenes rig --no-rivals $(PROVE) --out build/proof-quick --overwrite
 
 fuzz: $(VENV)/.test  ## fuzz every reader with more than a million cases (an hour; goes on where it stopped)
 	$(INSTALL) -c constraints.txt -e '.[fuzz]'

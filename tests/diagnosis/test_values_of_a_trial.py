@@ -56,7 +56,9 @@ def test_a_scatter_is_of_its_own_condition_alone() -> None:
     assert values(z, "light")["wrist.stiffness"] == pytest.approx(1030.0)
     assert values(z, "heavy")["wrist.stiffness"] == pytest.approx(1000.0)
     both = {**z, "wrist.stiffness": 1.0}
-    assert values(both, "light")["wrist.stiffness"] == pytest.approx(1000.0 * 1.05 * 1.03)
+    assert values(both, "light")["wrist.stiffness"] == pytest.approx(
+        1000.0 * (1.0 + 0.05 + 0.03)
+    )  # shares of what is stated
 
 
 def test_a_belief_set_free_counts_for_next_to_nothing_and_is_told_in_its_own_sigmas() -> None:

@@ -37,7 +37,7 @@ def test_no_lab_has_the_air_beds_rig_and_nothing_is_hidden_at_an_instrument_that
     assert {len(c.streams) for c in some} == {1, 2}
 
 
-@pytest.mark.parametrize("seed", [1, 2, 5])
+@pytest.mark.parametrize("seed", [1, 2, 5, 34])
 def test_nothing_missing_leaves_the_noise_that_was_drawn(tmp_path: Path, seed: int) -> None:
     """In every direction, with noise stated or not: what a fit leaves is what the instruments were given."""
     campaign = drawn(seed)

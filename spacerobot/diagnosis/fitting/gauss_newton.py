@@ -326,10 +326,11 @@ class Fitter:
                 if age > 0:
                     break
                 damping = max(10.0 * damping, 0.0 if freely else 1e-3)
-            if converged and not (both or robust or loose or bad):
+            rough = both or robust or loose or bad or state.chi2() > hopeless
+            if converged and not rough:
                 converged, both, age = False, True, REUSE  # it stands as far as differences to one side can tell
             if not (accepted or converged or ended):
-                if age == 0 and (both or robust or loose or bad):
+                if age == 0 and rough:
                     break
                 both |= age == 0
                 age = REUSE  # the step came from old derivatives: take new ones before giving up

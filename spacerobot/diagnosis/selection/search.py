@@ -44,6 +44,10 @@ NEAR_ITERATIONS, OTHER_ITERATIONS = 8, 3
 """Steps of a fit from the best-scored start of an effect, and from its others; the best of all go on from there."""
 
 
+TRAPPED = 0.5
+"""Share of its misfit that a baseline loses by beginning elsewhere, from which on it had been trapped."""
+
+
 def search(
     pool: Pool, sites: Sequence[Site], report: Report, near: Fit | None = None, baseline: Fit | None = None
 ) -> Found:
@@ -84,8 +88,10 @@ def search(
         # a further start of which so little is promised would be given up at its first step
         (tasks if s is best[s.site.label] or HOPE * s.gain > WORTH_A_FIT else hopeless).append(task)
     given_up = run_tasks(pool, found, tasks, report, "single effects") + hopeless
-    if first_try and rebased(pool, found, report) > CLEAR:  # it had been trapped, and so has all that began at it
-        return search(pool, sites, report, near, found.baseline)
+    if first_try:
+        fall = rebased(pool, found, report)
+        if fall > max(CLEAR, TRAPPED * (found.baseline.cost + fall - found.baseline.samples)):
+            return search(pool, sites, report, near, found.baseline)  # all that began at it was trapped as well
     if not found.explained:
         run_tasks(pool, found, _unfinished(found), report, "single effects, the best to their end")
     if not found.explained:  # then what its first step promised may have been too little to go by
