@@ -12,6 +12,7 @@ from typing import Any
 
 from spacerobot.cli.beside import beside
 from spacerobot.support.jsonio import dumps
+from spacerobot.support.progress import Progress
 from spacerobot.support.runs import RunFolder, combined_hash
 
 STUDY = "guide-friction"
@@ -72,6 +73,9 @@ def _steps(args: argparse.Namespace, folder: RunFolder) -> int:
         for number, step in enumerate(STEPS, start=1):
             if not args.json:
                 print(f"{number}. {step.title}\n$ spacerobot {shlex.join(commands[step])}\n", flush=True)
+            if step is STEPS[-1] and not folder.finished:  # beside what is still under way
+                with Progress("drawing"):
+                    folder.write("demo.png", _picture(top))
             lane = next(k for k, steps in enumerate(LANES) if step in steps)
             answer = begun[lane].answer(LANES[lane].index(step))
             if args.json:
@@ -81,7 +85,6 @@ def _steps(args: argparse.Namespace, folder: RunFolder) -> int:
             if step.page is not None:
                 page = str((top / step.folder / step.page).resolve())
     if not folder.finished:
-        folder.write("demo.png", _picture(top))
         folder.finish()
     picture = folder.folder / "demo.png"
     if args.json:

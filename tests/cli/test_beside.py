@@ -21,10 +21,10 @@ def test_its_failure_is_told_in_its_own_words() -> None:
 
 
 def test_answers_come_in_turn_and_none_after_a_failure() -> None:
-    with beside(["study", "schema"], ["effects", "no-such-effect"], ["study", "schema"]) as begun:
+    with beside(["study", "schema"], ["study", "check", "no-such-study"], ["study", "schema"]) as begun:
         assert json.loads(begun.answer(0))
         for number in (1, 2):
-            with pytest.raises(SpacerobotError, match="no-such-effect"):
+            with pytest.raises(SpacerobotError, match="no-such-study"):
                 begun.answer(number)
 
 

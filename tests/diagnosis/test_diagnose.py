@@ -109,6 +109,7 @@ def test_nothing_is_named_where_nothing_is_missing(tmp_path: Path) -> None:
     assert 1e-5 < smallest["time_offset", "force_sensor"] < 1e-2
 
 
+@pytest.mark.slow
 def test_a_wrong_stiffness_is_no_missing_physics(tmp_path: Path) -> None:
     verdict = plain(diagnose(write_study(tmp_path, truth={"wrist.stiffness": 1.08 * 1020.0}), jobs=1).verdict)
     assert verdict["verdict"] == "wrong_parameter"

@@ -21,7 +21,9 @@ def series(rng: np.random.Generator, sigma: float, taken: int, masked: int, chan
     return _Series("mocap", channel, left, np.zeros((1, SAMPLES)), basis.T)
 
 
-@pytest.mark.parametrize(("taken", "masked"), [(0, 0), (100, 0), (0, 150), (100, 150)])
+@pytest.mark.parametrize(
+    ("taken", "masked"), [(0, 0), pytest.param(100, 0, marks=pytest.mark.slow), (0, 150), (100, 150)]
+)
 def test_the_level_is_unbiased_whatever_was_fitted_or_masked(taken: int, masked: int) -> None:
     rng = np.random.default_rng(7)
     found = [_levels([series(rng, 2.0, taken, masked) for _ in range(4)])["target.x"] for _ in range(60)]

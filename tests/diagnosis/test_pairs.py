@@ -107,6 +107,7 @@ def test_laws_of_one_thing_fill_one_place(found: Found) -> None:
     assert (EITHER,) not in first
 
 
+@pytest.mark.slow
 def test_a_set_at_the_wrong_moment_is_found_at_the_right_one(tmp_path: Path) -> None:
     """In one trial it strikes before the touch, in another after it: everything that follows is another."""
     gap, knock, key = ("backlash", "wrist"), ("external_impulse", "target"), "external_impulse@target.time_s"

@@ -37,8 +37,16 @@ REACHED = 0.004
 """Displacement [m] that every trial passes: what acts from one on must be reached."""
 
 
-LONG = ("lugre_friction", "maxwell", "bouc_wen", "dahl_friction", "stribeck_friction")
-"""These take five seconds and more."""
+QUICK = (
+    "coulomb_friction",
+    "cubic_stiffness",
+    "hertz_contact",
+    "arm_compliance",
+    "time_offset",
+    "table_tilt",
+    "preload",
+)
+"""One or two of a kind; all others are among the long tests."""
 
 
 def candidates() -> list[Site]:
@@ -92,7 +100,7 @@ def loud(site: Site, folder: Path) -> tuple[Workshop, Fit, dict[str, float]]:
 @pytest.mark.parametrize(
     "site",
     [
-        pytest.param(s, id="-".join(s.label), marks=[pytest.mark.slow] if s.effect.name in LONG else [])
+        pytest.param(s, id="-".join(s.label), marks=[] if s.effect.name in QUICK else [pytest.mark.slow])
         for s in candidates()
     ],
 )

@@ -36,7 +36,12 @@ def _left(fit: Fit) -> float:
 
 
 @pytest.mark.parametrize(
-    ("joints", "floating"), [pytest.param("servo", False, marks=pytest.mark.slow), ("locked", True), ("free", True)]
+    ("joints", "floating"),
+    [
+        pytest.param("servo", False, marks=pytest.mark.slow),
+        ("locked", True),
+        pytest.param("free", True, marks=pytest.mark.slow),
+    ],
 )
 def test_what_is_believed_rightly_leaves_noise(tmp_path: Path, joints: str, floating: bool) -> None:
     study = moving_robot(tmp_path, joints, floating=floating)

@@ -96,7 +96,9 @@ def test_the_small_run_takes_many_steps(tmp_path: Path) -> None:
     assert state(tmp_path / "run") == "finished"
 
 
-@pytest.mark.parametrize("fault", [KILL, INTERRUPT, DISK_FULL, READ_ERROR])
+@pytest.mark.parametrize(
+    "fault", [KILL, DISK_FULL, *(pytest.param(f, marks=pytest.mark.slow) for f in (INTERRUPT, READ_ERROR))]
+)
 def test_whole_or_absent_after_a_fault_at_every_step(tmp_path: Path, fault: str) -> None:
     _, steps = broken(lambda: small_run(tmp_path / "reference"), tmp_path, "none", 0)
     names = ("answer.json", "figures/a.png", "page.html")

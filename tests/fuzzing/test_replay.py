@@ -19,7 +19,13 @@ ROOT = Path(__file__).resolve().parents[2]
 CASES = {"scene": 10, "mesh": 20, "hdf5": 20, "mat": 20, "bag": 15, "urdf": 30}
 
 
-@pytest.mark.parametrize("name", [*TARGETS, *KINDS])
+QUICK = ("study", "csv", "urdf", "npz")
+"""What strangers hand over most; all others are among the long tests."""
+
+
+@pytest.mark.parametrize(
+    "name", [n if n in QUICK else pytest.param(n, marks=pytest.mark.slow) for n in (*TARGETS, *KINDS)]
+)
 def test_nothing_but_answers_and_input_errors(name: str) -> None:
     command = [sys.executable, "-m", "fuzz.replay", name, str(CASES.get(name, 50))]
     environment = {**os.environ, "PYTHONDONTWRITEBYTECODE": "1"}

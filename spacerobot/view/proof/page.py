@@ -59,7 +59,9 @@ law that stands for it one: its stiffness is scored against the arm's static one
 seven, against those of the tip, and count like all others. `joints`: the same arm driven along paths of its own, its
 joints logged; each joint's torque balance is diagnosed, and dry, viscous or quadratic friction, a load on the last
 link, a heavier rotor or (in no catalogue) a torque that ripples with the angle is hidden.
-`power`: for the power curves, many of them below the limit.
+`labs`: the air bed's scene with another lab's rig in it: springs of 150 to 12,000 N/m, sliders of 0.25 to 3 kg, tips,
+speeds, directions and sampling rates that are drawn, half of the instruments with no noise stated, a quarter of the
+labs without a force sensor. `power`: for the power curves, many of them below the limit.
 """
 
 _MISSES = """\

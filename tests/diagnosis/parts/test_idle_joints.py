@@ -151,7 +151,7 @@ def test_a_stated_zero_is_where_it_is_stated(tmp_path: Path) -> None:
     assert fit.chi2 < 1.2 * fit.samples
 
 
-@pytest.mark.parametrize(("zero", "constant"), [(ZERO, 0.0), (0.0, 4e-4)])
+@pytest.mark.parametrize(("zero", "constant"), [(ZERO, 0.0), pytest.param(0.0, 4e-4, marks=pytest.mark.slow)])
 def test_friction_of_two_levels_is_one_beside_a_zero_but_not_beside_a_push(
     zero: float, constant: float, tmp_path: Path
 ) -> None:
