@@ -70,14 +70,14 @@ def _steps(args: argparse.Namespace, folder: RunFolder) -> int:
     commands = {s: [s.command, *shlex.split(s.arguments), "--out", str(top / s.folder)] for s in STEPS}
     with contextlib.ExitStack() as under_way:
         begun = [under_way.enter_context(beside(*([*commands[s], *options] for s in lane))) for lane in LANES]
-        for number, step in enumerate(STEPS, start=1):
+        placed = ((lane, place, step) for lane, steps in zip(begun, LANES) for place, step in enumerate(steps))
+        for number, (lane, place, step) in enumerate(placed, start=1):
             if not args.json:
                 print(f"{number}. {step.title}\n$ spacerobot {shlex.join(commands[step])}\n", flush=True)
             if step is STEPS[-1] and not folder.finished:  # beside what is still under way
                 with Progress("drawing"):
                     folder.write("demo.png", _picture(top))
-            lane = next(k for k, steps in enumerate(LANES) if step in steps)
-            answer = begun[lane].answer(LANES[lane].index(step))
+            answer = lane.answer(place)
             if args.json:
                 answers[step.folder] = json.loads(answer)
             else:

@@ -13,7 +13,7 @@ from spacerobot.diagnosis.fitting.starts import fit_from
 from spacerobot.diagnosis.machines.wrist_rig import RigModel
 from spacerobot.diagnosis.terms.data import trial_data
 from spacerobot.proof.campaign import Belief, Campaign, Readings, noisy, perform, write_study
-from spacerobot.proof.draws import by_factors
+from spacerobot.proof.draws import by_factors, to_digits
 from spacerobot.proof.engine.laws import LARGEST, LAWS
 from spacerobot.proof.orders import COVERED, Order
 from spacerobot.proof.scenes import hideable, scene
@@ -329,7 +329,7 @@ def mask(campaign: Campaign, clean: Readings) -> Campaign:
         model = RigModel(study, data)
         fit = fit_from(Fitter(model, data), model.believed, (), {})
     tuned = fit.values()[name]
-    stated: Mapping[str, float] = {**campaign.belief.values, name: float(f"{tuned:.3g}")}
+    stated: Mapping[str, float] = {**campaign.belief.values, name: to_digits(tuned, 3)}
     sigma = dict(campaign.belief.sigma)
     if name != "wrist.equivalent_damping":
         sigma[name] = max(0.05, sigma.get(name, 0.0))  # who tuned it knows no better

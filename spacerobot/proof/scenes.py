@@ -55,7 +55,8 @@ def hideable(campaign: Campaign, *, outside: bool = False) -> list[tuple[str, st
     found = places(turning="target.y" in channels, outside=outside)
     if campaign.family == FAMILY:
         return [] if outside else [("coulomb_friction", "wrist"), *JOINTS]
-    found = [k for k in found if k[1] not in ("force_sensor", "mocap") or k[1] in {s.sensor for s in campaign.streams}]
+    absent = {"force_sensor", "mocap"} - {s.sensor for s in campaign.streams}
+    found = [k for k in found if k[1] not in absent]
     if campaign.family == "servo arm" and not outside:
         return [("arm_compliance", "arm")]
     if "target.yaw" in channels:  # the oscillator moves along a line, not with a body that turns

@@ -175,13 +175,13 @@ def unstated(fitter: Fitter, believed: Believed) -> Mapping[str, float]:
     if fitter.unstated is None:
         fitter.unstated = {}
         made, own = hypothesis(believed, []), fitter.guess()
-        steps = range(-round(math.log(REACH) / math.log(SCAN)), round(math.log(REACH) / math.log(SCAN)) + 1)
+        far = round(math.log(REACH) / math.log(SCAN))
         state = fitter.state(made, made.start(), own)
         if state is None or state.chi2() < GOOD * state.samples:
             return fitter.unstated
         for name, centre in believed.unknown.items():
             losses = {}
-            for value in (centre * SCAN**k for k in steps):
+            for value in (centre * SCAN**k for k in range(-far, far + 1)):
                 seen = fitter.state(made, made.start({**fitter.unstated, name: value}), own)
                 if seen is not None:
                     losses[value] = seen.loss(fitter.trials, True)

@@ -137,7 +137,8 @@ def judge(
             lost = f"chi-squared larger by {fit.cost - favourite.cost:.0f}"
         rivals.append(Rival(fit, scores[id(fit)] - scores[id(favourite)], lost))
     if favourite is best:
-        owed = lead_over(scores[id(base)] - scores[id(favourite)], _adequate(favourite, left_of))
+        explained = scores[id(base)] - scores[id(favourite)]
+        owed = lead_over(explained) if _adequate(favourite, left_of) else MARGIN
         odds += _richer(favourite, ranked, scores, owed)
     left = left_of.get(id(favourite))
     adequate = left is not None and left.adequate

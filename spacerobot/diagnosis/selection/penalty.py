@@ -35,14 +35,14 @@ def simplest(
         if not contains(best.hypothesis.label, fit.hypothesis.label):
             continue
         behind = scores[id(fit)] - scores[id(best)]
-        if behind < MARGIN or (behind < lead_over(nothing - scores[id(fit)], True) and adequate(fit)):
+        if behind < MARGIN or (behind < lead_over(nothing - scores[id(fit)]) and adequate(fit)):
             best = fit
     return best
 
 
-def lead_over(explained: float, adequate: bool) -> float:
-    """Lead that a set must have over a part of it that explains so much, and leaves nothing but noise or more."""
-    return max(MARGIN, SMALL * explained) if adequate else MARGIN
+def lead_over(explained: float) -> float:
+    """Lead that a set must have over a part of it that explains so much and leaves nothing but noise."""
+    return max(MARGIN, SMALL * explained)
 
 
 def defect(special: Fit, general: Fit, explained: float, adequate: bool) -> float:
