@@ -13,13 +13,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from jsonschema import Draft202012Validator
 
 from spacerobot.recordings import baseline, gears, schema_rules, stream, study, trial
 from spacerobot.recordings.channel import EXAMPLES
 from spacerobot.recordings.new_study import new_study
 from spacerobot.recordings.study_schema import study_schema
 from spacerobot.recordings.values import GROUPS, known_names
+from spacerobot.support.json_schema import checker
 from spacerobot.support.jsonio import dumps
 from tests.diagnosis.rigs import write_study
 from tests.door.machines import MACHINES
@@ -27,7 +27,7 @@ from tests.overlay.studies import DATA
 
 EXAMPLES_TOP = Path(__file__).resolve().parents[2] / "examples"
 WRITTEN = sorted(EXAMPLES_TOP.rglob("study.toml"))
-CHECK = Draft202012Validator(study_schema())
+CHECK = checker(study_schema())
 
 WHOLE = tomllib.loads(
     """
@@ -114,7 +114,7 @@ def breaches(told: dict[str, Any]) -> list[str]:
 
 
 def test_the_schema_is_itself_valid() -> None:
-    Draft202012Validator.check_schema(study_schema())
+    checker(study_schema())
 
 
 @pytest.mark.parametrize("path", WRITTEN, ids=lambda p: p.parent.name)

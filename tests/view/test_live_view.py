@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import http.client
 import json
 import math
@@ -29,8 +30,13 @@ from spacerobot.support.errors import InputError
 from spacerobot.view.live.live_view import LiveView, live_view
 from tests.processes import PATIENCE
 
-VIEWS = {name: LiveView(load(name)) for name in ("pa10_wrist", "chaser_pa10_wrist", "kinova")}
+VIEWS = ("pa10_wrist", "chaser_pa10_wrist", "kinova")
 """A fixed base with a wrist, a floating one, and a robot with joints that turn without limits."""
+
+
+@functools.cache
+def view_of(name: str) -> LiveView:
+    return LiveView(load(name))
 
 
 def asked(
@@ -48,8 +54,8 @@ def asked(
 @pytest.mark.parametrize("name", VIEWS)
 def test_sliders_reach_as_far_as_the_urdf_allows(name: str) -> None:
     """Read from the URDF's text, not from the model that the sliders are made of."""
-    sliders = {s.name: s for s in VIEWS[name].sliders}
-    root = etree.fromstring(VIEWS[name].robot.urdf.encode())
+    sliders = {s.name: s for s in view_of(name).sliders}
+    root = etree.fromstring(view_of(name).robot.urdf.encode())
     moving = {
         j.get("name"): j for j in root.findall("joint") if j.get("type") in ("revolute", "prismatic", "continuous")
     }
@@ -67,7 +73,7 @@ def test_sliders_reach_as_far_as_the_urdf_allows(name: str) -> None:
 @settings(max_examples=15, deadline=None)
 @given(data=st.data())
 def test_the_pose_that_is_set_is_the_pose_that_is_drawn(name: str, data: Any) -> None:
-    view = VIEWS[name]
+    view = view_of(name)
     robot = view.robot
     positions = {s.name: data.draw(st.floats(s.low, s.high)) for s in view.sliders}
     view.pose = positions

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import sys
 from collections.abc import Mapping
 from typing import Any, get_args
 
@@ -13,6 +12,7 @@ from spacerobot.diagnosis.answer.record import FORMAT, Verdict
 from spacerobot.diagnosis.terms.kinds import AMBIGUOUS, LEARNED, NAMED, WRONG_PARAMETER, Kind
 from spacerobot.support.errors import InputError
 from spacerobot.support.formats import require_format
+from spacerobot.support.json_schema import checker
 from spacerobot.support.jsonio import plain
 
 VERDICTS: tuple[str, ...] = get_args(Kind)
@@ -28,8 +28,6 @@ PROMISED: dict[int, tuple[frozenset[str], frozenset[str]]] = {
     ),
 }
 """Format -> kinds of verdict and keys of the whole that its readers have been told of, some of them to come."""
-
-_SLOW = "rfc3987_syntax"
 
 
 _RULES: tuple[dict[str, Any], ...] = (
@@ -61,17 +59,7 @@ def schema() -> dict[str, Any]:
 
 @functools.cache
 def _validator() -> Any:
-    # Where Jupyter is installed, jsonschema comes with a checker of IRIs that takes longer than a second to import.
-    # There are none in our schema, and jsonschema takes its absence well.
-    held = None if _SLOW in sys.modules else {_SLOW: None}
-    modules: dict[str, Any] = sys.modules
-    modules.update(held or {})
-    try:
-        from jsonschema import Draft202012Validator
-    finally:
-        if held:
-            del sys.modules[_SLOW]
-    return Draft202012Validator(schema())
+    return checker(schema())
 
 
 def validate(verdict: Mapping[str, Any], where: str = "verdict") -> None:

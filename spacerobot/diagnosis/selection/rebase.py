@@ -26,7 +26,7 @@ def rebased(pool: Pool, found: Found, report: Report) -> float:
     best = sorted(found.fits.values(), key=lambda f: f.cost)[:BEST]
     for done, fit in enumerate(best):
         report("baseline, from where the best sets stand", done, len(best))
-        again = pool.here(Task((), {}, near=fit))
+        again = pool.here(Task((), {}, near=fit, hopeless=found.baseline.cost))
         if again is not None and again.cost < found.baseline.cost:
             found.baseline = again
     return before - found.baseline.cost

@@ -13,6 +13,7 @@ from spacerobot.diagnosis.fitting.screen import faint
 from spacerobot.diagnosis.fitting.starts import effect_starts, informed_starts, sized
 from spacerobot.diagnosis.fitting.workshop import Task
 from spacerobot.diagnosis.selection.forms import formed
+from spacerobot.diagnosis.selection.heirs import heirs
 from spacerobot.diagnosis.selection.one_trial import knocks
 from spacerobot.diagnosis.selection.pairs import at_full_size, changing, more, pairs, simplify
 from spacerobot.diagnosis.selection.rebase import rebased
@@ -30,6 +31,7 @@ from spacerobot.diagnosis.selection.search_state import (
     share_of,
 )
 from spacerobot.diagnosis.selection.since import since
+from spacerobot.diagnosis.terms.candidates import plainest
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Label, Site
 from spacerobot.support.errors import InputError
@@ -101,9 +103,10 @@ def search(
         run_tasks(pool, found, alone, report, "knocks in one trial alone")
         run_tasks(pool, found, at_full_size(pool, found, baseline, sites, report), report, "single effects, full size")
         run_tasks(pool, found, _resized(found), report, "single effects, from other sizes")
-    promising = [f.hypothesis.label for f in found.singles_by_cost()[:TOP_FITTED]]
+    promising = [f.hypothesis.label for f in found.one_of_each()[:TOP_FITTED]]
     # what adds little near the baseline may still fit from a start of its own
-    promising += [(k,) for k in list(first.best())[:TOP_SCREENED] if (k,) not in promising]
+    screened_best = dict.fromkeys(plainest((k,)) for k in first.best())  # five laws of one friction are one thing
+    promising += [label for label in list(screened_best)[:TOP_SCREENED] if label not in promising]
     # so may what hardly shows before it is met, where the recordings say how far things went
     promising += [
         (s.label,)
@@ -124,6 +127,8 @@ def search(
         "single effects, from several starts",
         stop=True,
     )
+    if not found.explained:
+        run_tasks(pool, found, heirs(found, found.one_of_each()[:TOP_FITTED]), report, "richer laws", stop=True)
     pairs(pool, found, first, report)
     formed(pool, found, report)
     more(pool, found, report)
@@ -166,7 +171,7 @@ def _resized(found: Found) -> list[Task]:
     Friction that stops a body in one more trial, or in one less, is a minimum of its own.
     """
     tasks = []
-    for fit in found.singles_by_cost()[:TOP_RESIZED]:
+    for fit in found.one_of_each()[:TOP_RESIZED]:
         site, values = fit.hypothesis.sites[0], effect_values(fit)
         if fit.cost < found.baseline.cost - WORTH_A_FIT and not (site.trials or site.effect.removes):
             starts = [sized(site, values, by) for by in (0.5, 2.0)]
@@ -176,5 +181,5 @@ def _resized(found: Found) -> list[Task]:
 
 def _unfinished(found: Found) -> list[Task]:
     """The best near fits, from where they stopped."""
-    best = found.singles_by_cost()[:TOP_FITTED]
+    best = found.one_of_each()[:TOP_FITTED]
     return [Task(f.hypothesis.label, {}, near=f, max_iterations=30) for f in best if not f.converged]
