@@ -27,15 +27,20 @@ def write_study(
     speeds: Sequence[float] = (0.06, 0.11),
     seed: int = 1,
     weighed: float = 1.0,
+    tracking: float = POSITION_NOISE,
+    pressed: bool = True,
 ) -> Study:
     """A study of len(masses) x len(speeds) trials with sensor noise; `truth` and `believed` set them apart.
 
-    `weighed`: what the lab's scale shows of a target, over its mass.
+    `weighed`: what the lab's scale shows of a target, over its mass. `tracking`: the camera's noise [m]. `pressed`:
+    whether the force sensor's readings are known.
     """
     random = np.random.default_rng(seed)
     values = {**BELIEVED, "wrist.equivalent_damping": 5.0, "contact.damping": 60.0, **(truth or {})}
     stated = {**BELIEVED, "wrist.equivalent_damping": 5.0, **(believed or {})}
-    text = study_head(stated, "synthetic")
+    text = study_head(stated, "synthetic").replace(f"sigma = {POSITION_NOISE}", f"sigma = {tracking}")
+    if not pressed:
+        text = text[: text.index("[streams.force]")]
     for m, mass in enumerate(masses):
         for s, speed in enumerate(speeds):
             name = f"{m}{s}"
@@ -47,7 +52,7 @@ def write_study(
             slow, fast = np.arange(0.0, end, 1 / CAMERA), np.arange(0.0, end, 1 / SAMPLER)
             seen = read_channels(run, mechanism, ("target.x", "wrist.x"), slow)
             force = read_channels(run, mechanism, ("contact.force",), fast)["contact.force"]
-            columns = [slow, *(v + POSITION_NOISE * random.standard_normal(slow.size) for v in seen.values())]
+            columns = [slow, *(v + tracking * random.standard_normal(slow.size) for v in seen.values())]
             np.savetxt(
                 folder / f"{name}_mocap.csv", np.transpose(columns), "%.7f", ",",
                 header="time_s,x_target_m,x_wrist_m", comments="",
@@ -58,6 +63,6 @@ def write_study(
                 "%.6f", ",", header="time_s,f_contact_N", comments="",
             )  # fmt: skip
             text += f'[[trials]]\nid = "{name}"\ntarget.mass = {mass * weighed:.6g}\n'
-            text += f'mocap = "{name}_mocap.csv"\nforce = "{name}_force.csv"\n'
+            text += f'mocap = "{name}_mocap.csv"\n' + (f'force = "{name}_force.csv"\n' if pressed else "")
     (folder / "study.toml").write_text(text)
     return load_study(folder)

@@ -32,6 +32,7 @@ OTHER: dict[str, list[Any]] = {
     "patient": [True],
     "only": [(((("preload", "wrist")), ("01",)),)],
     "freed": [("wrist.mass",)],
+    "along": [("a",), ("b",)],
 }
 
 

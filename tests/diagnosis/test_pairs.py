@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -62,10 +63,18 @@ def test_such_a_pair_is_the_truth(shop: Workshop, found: Found) -> None:
     assert fit.values()[FORCE] == pytest.approx(0.05, rel=0.1)
 
 
-def test_the_best_singles_begin_again_from_half_and_from_twice(found: Found) -> None:
-    starts = [t.start[FORCE] for t in whole._resized(found) if t.label == (RUB,)]
-    force = found.fits[(RUB,)].values()[FORCE]
-    assert starts == pytest.approx([0.5 * force, 2.0 * force])
+def test_the_best_singles_move_on_along_their_strengths(shop: Workshop, found: Found) -> None:
+    alone = found.fits[(RUB,)]
+    z = alone.z.copy()
+    index = alone.hypothesis.keys.index(FORCE)
+    z[index] = alone.hypothesis.free[index].z(3.0 * alone.values()[FORCE])
+    far = Found(found.baseline)
+    far.keep(replace(alone, chi2=alone.chi2 + 40.0, z=z))
+    (task,) = whole._resized(far)
+    fit = shop.run(task)
+    assert fit is not None
+    assert fit.cost < alone.cost + 0.5
+    assert fit.values()[FORCE] == pytest.approx(alone.values()[FORCE], rel=0.1)
 
 
 def test_full_size_is_fitted_only_where_it_promises_more_than_was_found(shop: Workshop, found: Found) -> None:

@@ -1,4 +1,4 @@
-"""The preferred set is fitted again from either side of what goes by factors, and a deeper minimum is kept."""
+"""The preferred set moves on to deeper minima along what goes by factors, and along moments."""
 
 from __future__ import annotations
 
@@ -26,28 +26,17 @@ def shop(tmp_path_factory: pytest.TempPathFactory) -> Workshop:
     return Workshop(write_study(folder, planted=[("low_pass", "force_sensor", {"cutoff_Hz": 90.0})]))
 
 
-def test_a_deeper_minimum_beside_the_first_is_found(shop: Workshop, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_deeper_minimum_along_what_goes_by_factors_is_found(shop: Workshop) -> None:
     base, right = shop.run(Task((), {})), shop.run(Task(LABEL, {KEY: 90.0}))
     assert base is not None
     assert right is not None
-    shallow = replace(right, chi2=right.chi2 + 40.0, z=_at(right, 120.0))
+    shallow = replace(right, chi2=right.chi2 + 40.0, z=_at(right, 160.0))
     found = Found(base)
     found.keep(shallow)
-    begun: list[list[float]] = []
-
-    def run_tasks(pool: Pool, found: Found, tasks: Sequence[Task], *rest: Any) -> list[Task]:
-        begun.append([t.start[KEY] for t in tasks])
-        for task in tasks:
-            found.keep(shop.run(task))
-        return []
-
-    monkeypatch.setattr(minima, "run_tasks", run_tasks)
-    minima.other_minima(cast(Pool, None), found, lambda *a: None)
+    minima.other_minima(Pool(shop, 1), found, lambda *a: None)
     best = found.fits[LABEL]
     assert best.cost < right.cost + 0.5
     assert best.values()[KEY] == pytest.approx(90.0, rel=0.05)
-    wide, close = ([b * v for b in by] for by, v in zip(minima.FACTORS, (120.0, best.values()[KEY]), strict=True))
-    assert begun == [pytest.approx(wide), pytest.approx(close, rel=1e-2)]
 
 
 def test_nothing_is_fitted_again_where_nothing_is_missing(shop: Workshop, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -54,6 +54,7 @@ def task_name(task: Any) -> str:
         task.patient,
         task.only,
         task.freed,
+        task.along,
         None if near is None else [list(near.hypothesis.label), near.hypothesis.freed, near.z.tolist()],
         None if task.initials is None else sorted((k, v.tolist()) for k, v in task.initials.items()),
     )

@@ -282,7 +282,7 @@ class Fitter:
             if age >= REUSE:
                 rows, age = {}, 0
             rows = self._jacobians(hypothesis, state, rows, both)
-            system = self._normal(state, rows, prior, robust)
+            system = self.normal(state, rows, prior, robust)
             accepted = False
             misfit = abs(state.loss(self.trials, robust) - state.samples)
             bad = self._hasty and misfit > BAD * state.samples
@@ -302,8 +302,7 @@ class Fitter:
                     converged = age == 0
                     ended = loose
                     break
-                own = {t.id: state.own[t.id] + s * self._scales[t.id] for t, s in zip(self.trials, dn, strict=True)}
-                new = self.state(hypothesis, np.clip(state.z + dz, low, high), own)
+                new = self.state(hypothesis, np.clip(state.z + dz, low, high), self.own_moved(state, dn))
                 if new is not None:
                     # both under the old masks, else a touch that moves would pay for itself
                     fall = state.loss(self.trials, robust) - new.loss(self.trials, robust, state.keep)
@@ -364,7 +363,13 @@ class Fitter:
             self._rows_of = key, self._jacobians(fit.hypothesis, state, {})
         return self._rows_of[1]
 
-    def _normal(self, state: State, rows: Mapping[str, np.ndarray], prior: np.ndarray, robust: bool) -> Normal:
+    def own_moved(self, state: State, steps: Sequence[np.ndarray]) -> dict[str, np.ndarray]:
+        """The trials' own initial values after a step of each, in units of their scales."""
+        return {t.id: state.own[t.id] + s * self._scales[t.id] for t, s in zip(self.trials, steps, strict=True)}
+
+    def normal(self, state: State, rows: Mapping[str, np.ndarray], prior: np.ndarray, robust: bool = False) -> Normal:
+        """Normal equations at a state, by these derivatives, under the prior's precision, shape (G, G)."""
+
         def weighted(trial: TrialData) -> tuple[np.ndarray, np.ndarray]:
             keep = state.keep[trial.id]
             jacobian, residual = np.compress(keep, rows[trial.id].T, axis=1).T, state.raw[trial.id][keep]

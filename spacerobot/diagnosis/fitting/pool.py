@@ -249,7 +249,10 @@ class Pool:
         if kept is None:
             return False, None
         model = self.workshop.model
-        made = hypothesis(model.believed.free_of(task.freed), task.sites(model), task.start)
+        if task.near is not None and task.along:
+            made = task.near.hypothesis
+        else:
+            made = hypothesis(model.believed.free_of(task.freed), task.sites(model), task.start)
         fit = from_json(kept, self.workshop.fitter(), made)
         return fit is not None or kept["fit"] is None, fit
 

@@ -9,11 +9,11 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from spacerobot.diagnosis.fitting.fitted import Fit
-from spacerobot.diagnosis.fitting.gauss_newton import Fitter
+from spacerobot.diagnosis.fitting.gauss_newton import BAD, Fitter
+from spacerobot.diagnosis.fitting.valleys import deepest
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed, Hypothesis, Site, hypothesis
 from spacerobot.diagnosis.terms.reach import reached_edge
-from spacerobot.support.errors import SimulationError
 
 MOMENTS = 24
 """Times at which a momentary effect is tried."""
@@ -25,7 +25,7 @@ SIZES, SIZES_OF_LAWS = (0.4, 1.0, 2.5), (1.0,)
 """Multiples of the start values at which effects are tried at full size; of those that take a law's place."""
 
 GOOD = 1.3
-"""chi-squared per sample above which a fit is tried again with its unstated values back at their centres."""
+"""chi-squared per sample of the first guesses below which unstated values begin at their centres."""
 
 SCAN, REACH = 1.25, 30.0
 """Factor between the values of a scan, and how far from its centre it goes either way: where a contact rings, the
@@ -134,7 +134,7 @@ def fit_from(
     max_iterations: int = 40,
     hopeless: float = np.inf,
 ) -> Fit:
-    """Fit from one start; where it ends badly, once more with the unstated values back at their centres.
+    """Fit from one start; from where it ends on to lower valleys along what the study does not state.
 
     Args:
         fitter: of the model.
@@ -153,17 +153,10 @@ def fit_from(
     warm = {f.key: 0.0 for f in made.free if f.kind == "absorbing" and f.key in replaced}
     warm.update({k: v for k, v in unstated(fitter, believed).items() if k in made.keys})
     warm.update({k: v for k, v in start.items() if k in made.keys})
-    first = fitter.fit(made, warm=warm, initials=initials, max_iterations=max_iterations, hopeless=hopeless)
-    if first.chi2 < GOOD * first.samples or not believed.unknown or first.cost > hopeless:
-        return first
-    again = {k: v for k, v in first.values().items() if k not in believed.unknown and not _contact(k)}
-    try:
-        second = fitter.fit(
-            made, warm=again, initials=first.initials(), max_iterations=max_iterations, hopeless=hopeless
-        )
-    except SimulationError:
-        return first
-    return second if second.cost < first.cost else first
+    fit = fitter.fit(made, warm=warm, initials=initials, max_iterations=max_iterations, hopeless=hopeless)
+    if fit.cost > hopeless or fit.chi2 > (1.0 + BAD) * fit.samples:  # another valley would make up for what is missing
+        return fit
+    return deepest(fitter, fit, believed.unknown, max_iterations=max_iterations, hopeless=hopeless)
 
 
 def unstated(fitter: Fitter, believed: Believed) -> Mapping[str, float]:
@@ -240,10 +233,6 @@ def known_rows(fitter: Fitter, made: Hypothesis, near: Fit) -> dict[str, np.ndar
         wide[:, len(made.free) :] = rows[:, len(keys) :]
         out[name] = wide
     return out
-
-
-def _contact(key: str) -> bool:
-    return "contact." in key
 
 
 def best(fits: Sequence[Fit]) -> Fit:

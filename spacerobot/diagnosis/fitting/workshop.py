@@ -14,6 +14,7 @@ from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.fitting.labels import rightly_labelled
 from spacerobot.diagnosis.fitting.spoiled import cleaned
 from spacerobot.diagnosis.fitting.starts import fit_from, fit_near
+from spacerobot.diagnosis.fitting.valleys import deepest
 from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.machines.whole_rig import rig_model
 from spacerobot.diagnosis.machines.wrist_rig import RigModel, readable
@@ -47,6 +48,7 @@ class Task:
         max_iterations: of each fit.
         only: effects and places that act in some trials alone, and which; those of `near` are known by it.
         freed: believed values that are set free of what is stated of them.
+        along: keys of values of `near` along which it is moved on to lower valleys, if there are any; nothing else is.
     """
 
     label: Label
@@ -60,6 +62,7 @@ class Task:
     patient: bool = False
     only: Only = ()
     freed: tuple[str, ...] = ()
+    along: tuple[str, ...] = ()
 
     def sites(self, model: Machine) -> list[Site]:
         """What is to be fitted."""
@@ -106,6 +109,14 @@ class Workshop:
         """Do a task; None where it cannot be simulated."""
         sites, believed = task.sites(self.model), self.model.believed.free_of(task.freed)
         try:
+            if task.near is not None and task.along:
+                return deepest(
+                    self.fitter(),
+                    task.near,
+                    task.along,
+                    max_iterations=task.max_iterations,
+                    hopeless=task.hopeless,
+                )
             if task.near is not None:
                 return fit_near(
                     self.fitter(),

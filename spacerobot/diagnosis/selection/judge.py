@@ -145,13 +145,13 @@ def judge(
     verdict: Kind
     if failed:
         verdict = NOT_TRUSTED
-    elif not adequate:
+    elif not adequate or _too_many(favourite):
         verdict = UNKNOWN
     else:
         verdict = AMBIGUOUS if equal else NAMED
     confidence = 1.0 / (1.0 + odds) * (1.0 - np.exp(-0.5 * (lead - EARN + 6.0)))
     if verdict == UNKNOWN:
-        confidence = _surprise(left)
+        confidence = max(_surprise(left), BENT if _too_many(favourite) else 0.0)
     said = Judgement(
         verdict,
         float(np.clip(confidence, 0.05, 0.99)),
@@ -163,6 +163,12 @@ def judge(
     sound = [f.hypothesis.label for f in ranked if f.hypothesis.sites and _adequate(f, left_of)]
     others = [f for f in nameless if not any(contains(f.hypothesis.label, label) for label in sound)]
     return _unnamed(said, [f for f in others if scores[id(f)] < scores[id(best)] - MARGIN])
+
+
+def _too_many(fit: Fit) -> bool:
+    """Whether effects and values that stay bent beside them are more than may well be wrong at once."""
+    bends = len(moved(fit))
+    return bends > 0 and len(fit.hypothesis.sites) + bends > FEW
 
 
 def _parts(best: Fit, ranked: Sequence[Fit]) -> list[Fit]:

@@ -63,7 +63,9 @@ def pairs(pool: Pool, found: Found, first: Screen, report: Report) -> None:
     """
     paired: set[Label] = set()
     for _ in range(ROUNDS if found.singles_by_cost() else 0):
-        single = found.preferred(found.singles_by_cost())
+        singles = found.singles_by_cost()
+        # where one that changes over the trials does not explain them, it may be making up for what is missing beside
+        single = found.preferred([f for f in singles if found.explained or not f.hypothesis.changes] or singles)
         if single.hypothesis.label in paired:
             break  # the pairs have led to no better single
         _fit_pairs(pool, found, single, None if paired else first, report)
@@ -116,18 +118,23 @@ def more(pool: Pool, found: Found, report: Report) -> None:
             break
 
 
-def changing(pool: Pool, found: Found) -> list[Task]:
+def changing(pool: Pool, found: Found, most: int = TOP_SINGLES) -> list[Task]:
     """The best single effects, and those of the best set, each as one that grows or fades over the trials.
 
     Of several laws of one thing the plainest first: five richer ones are no reason to do without it.
+
+    Args:
+        pool: of the rig.
+        found: what was fitted so far.
+        most: single effects of unlike things.
     """
     tasks = []
     best: dict[Label, list[Fit]] = {}
     for fit in found.singles_by_cost():
         if found.baseline.cost - fit.cost > WORTH_A_FIT:
             best.setdefault(plainest(fit.hypothesis.label), []).append(fit)
-    few = [f for kind, laws in [*best.items()][:TOP_SINGLES] for f in (found.fits.get(kind, laws[0]), laws[0])]
-    for fit in {id(f): f for f in (found.best, *few)}.values():
+    few = [f for kind, laws in [*best.items()][:most] for f in (found.fits.get(kind, laws[0]), laws[0])]
+    for fit in {id(f): f for f in (*few, found.best)}.values():
         for site in fit.hypothesis.sites:
             if site.trials or not may_change(site.effect):
                 continue

@@ -24,9 +24,9 @@ def rebased(pool: Pool, found: Found, report: Report) -> float:
     """
     before = found.baseline.cost
     best = sorted(found.fits.values(), key=lambda f: f.cost)[:BEST]
-    for done, fit in enumerate(best):
-        report("baseline, from where the best sets stand", done, len(best))
-        again = pool.here(Task((), {}, near=fit, hopeless=found.baseline.cost))
+    tasks = [Task((), {}, near=fit, hopeless=before) for fit in best]
+    for done, (_, again) in enumerate(pool.run(tasks), 1):
+        report("baseline, from where the best sets stand", done, len(tasks))
         if again is not None and again.cost < found.baseline.cost:
             found.baseline = again
     return before - found.baseline.cost

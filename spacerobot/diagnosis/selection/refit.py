@@ -15,6 +15,7 @@ from spacerobot.diagnosis.fitting.screen import Screener, faint
 from spacerobot.diagnosis.fitting.starts import effect_starts, informed_starts
 from spacerobot.diagnosis.fitting.workshop import Task
 from spacerobot.diagnosis.machines.contract import Machine
+from spacerobot.diagnosis.selection.nested_laws import inherited
 from spacerobot.diagnosis.selection.search_state import Found, noise_of, plausible_of, run_tasks, share_of
 from spacerobot.diagnosis.terms.candidates import by_name, contains, refines, simpler
 from spacerobot.diagnosis.terms.decision import PENALTY
@@ -122,13 +123,10 @@ def _near(pool: Pool, found: Found, label: Label, sites: Sequence[Site], mine: b
 
 
 def _inherited(site: Site, near: Fit) -> dict[str, float]:
-    """A general effect where its special case stands: each parameter of the same unit has its value."""
-    values = near.values()
+    """A general effect where its special case stands in a fit."""
     for special in near.hypothesis.sites:
         if special.where == site.where and refines(site.effect.name, special.effect.name):
-            first = special.effect.parameters[0]
-            value = values[special.key(first.name)]
-            return {site.key(p.name): value if p.unit == first.unit else p.starts[0] for p in site.effect.parameters}
+            return inherited(site, special, near)
     return {}
 
 

@@ -10,20 +10,19 @@ from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.gauss_newton import HOPE
 from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.screen import faint
-from spacerobot.diagnosis.fitting.starts import effect_starts, informed_starts, sized
+from spacerobot.diagnosis.fitting.starts import effect_starts, informed_starts
 from spacerobot.diagnosis.fitting.workshop import Task
 from spacerobot.diagnosis.selection.forms import formed
 from spacerobot.diagnosis.selection.heirs import heirs
 from spacerobot.diagnosis.selection.one_trial import knocks
 from spacerobot.diagnosis.selection.pairs import at_full_size, changing, more, pairs, simplify
 from spacerobot.diagnosis.selection.rebase import rebased
-from spacerobot.diagnosis.selection.restarts import other_minima
+from spacerobot.diagnosis.selection.restarts import further, other_minima
 from spacerobot.diagnosis.selection.search_state import (
     CLEAR,
     WORTH_A_FIT,
     Found,
     Report,
-    effect_values,
     noise_of,
     plausible_of,
     run_tasks,
@@ -39,6 +38,9 @@ from spacerobot.support.errors import InputError
 TOP_SCREENED = 4
 TOP_FITTED = 4
 TOP_RESIZED = 5
+FEW = 2
+"""Single effects that are let change over the trials before pairs are sought; all others after."""
+
 STARTS = 4
 """Starts of one effect that are fitted, of all that are screened."""
 
@@ -129,6 +131,8 @@ def search(
     )
     if not found.explained:
         run_tasks(pool, found, heirs(found, found.one_of_each()[:TOP_FITTED]), report, "richer laws", stop=True)
+    if not found.explained:  # before what is sought beside them: two make up for the fading of one
+        run_tasks(pool, found, changing(pool, found, FEW), report, "the best, changing over the trials", stop=True)
     pairs(pool, found, first, report)
     formed(pool, found, report)
     more(pool, found, report)
@@ -166,17 +170,16 @@ def _starts(found: Found, labels: Sequence[Label], trials: Sequence[TrialData]) 
 
 
 def _resized(found: Found) -> list[Task]:
-    """The best single effects from half and from twice the strength that they came to.
+    """The best single effects on their way to lower valleys along their strengths.
 
     Friction that stops a body in one more trial, or in one less, is a minimum of its own.
     """
-    tasks = []
-    for fit in found.one_of_each()[:TOP_RESIZED]:
-        site, values = fit.hypothesis.sites[0], effect_values(fit)
-        if fit.cost < found.baseline.cost - WORTH_A_FIT and not (site.trials or site.effect.removes):
-            starts = [sized(site, values, by) for by in (0.5, 2.0)]
-            tasks += [Task((site.label,), start, near=found.baseline, max_iterations=20) for start in starts]
-    return tasks
+    return [
+        further(fit, (site.key(site.effect.strength.name),))
+        for fit in found.one_of_each()[:TOP_RESIZED]
+        for site in fit.hypothesis.sites
+        if fit.cost < found.baseline.cost - WORTH_A_FIT and not (site.trials or site.effect.removes)
+    ]
 
 
 def _unfinished(found: Found) -> list[Task]:

@@ -108,7 +108,9 @@ MOVED = 3.0
 
 FEW = 2
 """Believed values that may well be wrong at once: as likely as one missing effect that explains as much. Where more
-would have to be, something is missing that bends them all.
+would have to be, something is missing that bends them all. A value that stays bent beside named effects counts with
+them: of 2,667 sealed campaigns no set was right beside which more were bent than this (0 of 6), and 13 of 13 were where
+one effect and one value were meant.
 """
 
 BENT = 0.9
