@@ -15,7 +15,7 @@ from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
 from spacerobot.diagnosis.selection.judge import Judgement, judge
 from spacerobot.diagnosis.selection.search_state import Found
-from spacerobot.diagnosis.terms.decision import MARGIN, PENALTY, SLIGHT, SMALL
+from spacerobot.diagnosis.terms.decision import MARGIN, MOVED, PENALTY, SLIGHT, SMALL
 from spacerobot.diagnosis.terms.kinds import AMBIGUOUS, NAMED, UNKNOWN
 from tests.diagnosis.rigs import write_study
 
@@ -138,3 +138,30 @@ def test_a_set_that_a_bound_holds_is_not_named(shop: Workshop) -> None:
     assert (said.verdict, said.chosen) == (NAMED, part)
     withdrawn = judge(found, {id(base): Left((), 1.0)}, None, (), [part.hypothesis.label])
     assert withdrawn.verdict == UNKNOWN
+
+
+@pytest.mark.parametrize(("bent", "said"), [(0, NAMED), (1, NAMED), (2, UNKNOWN)])
+def test_an_effect_beside_many_wrong_values_is_not_named(shop: Workshop, bent: int, said: str) -> None:
+    """One value may be stated wrongly beside one effect; where two are bent as well, something else bends all."""
+    base, part, _ = fits(shop, RUB)
+    z = _unmoved(part)
+    z[[k for k, f in enumerate(part.hypothesis.free) if f.kind == "believed"][:bent]] = 2.0 * MOVED
+    part = replace(part, chi2=base.chi2 - 5000.0, prior=0.0, z=z)
+    base = replace(base, chi2=base.chi2 + 5000.0, prior=0.0, z=0.0 * base.z)
+    found = Found(base)
+    found.keep(part)
+    judgement = judge(found, {id(f): Left((), 1.0) for f in (base, part)}, None, ())
+    assert judgement.verdict == said
+    assert len(judgement.moved) == bent
+
+
+def test_the_same_of_two_effects(shop: Workshop) -> None:
+    judgement, _, pair = judged(shop, RUB, 0.5)
+    assert (judgement.verdict, judgement.chosen) == (NAMED, pair)
+    z = pair.z.copy()
+    z[next(k for k, f in enumerate(pair.hypothesis.free) if f.kind == "believed")] = 2.0 * MOVED
+    base = replace(pair, hypothesis=replace(pair.hypothesis, sites=()), chi2=pair.chi2 + 1e4)
+    found = Found(replace(base, z=0.0 * base.z))
+    found.keep(replace(pair, z=z))
+    left = {id(f): Left((), 1.0) for f in (found.baseline, *found.fits.values())}
+    assert judge(found, left, None, ()).verdict == UNKNOWN

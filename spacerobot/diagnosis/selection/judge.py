@@ -151,7 +151,7 @@ def judge(
         verdict = AMBIGUOUS if equal else NAMED
     confidence = 1.0 / (1.0 + odds) * (1.0 - np.exp(-0.5 * (lead - EARN + 6.0)))
     if verdict == UNKNOWN:
-        confidence = max(_surprise(left), BENT if _too_many(favourite) else 0.0)
+        confidence = BENT if adequate else _surprise(left)
     said = Judgement(
         verdict,
         float(np.clip(confidence, 0.05, 0.99)),
