@@ -16,7 +16,9 @@ from spacerobot.diagnosis.fitting.fitted import interval
 from spacerobot.diagnosis.fitting.profile import profile_interval
 from spacerobot.diagnosis.fitting.workshop import Workshop
 from spacerobot.diagnosis.selection.check import Check
+from spacerobot.diagnosis.terms.candidates import refines
 from spacerobot.diagnosis.terms.parameters import TIMES_STATED
+from spacerobot.effects.registry import all_effects
 from spacerobot.support.jsonio import plain
 from tests.diagnosis.rigs import write_study
 
@@ -145,7 +147,7 @@ def test_many_wrong_values_at_once_are_something_that_bends_them_all(tmp_path: P
 
 @pytest.mark.slow
 def test_what_has_no_name_is_not_given_another(tmp_path: Path) -> None:
-    family = ("coulomb_friction", "stribeck_friction", "asymmetric_friction")
+    family = tuple(name for name in all_effects() if name == "coulomb_friction" or refines(name, "coulomb_friction"))
     study = write_study(tmp_path, planted=[("coulomb_friction", "wrist", {"force_N": 0.6})])
     verdict = plain(diagnose(study, jobs=1, without=family).verdict)
     assert verdict["verdict"] == "unknown"

@@ -92,12 +92,20 @@ class Fitter:
     def residual(
         self, hypothesis: Hypothesis, z: np.ndarray, trial: TrialData, initial: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Weighted residual of one trial, predicted minus measured, and which samples count, shape (S,) each."""
+        """Weighted residual of one trial, predicted minus measured, and which samples count, shape (S,) each.
+
+        Raises:
+            SimulationError: it cannot be simulated, or what is predicted is no finite number.
+        """
         self._left -= 1
         mechanism = self.model.trial_mechanism(hypothesis, z, trial)
         prediction = self.model.predict(mechanism, trial, initial)
         parts = [((p - b.value) * b.weight).ravel() for p, b in zip(prediction.blocks, trial.blocks, strict=True)]
-        return np.concatenate(parts), counted(mechanism, trial, prediction)
+        whole, keep = np.concatenate(parts), counted(mechanism, trial, prediction)
+        shown = whole[keep]
+        if not np.isfinite(shown @ shown):
+            raise SimulationError(f"trial {trial.id}: the simulation runs away")
+        return whole, keep
 
     def guess(self) -> dict[str, np.ndarray]:
         """First initial values of every trial, from its free approach."""

@@ -105,10 +105,14 @@ def search(
         run_tasks(pool, found, alone, report, "knocks in one trial alone")
         run_tasks(pool, found, at_full_size(pool, found, baseline, sites, report), report, "single effects, full size")
         run_tasks(pool, found, _resized(found), report, "single effects, from other sizes")
+    known = {(s.label,) for s in found.singles}
     promising = [f.hypothesis.label for f in found.one_of_each()[:TOP_FITTED]]
     # what adds little near the baseline may still fit from a start of its own
-    screened_best = dict.fromkeys(plainest((k,)) for k in first.best())  # five laws of one friction are one thing
-    promising += [label for label in list(screened_best)[:TOP_SCREENED] if label not in promising]
+    kinds: dict[Label, Label] = {}  # five laws of one friction are one thing
+    for k in first.best():
+        kind = plainest((k,))
+        kinds.setdefault(kind, kind if kind in known else (k,))
+    promising += [label for label in list(kinds.values())[:TOP_SCREENED] if label not in promising]
     # so may what hardly shows before it is met, where the recordings say how far things went
     promising += [
         (s.label,)
