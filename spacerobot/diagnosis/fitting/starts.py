@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -14,6 +15,7 @@ from spacerobot.diagnosis.fitting.valleys import deepest
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed, Hypothesis, Site, hypothesis
 from spacerobot.diagnosis.terms.reach import reached_edge
+from spacerobot.support.errors import SimulationError
 
 MOMENTS = 24
 """Times at which a momentary effect is tried."""
@@ -136,6 +138,8 @@ def fit_from(
 ) -> Fit:
     """Fit from one start; from where it ends on to lower valleys along what the study does not state.
 
+    Where it ends badly, first once more with what is not stated back at its centres.
+
     Args:
         fitter: of the model.
         believed: what the study says.
@@ -154,9 +158,26 @@ def fit_from(
     warm.update({k: v for k, v in unstated(fitter, believed).items() if k in made.keys})
     warm.update({k: v for k, v in start.items() if k in made.keys})
     fit = fitter.fit(made, warm=warm, initials=initials, max_iterations=max_iterations, hopeless=hopeless)
-    if fit.cost > hopeless or fit.chi2 > (1.0 + BAD) * fit.samples:  # another valley would make up for what is missing
+    if fit.cost > hopeless or not believed.unknown:
+        return fit
+    if _bad(fit):
+        warm = {k: v for k, v in fit.values().items() if k not in believed.unknown and not _contact(k)}
+        with contextlib.suppress(SimulationError):
+            own = fit.initials()
+            fit = best(
+                [fit, fitter.fit(made, warm=warm, initials=own, max_iterations=max_iterations, hopeless=hopeless)]
+            )
+    if _bad(fit):  # another valley would only make up for what is missing
         return fit
     return deepest(fitter, fit, believed.unknown, max_iterations=max_iterations, hopeless=hopeless)
+
+
+def _bad(fit: Fit) -> bool:
+    return fit.chi2 > (1.0 + BAD) * fit.samples
+
+
+def _contact(key: str) -> bool:
+    return "contact." in key
 
 
 def unstated(fitter: Fitter, believed: Believed) -> Mapping[str, float]:
