@@ -53,6 +53,7 @@ def test_what_is_believed_rightly_leaves_noise(tmp_path: Path, joints: str, floa
     assert _left(fit) == pytest.approx(1.0, abs=6.0 * np.sqrt(2.0 / fit.samples))
 
 
+@pytest.mark.slow
 def test_friction_in_a_joint_is_told_from_friction_in_the_wrist(tmp_path: Path) -> None:
     """Each is put in, and explains what the other one does not."""
     for planted, other, force in ((ELBOW, GUIDE, 0.2), (GUIDE, ELBOW, 0.4)):

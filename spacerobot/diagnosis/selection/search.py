@@ -38,7 +38,7 @@ from spacerobot.support.errors import InputError
 TOP_SCREENED = 4
 TOP_FITTED = 4
 TOP_RESIZED = 5
-FEW = 2
+CHANGING_FIRST = 2
 """Single effects that are let change over the trials before pairs are sought; all others after."""
 
 STARTS = 4
@@ -136,7 +136,9 @@ def search(
     if not found.explained:
         run_tasks(pool, found, heirs(found, found.one_of_each()[:TOP_FITTED]), report, "richer laws", stop=True)
     if not found.explained:  # before what is sought beside them: two make up for the fading of one
-        run_tasks(pool, found, changing(pool, found, FEW), report, "the best, changing over the trials", stop=True)
+        run_tasks(
+            pool, found, changing(pool, found, CHANGING_FIRST), report, "the best, changing over the trials", stop=True
+        )
     pairs(pool, found, first, report)
     formed(pool, found, report)
     more(pool, found, report)
