@@ -10,7 +10,7 @@ import numpy as np
 
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
-from spacerobot.diagnosis.fitting.starts import fit_from, fit_near, sized
+from spacerobot.diagnosis.fitting.starts import best, fit_from, fit_near, sized
 from spacerobot.diagnosis.machines.wrist_rig import RigModel
 from spacerobot.diagnosis.selection.held_out import MOST_FOLDS, folds
 from spacerobot.diagnosis.selection.unseen import foretell, nothing_foretold
@@ -97,7 +97,7 @@ class Bench:
         if not sites or (first.chi2 < GOOD * first.samples and not takes_over):
             return first
         second = fit_from(fitter, believed, sites, {k: v for k, v in starts.items() if k not in stated})
-        better = second if second.cost < first.cost else first
+        better = best([first, second])
         told = all(s.key(p.name) in starts for s in sites for p in s.effect.parameters)
         if not told or better.chi2 < GOOD * better.samples:
             return better
@@ -105,7 +105,7 @@ class Bench:
         for site in sites:
             faint = sized(site, faint, FAINT)
         grown = fit_near(fitter, believed, sites, self.fitted(()).fit, faint, max_iterations=GROWING)
-        return grown if grown.cost < better.cost else better
+        return best([better, grown])
 
     def _held_out(self, fit: Fit) -> tuple[float, dict[str, float]]:
         """Leave one condition out in turn: fit the others from here, predict what was left out, in both ways."""

@@ -11,7 +11,7 @@ import numpy as np
 
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.gauss_newton import BAD, Fitter
-from spacerobot.diagnosis.fitting.valleys import deepest
+from spacerobot.diagnosis.fitting.valleys import FACTOR, deepest
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed, Hypothesis, Site, hypothesis
 from spacerobot.diagnosis.terms.reach import reached_edge
@@ -29,9 +29,9 @@ SIZES, SIZES_OF_LAWS = (0.4, 1.0, 2.5), (1.0,)
 GOOD = 1.3
 """chi-squared per sample of the first guesses below which unstated values begin at their centres."""
 
-SCAN, REACH = 1.25, 30.0
-"""Factor between the values of a scan, and how far from its centre it goes either way: where a contact rings, the
-valley of its damping is no wider than a quarter of it.
+REACH = 30.0
+"""How far from its centre a scan goes either way, by the factor of the search for valleys: where a contact rings, that
+of its damping is no wider than a quarter of it.
 """
 
 
@@ -189,13 +189,13 @@ def unstated(fitter: Fitter, believed: Believed) -> Mapping[str, float]:
     if fitter.unstated is None:
         fitter.unstated = {}
         made, own = hypothesis(believed, []), fitter.guess()
-        far = round(math.log(REACH) / math.log(SCAN))
+        far = round(math.log(REACH) / math.log(FACTOR))
         state = fitter.state(made, made.start(), own)
         if state is None or state.chi2() < GOOD * state.samples:
             return fitter.unstated
         for name, centre in believed.unknown.items():
             losses = {}
-            for value in (centre * SCAN**k for k in range(-far, far + 1)):
+            for value in (centre * FACTOR**k for k in range(-far, far + 1)):
                 seen = fitter.state(made, made.start({**fitter.unstated, name: value}), own)
                 if seen is not None:
                     losses[value] = seen.loss(fitter.trials, True)

@@ -62,10 +62,11 @@ def valleys(fitter: Fitter, fit: Fit, key: str) -> list[Valley]:
     for k in sorted(low, key=lambda k: cost[k + 1])[:LOWEST]:
         before, here, after = cost[k : k + 3]
         bend = before - 2.0 * here + after  # a step of the search is wide: by its parabola the valley is deeper
-        aside = 0.5 * (before - after) / bend if np.isfinite(bend) else 0.0
-        bend = bend if np.isfinite(bend) else 0.0
-        if here - 0.5 * bend * aside**2 < fit.cost - RESCUE_GAIN:
-            found += [seen[k], there(fitter, fit, key, float(FACTOR ** (k - STEPS + aside)))]
+        found.append(seen[k])
+        if np.isfinite(bend):
+            aside = 0.5 * (before - after) / bend
+            if here - 0.5 * bend * aside**2 < fit.cost - RESCUE_GAIN:
+                found.append(there(fitter, fit, key, float(FACTOR ** (k - STEPS + aside))))
     return sorted((v for v in found if v is not None and v.promised < fit.cost - RESCUE_GAIN), key=_promised)
 
 

@@ -30,7 +30,7 @@ from spacerobot.diagnosis.selection.search_state import (
     share_of,
 )
 from spacerobot.diagnosis.selection.since import since
-from spacerobot.diagnosis.terms.candidates import plainest
+from spacerobot.diagnosis.terms.candidates import one_of_each
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Label, Site
 from spacerobot.support.errors import InputError
@@ -108,11 +108,8 @@ def search(
     known = {(s.label,) for s in found.singles}
     promising = [f.hypothesis.label for f in found.one_of_each()[:TOP_FITTED]]
     # what adds little near the baseline may still fit from a start of its own
-    kinds: dict[Label, Label] = {}  # five laws of one friction are one thing
-    for k in first.best():
-        kind = plainest((k,))
-        kinds.setdefault(kind, kind if kind in known else (k,))
-    promising += [label for label in list(kinds.values())[:TOP_SCREENED] if label not in promising]
+    screened_best = one_of_each([(k,) for k in first.best()], known)
+    promising += [label for label in screened_best[:TOP_SCREENED] if label not in promising]
     # so may what hardly shows before it is met, where the recordings say how far things went
     promising += [
         (s.label,)
@@ -135,15 +132,16 @@ def search(
     )
     if not found.explained:
         run_tasks(pool, found, heirs(found, found.one_of_each()[:TOP_FITTED]), report, "richer laws", stop=True)
-    if not found.explained:  # before what is sought beside them: two make up for the fading of one
-        run_tasks(
-            pool, found, changing(pool, found, CHANGING_FIRST), report, "the best, changing over the trials", stop=True
-        )
+    fading = [] if found.explained else changing(pool, found, CHANGING_FIRST)
+    # before what is sought beside them: two make up for the fading of one
+    run_tasks(pool, found, fading, report, "the best, changing over the trials", stop=True)
     pairs(pool, found, first, report)
     formed(pool, found, report)
     more(pool, found, report)
     if not found.explained:
-        run_tasks(pool, found, changing(pool, found), report, "effects that change over the trials")
+        tried = {(t.label, id(t.near)) for t in fading}
+        others = [t for t in changing(pool, found) if (t.label, id(t.near)) not in tried]
+        run_tasks(pool, found, others, report, "effects that change over the trials")
         lone = {id(f): f for f in (found.baseline, found.preferred([*found.fits.values()] or [found.baseline]))}
         later = [t for f in lone.values() for t in since(workshop.fitter(), workshop.model.believed, f, found.singles)]
         run_tasks(pool, found, later, report, "sensors that change from some trial on")

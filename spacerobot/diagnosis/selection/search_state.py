@@ -14,7 +14,7 @@ from spacerobot.diagnosis.fitting.screen import Screen, Screened, Screener, toge
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
 from spacerobot.diagnosis.selection.nameable import nameable, plausible
 from spacerobot.diagnosis.selection.penalty import score, simplest
-from spacerobot.diagnosis.terms.candidates import plainest
+from spacerobot.diagnosis.terms.candidates import one_of_each
 from spacerobot.diagnosis.terms.hypothesis import Label, Site
 
 EXPLAINED = 1.02
@@ -89,10 +89,8 @@ class Found:
 
     def one_of_each(self) -> list[Fit]:
         """The same, of several laws of one thing the plainest: five laws of one friction say one thing."""
-        best: dict[Label, Fit] = {}
-        for fit in self.singles_by_cost():
-            best.setdefault(plainest(fit.hypothesis.label), fit)
-        return [self.fits.get(kind, fit) for kind, fit in best.items()]
+        labels = [f.hypothesis.label for f in self.singles_by_cost()]
+        return [self.fits[label] for label in one_of_each(labels, self.fits)]
 
 
 def run_tasks(

@@ -38,6 +38,17 @@ def plainest(label: Sequence[tuple[str, str]]) -> tuple[tuple[str, str], ...]:
     return tuple(sorted(out))
 
 
+def one_of_each(
+    labels: Iterable[Sequence[tuple[str, str]]], known: Container[tuple[tuple[str, str], ...]]
+) -> list[tuple[tuple[str, str], ...]]:
+    """Of several laws of one thing one, in the order of the first: the plainest where it is known, else the first."""
+    kinds: dict[tuple[tuple[str, str], ...], tuple[tuple[str, str], ...]] = {}
+    for label in labels:
+        kind = plainest(label)
+        kinds.setdefault(kind, kind if kind in known else tuple(label))
+    return list(kinds.values())
+
+
 def by_name(label: Sequence[tuple[str, str]]) -> tuple[tuple[str, str], ...]:
     """A set by the names that a verdict gives its effects, whatever form they are in."""
     return tuple(sorted((said_name(name), where) for name, where in label))
