@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,16 +18,22 @@ from spacerobot.support.errors import SimulationError
 CELLS = 29
 """Cells of a curve: 32 coefficients. With 12 the true law lies outside the band of its error for want of room."""
 
+FEW_CELLS = 12
+"""Of a curve under loud noise, which shows no more: what it costs tells the kinds apart in half the simulations."""
+
 MARGIN = 0.05
 """Share of the recorded range that a curve reaches beyond it on either side: a better fit moves a little further."""
 
 ROUGHNESS = 0.2
 """Where the search for a curve's roughness begins, in units of its size."""
 
-ANNEALED = ((30.0, 10), (8.0, 10), (2.5, 10), (1.0, 10), (1.0, 10))
+LOUD = ((30.0, 10), (8.0, 10), (2.5, 10))
 """Factors on the sensors' noise, and steps, of one fit after the other: what is believed holds at first, or a fit that
 lacks the law has bent every value before the curve has found its shape. The roughness is estimated anew after each.
 """
+
+BEGIN = ((1.0, 10), (1.0, 10))
+"""And at the noise as it is."""
 
 FINISH = ((1.0, 40), (1.0, 40), (1.0, 40))
 """And of the kind that is taken: a drag that stops its target needs a hundred steps."""
@@ -38,6 +44,10 @@ SETTLED = 1.25
 
 FORGETTING = (0.0, 10.0, 30.0)
 """Rates [1/s] at which what is remembered fades, from which its fit begins: the best of them goes on."""
+
+
+FAILED = (SimulationError, np.linalg.LinAlgError)
+"""What ends a fit of a curve that cannot be simulated, or that nothing determines."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,40 +85,6 @@ class Curve:
         return float(own - np.trace(self.covariance() @ prior))
 
 
-def fit_curve(ground: Ground, beside: Fit, port: str, kind: Kind, of: Variable) -> Curve | None:
-    """Fit a curve of one kind at a port beside what a fit has found already; None where it cannot be simulated.
-
-    Args:
-        ground: of the trials to fit.
-        beside: whose effects stay: the baseline's, or named ones.
-        port: where.
-        kind, of: a force, friction or memory; of displacement, rate or what is remembered.
-    """
-    shape = first_shape(ground, beside, port, kind, of)
-    rates = FORGETTING if kind == "memory" else (0.0,)
-    warm = {k: v for k, v in beside.values().items() if "@" in k}
-    begun = [Begun(shape, port, {**warm, **_start(shape, port, rate)}) for rate in rates]
-    return _fitted_through(ground, beside, begun, ANNEALED)
-
-
-def first_shape(ground: Ground, beside: Fit, port: str, kind: Kind, of: Variable) -> Shape:
-    """Of a curve over the range that was visited, before its roughness is known."""
-    seen = visited(ground, beside, port)
-    push, stiff = ground.model.typical_law(port, seen)
-    reach = max(abs(x) for x in seen["d"])
-    low, high = (-stiff * reach, stiff * reach) if of == "z" else seen[of]
-    margin = MARGIN * max(high - low, 1e-9)
-    size = stiff if kind == "memory" else push
-    return Shape(kind, of, low - margin, high + margin, CELLS, ROUGHNESS, size)
-
-
-def finished(ground: Ground, curve: Curve, beside: Fit) -> Curve:
-    """The same curve fitted to its end: among all kinds a few steps are enough to tell which it is."""
-    begun = Begun(curve.shape, curve.site.where, curve.fit.values(), curve.fit.initials())
-    ended = _fitted_through(ground, beside, [begun], FINISH)
-    return curve if ended is None or ended.evidence < curve.evidence else ended
-
-
 @dataclass(frozen=True, eq=False)
 class Begun:
     """From where a curve is fitted: its shape, and values of everything that is free."""
@@ -125,38 +101,110 @@ class Begun:
         return Begun(new, self.port, {**curve.fit.values(), **inside}, curve.fit.initials())
 
 
-def _fitted_through(
+@dataclass(frozen=True, eq=False)
+class Sketch:
+    """A curve as louder sensors would have it.
+
+    Attributes:
+        begun: from where its fit at the noise as it is begins.
+        cost: of the last fit.
+        noise: factor on the sensors' noise in that.
+    """
+
+    begun: Begun
+    cost: float
+    noise: float
+
+    def least(self, bent: float) -> float:
+        """What it costs at the noise as it is, at least, where its priors take up no more than `bent`.
+
+        There it costs c + p, of readings and priors; so it would under noise n, c / n^2 + p, which is no less than what
+        the fit under that noise found.
+        """
+        return self.noise**2 * self.cost - (self.noise**2 - 1.0) * bent
+
+
+def sketch(ground: Ground, beside: Fit, port: str, kind: Kind, of: Variable) -> Sketch | None:
+    """A curve of one kind at a port as louder sensors would have it; None where it cannot be simulated.
+
+    Args:
+        ground: of the trials to fit.
+        beside: whose effects stay: the baseline's, or named ones.
+        port: where.
+        kind, of: a force, friction or memory; of displacement, rate or what is remembered.
+    """
+    shape = first_shape(ground, beside, port, kind, of).divided(FEW_CELLS)
+    rates = FORGETTING if kind == "memory" else (0.0,)
+    warm = {k: v for k, v in beside.values().items() if "@" in k}
+    begun = [Begun(shape, port, {**warm, **_start(shape, port, rate)}) for rate in rates]
+    try:
+        *_, (last, _, then) = _one_after_another(ground, beside, begun, LOUD)
+    except FAILED:
+        return None
+    return Sketch(then.after(last, then.shape.divided(CELLS)), last.fit.cost, LOUD[-1][0])
+
+
+def fit_curve(ground: Ground, beside: Fit, sketched: Sketch) -> Curve | None:
+    """The curve at the noise as it is; None where it cannot be simulated."""
+    return _best(ground, beside, sketched.begun, BEGIN)
+
+
+def first_shape(ground: Ground, beside: Fit, port: str, kind: Kind, of: Variable) -> Shape:
+    """Of a curve over the range that was visited, before its roughness is known."""
+    seen = visited(ground, beside, port)
+    push, stiff = ground.model.typical_law(port, seen)
+    reach = max(abs(x) for x in seen["d"])
+    low, high = (-stiff * reach, stiff * reach) if of == "z" else seen[of]
+    margin = MARGIN * max(high - low, 1e-9)
+    size = stiff if kind == "memory" else push
+    return Shape(kind, of, low - margin, high + margin, CELLS, ROUGHNESS, size)
+
+
+def finished(ground: Ground, curve: Curve, beside: Fit) -> Curve:
+    """The same curve fitted to its end: among all kinds a few steps are enough to tell which it is."""
+    begun = Begun(curve.shape, curve.site.where, curve.fit.values(), curve.fit.initials())
+    ended = _best(ground, beside, begun, FINISH)
+    return curve if ended is None or ended.evidence < curve.evidence else ended
+
+
+def _one_after_another(
     ground: Ground, beside: Fit, begun: Sequence[Begun], rounds: Sequence[tuple[float, int]]
-) -> Curve | None:
-    """Fits one after the other, the roughness anew after each; the best of those at the noise as it is.
+) -> Iterator[tuple[Curve, float, Begun]]:
+    """Fits, the roughness anew after each: the curve, the factor on its roughness, and from where the next one begins.
 
     Args:
         ground: of the trials to fit.
         beside: whose effects stay.
         begun: from where the first fit begins; the best of several goes on.
         rounds: a factor on the sensors' noise and steps, of each fit.
+
+    Raises:
+        SimulationError: a fit's start cannot be simulated.
     """
-    found: Curve | None = None
     for noise, steps in rounds:
         fitter = Fitter(ground.model, [louder(t, noise) for t in ground.trials])
-        try:
-            tried = [(fitted(fitter, ground, beside.hypothesis.sites, one, steps), one) for one in begun]
-        except SimulationError:
-            return found
+        tried = [(fitted(fitter, ground, beside.hypothesis.sites, one, steps), one) for one in begun]
         now, at = min(tried, key=lambda both: both[0].fit.cost)
-        factor = rougher(now)
-        if noise > 1.0:
-            factor = max(factor, 1.0)  # what loud noise hides is not smooth
-        else:
-            if found is None or now.evidence > found.evidence:
-                found = now
-            if now.fit.converged and max(factor, 1.0 / factor) < SETTLED:
-                break
+        factor = rougher(now) if noise == 1.0 else max(rougher(now), 1.0)  # what loud noise hides is not smooth
         new = at.shape.rougher(factor)
         if new.of == "z":
             far = (1.0 + 2.0 * MARGIN) * max(max(abs(x) for x in visited(ground, now.fit, at.port)["z"]), 1e-6)
             new = replace(new, low=-far, high=far)
         begun = [at.after(now, new)]
+        yield now, factor, begun[0]
+
+
+def _best(ground: Ground, beside: Fit, begun: Begun, rounds: Sequence[tuple[float, int]]) -> Curve | None:
+    """The most probable of the fits at the noise as it is, until the roughness is found; None without any."""
+    found: Curve | None = None
+    try:
+        for now, factor, _ in _one_after_another(ground, beside, [begun], rounds):
+            if found is None or now.evidence > found.evidence:
+                found = now
+            if now.fit.converged and max(factor, 1.0 / factor) < SETTLED:
+                break
+    except FAILED:
+        pass
     return found
 
 

@@ -14,7 +14,7 @@ from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
 from spacerobot.diagnosis.learning.closed import closed
-from spacerobot.diagnosis.learning.curves import Curve, finished, fit_curve
+from spacerobot.diagnosis.learning.curves import CELLS, Curve, Sketch, finished, fit_curve, sketch
 from spacerobot.diagnosis.learning.describe import Described, describe
 from spacerobot.diagnosis.learning.learnt import Learnt
 from spacerobot.diagnosis.selection.held_out import MOST_FOLDS, folds
@@ -94,14 +94,13 @@ def _learn(pool: Pool, beside: Fit, found: Found, report: Report) -> Learnt | No
     None where no curve at one port leaves nothing but noise, or where the catalogue says as much.
     """
     machine = pool.workshop.model.trial_mechanism(beside.hypothesis, beside.z, pool.workshop.trials[0])
-    begun = [pool.aside(fit_curve, beside, *t) for t in TRIED if t[0] in ports_for(t[1], machine)]
-    curves: list[Curve] = []
+    begun = [pool.aside(sketch, beside, *t) for t in TRIED if t[0] in ports_for(t[1], machine)]
+    told: list[Sketch] = []
     for done, waiting in enumerate(begun):
         report("learning a law", done, len(begun))
-        curve = waiting()
-        if curve is not None:
-            curves.append(curve)
-    curves.sort(key=lambda c: -c.evidence)
+        if (told_one := waiting()) is not None:
+            told.append(told_one)
+    curves = _curves(pool, beside, found, told, report)
     if not curves or curves[0].fit.cost > WITHIN * found.best.cost:
         return None
     report("learning it to the end", 0, 1)
@@ -118,6 +117,24 @@ def _learn(pool: Pool, beside: Fit, found: Found, report: Report) -> Learnt | No
     if sum(held.selected.chi2.values()) > AS_GOOD**2 * sum(held.after.chi2.values()):
         return Learnt(best, lead, held)
     return Learnt(best, lead, replace(held, after=held.selected), *form)
+
+
+def _curves(pool: Pool, beside: Fit, found: Found, told: list[Sketch], report: Report) -> list[Curve]:
+    """Curves at the noise as it is, the most probable first: the two that cost least, and all that could cost no more.
+
+    No curve is thought to ask more of what is believed than a fit that lacks it does.
+    """
+    told.sort(key=lambda s: s.cost)
+    bent = max(beside.prior, found.best.prior) + CELLS
+    done: list[Curve] = []
+    for some in (told[:2], told[2:]):
+        bar = WITHIN * min([found.best.cost, *(c.fit.cost for c in done)])
+        begun = [pool.aside(fit_curve, beside, s) for s in some if s.least(bent) < bar]
+        for number, waiting in enumerate(begun):
+            report("learning the likeliest laws", number, len(begun))
+            if (curve := waiting()) is not None:
+                done.append(curve)
+    return sorted(done, key=lambda c: -c.evidence)
 
 
 def _hidden(curve: Curve, inflation: float) -> bool:
@@ -158,11 +175,12 @@ def _fold(workshop: Workshop, out: tuple[str, ...], beside: Task, where: str, ki
     unseen = [t for t in workshop.trials if t.id in out]
     baseline = rest.run(Task((), {}))
     start = baseline if not beside.label else rest.run(beside)
-    curve = None if start is None else fit_curve(rest, start, where, kind, of)
+    told = None if start is None else sketch(rest, start, where, kind, of)
+    curve = None if told is None or start is None else fit_curve(rest, start, told)
     if curve is not None and start is not None:
         curve = finished(rest, curve, start)
     form = None if curve is None else _closed(rest, curve)
     before = foretell(workshop.model, baseline, unseen)
     after = foretell(workshop.model, None if curve is None else curve.fit, unseen)
-    told = after if form is None else foretell(workshop.model, form[1], unseen)
-    return Predictions(out, before, after, told, SAME)
+    closely = after if form is None else foretell(workshop.model, form[1], unseen)
+    return Predictions(out, before, after, closely, SAME)
