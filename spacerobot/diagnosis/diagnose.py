@@ -116,10 +116,13 @@ def diagnose(
             report("intervals", 0, 1)
             decided, profiled = with_intervals(pool, decided)
             found, left_of, inflation = decided.found, decided.left_of, decided.inflation
+            sizes = pool.aside(_limits, decided.judgement.chosen, found.singles, inflation)  # beside what follows
             settled = settle(pool, decided, profiled, report)
             judgement, held, learnt = settled.judgement, settled.held, settled.learnt
-            looked_for = () if learnt else found.singles  # what hides beside a law without a name has no limit
-            sizes = pool.aside(_limits, judgement.chosen, looked_for, inflation)
+            if judgement.chosen is not decided.judgement.chosen:
+                sizes.cancel()
+                looked_for = () if learnt else found.singles  # what hides beside a law without a name has no limit
+                sizes = pool.aside(_limits, judgement.chosen, looked_for, inflation)
             report("locating", 0, 1)
             located = locating()
             smallest = sizes()

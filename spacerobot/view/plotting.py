@@ -62,9 +62,14 @@ def style() -> Iterator[None]:
         yield
 
 
-def canvas(width: float = 7.0, height: float = 4.4) -> Figure:
-    """An empty figure in inches that no window system knows of; draw inside `style()`."""
-    figure = Figure(figsize=(width, height), layout="constrained")
+def canvas(width: float = 7.0, height: float = 4.4, *, constrained: bool = True) -> Figure:
+    """An empty figure in inches that no window system knows of; draw inside `style()`.
+
+    Args:
+        width, height: in inches.
+        constrained: whether room is made for its labels, by measuring each; whoever draws has to otherwise.
+    """
+    figure = Figure(figsize=(width, height), layout="constrained" if constrained else None)
     FigureCanvasAgg(figure)
     return figure
 
@@ -99,3 +104,8 @@ def svg(figure: Figure, *, transparent: bool = False) -> str:
 def svg_uri(figure: Figure) -> str:
     """The figure as a data URI for an <img>, so that a page needs no other file."""
     return "data:image/svg+xml;base64," + base64.b64encode(svg(figure).encode()).decode()
+
+
+def png_uri(drawn: bytes) -> str:
+    """The same of a picture that is drawn already."""
+    return "data:image/png;base64," + base64.b64encode(drawn).decode()

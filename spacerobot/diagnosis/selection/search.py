@@ -170,7 +170,8 @@ def _starts(found: Found, labels: Sequence[Label], trials: Sequence[TrialData]) 
             # from the free approaches: a baseline that misses much has bent the trials' starts as well; where a law is
             # replaced, far from where it will fit, so that it falls by fits and starts
             cold[k].append(Task(label, start, patient=any(site.effect.removes for site in sites)))
-    return [*near, *cold[0], *cold[1]]
+    # those that nobody gives up take longest: begun last, they would keep one process while all others wait
+    return [*near, *(t for tasks in cold for t in sorted(tasks, key=lambda t: not t.patient))]
 
 
 def _resized(found: Found) -> list[Task]:

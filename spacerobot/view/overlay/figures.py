@@ -22,6 +22,9 @@ POINTS = 1200
 ROWS = 8
 """Channels drawn of one trial; those with the largest residuals in sigmas if there are more."""
 
+WIDTH, ROW, GAP, TOP, BOTTOM, LEFT, BETWEEN, RIGHT = 11.0, 1.95, 0.45, 0.35, 0.8, 1.0, 1.0, 0.15
+"""Of a trial's figure, in inches: to measure every label would take as long as the drawing itself."""
+
 _MEASURED: dict[str, Any] = {"color": BLACK, "linewidth": 2.4, "alpha": 0.35}
 _SIMULATED: dict[str, Any] = {"color": VERMILION, "linewidth": 1.2}
 _RESIDUAL: dict[str, Any] = {"color": BLUE, "linewidth": 1.0}
@@ -31,8 +34,8 @@ def trial_figure(trial: TrialOverlay) -> Figure:
     """Measured and simulated on the left, predicted minus measured on the right, a row for each channel."""
     shown = shown_channels(trial)
     with style():
-        figure = canvas(11.0, 0.9 + 1.95 * len(shown))
-        panels = figure.subplots(len(shown), 2, squeeze=False, sharex="row")
+        figure = canvas(WIDTH, TOP + ROW * len(shown) - GAP + BOTTOM, constrained=False)
+        panels = figure.subplots(len(shown), 2, squeeze=False, sharex="row", gridspec_kw=_margins(len(shown)))
         for (left, right), channel in zip(panels, shown, strict=True):
             _overlay(left, channel)
             _difference(right, channel, trial.touches)
@@ -40,8 +43,22 @@ def trial_figure(trial: TrialOverlay) -> Figure:
             axes.set_xlabel("time [s]")
         panels[0, 0].set_title("measured and simulated", loc="left")
         panels[0, 1].set_title("predicted minus measured", loc="left")
-        figure.legend(handles=_key(shown, bool(trial.touches)), loc="outside lower center", ncols=5)
+        figure.legend(handles=_key(shown, bool(trial.touches)), loc="lower center", ncols=5)
         return figure
+
+
+def _margins(rows: int) -> dict[str, float]:
+    """The same for a grid of two columns, as shares of the figure."""
+    height = TOP + ROW * rows - GAP + BOTTOM
+    column = 0.5 * (WIDTH - LEFT - BETWEEN - RIGHT)
+    return {
+        "left": LEFT / WIDTH,
+        "right": 1.0 - RIGHT / WIDTH,
+        "top": 1.0 - TOP / height,
+        "bottom": BOTTOM / height,
+        "wspace": BETWEEN / column,
+        "hspace": GAP / (ROW - GAP),
+    }
 
 
 def shown_channels(trial: TrialOverlay) -> list[ChannelOverlay]:

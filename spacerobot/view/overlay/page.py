@@ -17,7 +17,7 @@ from spacerobot.diagnosis.forward.residuals import Residuals, residuals
 from spacerobot.recordings.study import Study
 from spacerobot.view.overlay.figures import readable
 from spacerobot.view.overlay.thinning import extremes
-from spacerobot.view.plotting import svg_uri
+from spacerobot.view.plotting import png_uri
 from spacerobot.view.report.evidence import Trace
 from spacerobot.view.report.inline import inline
 from spacerobot.view.report.page import assets, policy
@@ -33,7 +33,7 @@ def page(
     model: ForwardModel,
     trials: list[TrialOverlay],
     channels: Mapping[str, Residuals],
-    figures: Mapping[str, Figure],
+    pictures: Mapping[str, bytes],
     glance: Figure,
     left_out: list[str],
 ) -> str:
@@ -44,7 +44,7 @@ def page(
         model: the forward model.
         trials: all of them.
         channels: residuals by channel, all trials together.
-        figures: of the trials that are drawn, by trial id.
+        pictures: of the trials that are drawn, as PNG, by trial id.
         glance: every trial's residuals in one figure.
         left_out: recorded channels that the baseline does not predict.
     """
@@ -61,7 +61,7 @@ def page(
         trials=trials,
         rows=[_row(r) for r in channels.values()],
         by_trial={t.id: [_row(residuals([c])) for c in t.channels if c.time.size] for t in trials},
-        images={trial: svg_uri(figure) for trial, figure in figures.items()},
+        images={trial: png_uri(picture) for trial, picture in pictures.items()},
         glance=inline(glance, "Every trial's residual over its noise, or its spread where none is stated, by channel"),
         left_out=left_out,
         estimated=[r.channel for r in channels.values() if not r.sigma_stated],

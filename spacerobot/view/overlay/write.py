@@ -53,16 +53,16 @@ def overlay_files(made: Overlay, *, verbose: bool = False) -> dict[str, str | by
     there = [t for t in made.trials if any(c.time.size for c in t.channels)]
     worst = {t.id for t in sorted(there, key=size, reverse=True)[:DRAWN]}
     found: dict[str, str | bytes] = {}
-    figures = {}
+    pictures: dict[str, bytes] = {}
     with Progress("drawing", len(worst), unit="trial", verbose=verbose) as progress:
         for trial in there:
             if trial.id in worst:
-                figures[trial.id] = trial_figure(trial)
-                found[f"{_file_name(trial.id)}.png"] = png(figures[trial.id])
+                pictures[trial.id] = png(trial_figure(trial))
+                found[f"{_file_name(trial.id)}.png"] = pictures[trial.id]
                 progress.advance()
     trials = list(made.trials)
     found["overlay.html"] = page(
-        made.study, made.model, trials, made.residuals, figures, glance(trials), made.not_predicted
+        made.study, made.model, trials, made.residuals, pictures, glance(trials), made.not_predicted
     )
     found["overlay.json"] = dumps(made.as_json()) + "\n"
     return found
