@@ -13,6 +13,9 @@ else
   INSTALL   = $(BIN)/python -m pip install -q --disable-pip-version-check $(PIP_FLAGS)
 endif
 
+# Bytecode of all that the commands import, once: each of the processes that come would make its own beside the others.
+BYTECODE = $(BIN)/python -c "from spacerobot.cli import demo_run, diagnose_run, overlay_run, simulate_run; from spacerobot.view.demo import picture; from spacerobot.view.overlay import write; from spacerobot.view.report import save"
+
 # Of the tests that are no long ones; those of a file share what they set up.
 SHORT  := -n 3 --dist loadfile -m "not slow"
 
@@ -26,10 +29,12 @@ $(BIN)/python:
 
 $(VENV)/.core: $(BIN)/python pyproject.toml constraints.txt
 	$(INSTALL) -c constraints.txt -e .
+	@$(BYTECODE)
 	@touch $@
 
 $(VENV)/.test: $(BIN)/python pyproject.toml constraints.txt
 	$(INSTALL) -c constraints.txt -e '.[$(EXTRAS)]'
+	@$(BYTECODE)
 	@touch $(VENV)/.core $@
 
 setup: $(VENV)/.core  ## install the package and its libraries into .venv
