@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from spacerobot.diagnosis.fitting.gauss_newton import Fitter, _slope
+from spacerobot.diagnosis.fitting.gauss_newton import Fitter
+from spacerobot.diagnosis.fitting.linearised import _slope
 from spacerobot.diagnosis.fitting.screen import Screener, together
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
 from spacerobot.diagnosis.terms.hypothesis import Site

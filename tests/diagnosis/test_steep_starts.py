@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from spacerobot.diagnosis.fitting import gauss_newton
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.fitting.normal_equations import Normal
 from spacerobot.diagnosis.machines.contract import Nuisance, Predicted
@@ -47,5 +46,5 @@ def test_it_is_found() -> None:
 
 def test_shorter_steps_of_what_is_shared_alone_do_not_find_it(monkeypatch: pytest.MonkeyPatch) -> None:
     step = Normal.step
-    monkeypatch.setattr(gauss_newton.Normal, "step", lambda self, *a, far, own_too: step(self, *a, far=far))
+    monkeypatch.setattr(Normal, "step", lambda self, *a, far, own_too: step(self, *a, far=far))
     assert abs(_found() - PLACE) > WIDTH

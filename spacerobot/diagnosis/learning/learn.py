@@ -6,12 +6,14 @@ trials that it has not seen as well as the curve does; each fold finds its own.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
+from typing import TypeVar
 
 import numpy as np
 
 from spacerobot.diagnosis.fitting.fitted import Fit
-from spacerobot.diagnosis.fitting.pool import Pool
+from spacerobot.diagnosis.fitting.pool import Pool, Waiting
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
 from spacerobot.diagnosis.learning.closed import closed
 from spacerobot.diagnosis.learning.curves import CELLS, Curve, Sketch, finished, fit_curve, sketch
@@ -44,6 +46,8 @@ TRIED: tuple[tuple[str, Kind, Variable], ...] = (
 )
 """Ports and kinds of law, the plainer first. Friction of a level g(v) is left out: a force f(v) shows the same."""
 
+
+R = TypeVar("R")
 
 WITHIN = 1.05
 """Cost of a curve, over the best set's of the catalogue, up to which it may still cost less once fitted to its end:
@@ -95,12 +99,8 @@ def _learn(pool: Pool, beside: Fit, found: Found, report: Report) -> Learnt | No
     """
     machine = pool.workshop.model.trial_mechanism(beside.hypothesis, beside.z, pool.workshop.trials[0])
     begun = [pool.aside(sketch, beside, *t) for t in TRIED if t[0] in ports_for(t[1], machine)]
-    told: list[Sketch] = []
-    for done, waiting in enumerate(begun):
-        report("learning a law", done, len(begun))
-        if (told_one := waiting()) is not None:
-            told.append(told_one)
-    curves = _curves(pool, beside, found, told, report)
+    told = _answers(begun, report, "learning a law")
+    curves, least = _curves(pool, beside, found, told, report)
     if not curves or curves[0].fit.cost > WITHIN * found.best.cost:
         return None
     report("learning it to the end", 0, 1)
@@ -108,7 +108,7 @@ def _learn(pool: Pool, beside: Fit, found: Found, report: Report) -> Learnt | No
     left = pool.workshop.left_by(best.fit)
     if not left.adequate or _hidden(best, left.inflation) or _named_as_well(best, found):
         return None
-    lead = best.evidence - curves[1].evidence if len(curves) > 1 else float("inf")
+    lead = min([best.evidence - c.evidence for c in curves[1:]] + [0.5 * (least - best.fit.cost)])
     held = _held(pool, best, beside, report)
     report("writing it down", 0, 1)
     form = pool.aside(_closed, best)()
@@ -119,22 +119,32 @@ def _learn(pool: Pool, beside: Fit, found: Found, report: Report) -> Learnt | No
     return Learnt(best, lead, replace(held, after=held.selected), *form)
 
 
-def _curves(pool: Pool, beside: Fit, found: Found, told: list[Sketch], report: Report) -> list[Curve]:
-    """Curves at the noise as it is, the most probable first: the two that cost least, and all that could cost no more.
+def _curves(pool: Pool, beside: Fit, found: Found, told: Sequence[Sketch], report: Report) -> tuple[list[Curve], float]:
+    """Curves at the noise as it is, the most probable first, and what any that is left out costs at least.
 
-    No curve is thought to ask more of what is believed than a fit that lacks it does.
+    The two that cost least under loud noise, then of the others those that could still cost less. No curve is thought
+    to ask more of what is believed than a fit that lacks it does.
     """
-    told.sort(key=lambda s: s.cost)
     bent = max(beside.prior, found.best.prior) + CELLS
+    ranked = sorted(told, key=lambda s: s.cost)
     done: list[Curve] = []
-    for some in (told[:2], told[2:]):
+    least = float("inf")
+    for some in (ranked[:2], ranked[2:]):
         bar = WITHIN * min([found.best.cost, *(c.fit.cost for c in done)])
+        least = min([least, *(s.least(bent) for s in some if s.least(bent) >= bar)])
         begun = [pool.aside(fit_curve, beside, s) for s in some if s.least(bent) < bar]
-        for number, waiting in enumerate(begun):
-            report("learning the likeliest laws", number, len(begun))
-            if (curve := waiting()) is not None:
-                done.append(curve)
-    return sorted(done, key=lambda c: -c.evidence)
+        done += _answers(begun, report, "learning the likeliest laws")
+    return sorted(done, key=lambda c: -c.evidence), least
+
+
+def _answers(begun: Sequence[Waiting[R | None]], report: Report, what: str) -> list[R]:
+    """What is under way, as it comes; without what could not be simulated."""
+    found = []
+    for number, waiting in enumerate(begun):
+        report(what, number, len(begun))
+        if (one := waiting()) is not None:
+            found.append(one)
+    return found
 
 
 def _hidden(curve: Curve, inflation: float) -> bool:

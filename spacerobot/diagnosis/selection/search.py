@@ -6,8 +6,8 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 
+from spacerobot.diagnosis.fitting.descent import HOPE
 from spacerobot.diagnosis.fitting.fitted import Fit
-from spacerobot.diagnosis.fitting.gauss_newton import HOPE
 from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.screen import faint
 from spacerobot.diagnosis.fitting.starts import effect_starts, informed_starts
