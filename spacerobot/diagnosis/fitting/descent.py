@@ -34,7 +34,9 @@ WORTH = 1e-3
 """A fit has converged when a step lowers chi-squared by less than the first, or than this share of the misfit."""
 
 BAD, WORTH_IF_BAD = 0.5, 1e-2
-"""Misfit per sample above which a hasty fitter asks for no last digits, and the share of it that then counts."""
+"""Misfit per sample above which no fitter asks for differences to both sides, and a hasty one for no last digits; and
+the share of it that then counts.
+"""
 
 
 @dataclass(frozen=True)
@@ -119,13 +121,14 @@ class Descent:
             self.rows = self.near.jacobians(self.hypothesis, self.state, self.rows, self.both)
             system = self.system = self.near.normal(self.state, self.rows, self.prior, self.manner.robust)
             misfit = abs(self.state.loss(self.near.trials, self.manner.robust) - self.state.samples)
-            bad = self.manner.hasty and misfit > BAD * self.state.samples
+            off = misfit > BAD * self.state.samples
+            bad = self.manner.hasty and off
             settled = SETTLED if self.manner.careful else max(SETTLED, misfit * (WORTH_IF_BAD if bad else WORTH))
             if self._gives_up(system, settled, bad):
                 return Ending(self.state, iterations - 1, system=system, given_up=True)
             if self.accepted and self._hopeless(iterations):
                 return Ending(self.state, iterations, system=system)
-            if not self._goes_on(bad):
+            if not self._goes_on(off):
                 break
         return Ending(self.state, iterations, self.converged, self.system)
 
@@ -188,17 +191,17 @@ class Descent:
             return False
         return self._cost(self.state, False) - HOPE_OF_FALLS * self.fall > self.manner.hopeless
 
-    def _goes_on(self, bad: bool) -> bool:
+    def _goes_on(self, off: bool) -> bool:
         """Whether another step is to be tried: where the last settled on rough derivatives, or was refused on old ones,
-        on better ones.
+        on better ones. `off`: what is left is not at the level of the noise, and the last digit of it says nothing.
         """
-        rough = self.both or self.manner.robust or self.manner.loose or bad
+        rough = self.both or self.manner.robust or self.manner.loose
         rough = rough or self.state.chi2() > self.manner.hopeless
-        if self.converged and not rough:
+        if self.converged and not (rough or off):
             # it stands as far as differences to one side can tell
             self.converged, self.both, self.age = False, True, REUSE
         if not (self.accepted or self.converged or self.ended):
-            if self.age == 0 and rough:
+            if self.age == 0 and (rough or (off and self.manner.hasty)):
                 return False
             self.both |= self.age == 0
             self.age = REUSE  # the step came from old derivatives: take new ones before giving up

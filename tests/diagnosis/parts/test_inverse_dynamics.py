@@ -14,6 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from spacerobot.diagnosis.answer.part_verdict import furthest_moved
+from spacerobot.diagnosis.fitting.descent import SETTLED
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.fitting.noise import floor_of, reweighted
@@ -55,6 +56,18 @@ def errors(fit: Fit, keys: Sequence[str]) -> np.ndarray:
     steps = np.array([f.slope(z) for f, z in zip(fit.hypothesis.free, fit.z, strict=True)])
     every = np.sqrt(np.diag(fit.covariance)) * steps
     return every[[fit.hypothesis.keys.index(key) for key in keys]]
+
+
+@pytest.mark.parametrize("effect", ["coulomb_friction", "stribeck_friction", "quadratic_damping"])
+def test_differences_to_both_sides_find_nothing_more_along_a_given_motion(effect: str) -> None:
+    model = model_of(PLANTED, "shoulder")
+    usual = fitted(model, (effect, "joint.shoulder"))
+    trials = reweighted(model.trials, floor_of({k: t.residual for k, t in usual.trials.items()}, model.trials))
+    usual, careful = (
+        Fitter(model, trials, careful=c).fit(usual.hypothesis, warm=usual.values()) for c in (False, True)
+    )
+    assert usual.converged
+    assert usual.cost - careful.cost < SETTLED
 
 
 def test_planted_friction_comes_back_within_its_error() -> None:
