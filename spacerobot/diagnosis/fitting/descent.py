@@ -108,8 +108,9 @@ class Descent:
         self.age = 0 if known is None else 1  # steps taken on these derivatives
         self.both = manner.careful  # whether derivatives are differences to both sides
         self.damping = 1e-4
-        self.lowest, self.idle, self.fall = np.inf, 0, 0.0
-        self.converged = self.ended = self.accepted = False
+        self.fall = 0.0  # of the cost by the last step; none where no step was taken
+        self.lowest, self.idle = np.inf, 0
+        self.converged = self.ended = False
 
     def run(self, most: int) -> Ending:
         """Go down, by so many steps at most."""
@@ -126,27 +127,26 @@ class Descent:
             settled = SETTLED if self.manner.careful else max(SETTLED, misfit * (WORTH_IF_BAD if bad else WORTH))
             if self._gives_up(system, settled, bad):
                 return Ending(self.state, iterations - 1, system=system, given_up=True)
-            if self.accepted and self._hopeless(iterations):
+            if self._hopeless(iterations):
                 return Ending(self.state, iterations, system=system)
             if not self._goes_on(off):
                 break
         return Ending(self.state, iterations, self.converged, self.system)
 
-    def _cost(self, state: State, robust: bool) -> float:
-        """Of readings, in the robust form or not, and priors."""
-        loss = state.loss(self.near.trials, True) if robust else state.chi2()
-        return loss + float(state.z @ self.prior @ state.z)
+    def _cost(self) -> float:
+        """chi-squared plus prior, where it stands."""
+        return self.state.chi2() + float(self.state.z @ self.prior @ self.state.z)
 
     def _gives_up(self, system: Normal, settled: float, bad: bool) -> bool:
         """Try steps until one falls, or none is worth it; whether what the first promises is not enough."""
-        self.accepted = False
+        self.fall = 0.0
         first, freely = self.damping, False
         for tried in range(2 * LADDER):
             if tried == LADDER:  # every step was refused: it may be the trials' own values that lead nowhere
                 self.damping = first
             far, own_too = self.near.model.strides, tried >= LADDER
             dz, dn, promised = system.step(self.damping, self.state.z, self.low, self.high, far=far, own_too=own_too)
-            if self.manner.eager and self._cost(self.state, False) - HOPE * promised > self.manner.hopeless:
+            if self.manner.eager and self._cost() - HOPE * promised > self.manner.hopeless:
                 return True
             if promised < settled and not (bad or freely) and self.damping > FREE:
                 freely, self.damping = True, FREE  # so little may be the damping's doing, along a narrow valley
@@ -181,15 +181,15 @@ class Descent:
         self.age = self.age + 1 if fall > 0.6 * promised else REUSE
         if self.age < REUSE:
             self.rows = self.near.corrected(self.rows, self.state, new)
-        self.state, self.accepted, self.fall = new, True, fall
+        self.state, self.fall = new, fall
         cost = new.loss(self.near.trials, self.manner.robust) + float(new.z @ self.prior @ new.z)
         self.lowest, self.idle = (cost, 0) if cost < self.lowest - settled else (self.lowest, self.idle + 1)
         self.converged |= self.idle > REUSE  # to and fro, a touch on this side of a sample and on that
 
     def _hopeless(self, iterations: int) -> bool:
-        if self.manner.robust or iterations < 3:
+        if self.fall == 0.0 or self.manner.robust or iterations < 3:
             return False
-        return self._cost(self.state, False) - HOPE_OF_FALLS * self.fall > self.manner.hopeless
+        return self._cost() - HOPE_OF_FALLS * self.fall > self.manner.hopeless
 
     def _goes_on(self, off: bool) -> bool:
         """Whether another step is to be tried: where the last settled on rough derivatives, or was refused on old ones,
@@ -200,7 +200,7 @@ class Descent:
         if self.converged and not (rough or off):
             # it stands as far as differences to one side can tell
             self.converged, self.both, self.age = False, True, REUSE
-        if not (self.accepted or self.converged or self.ended):
+        if not (self.fall > 0.0 or self.converged or self.ended):
             if self.age == 0 and (rough or (off and self.manner.hasty)):
                 return False
             self.both |= self.age == 0

@@ -6,14 +6,14 @@ trials that it has not seen as well as the curve does; each fold finds its own.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TypeVar
 
 import numpy as np
 
 from spacerobot.diagnosis.fitting.fitted import Fit
-from spacerobot.diagnosis.fitting.pool import Pool, Waiting
+from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
 from spacerobot.diagnosis.learning.closed import closed
 from spacerobot.diagnosis.learning.curves import CELLS, Curve, Sketch, finished, fit_curve, sketch
@@ -137,7 +137,7 @@ def _curves(pool: Pool, beside: Fit, found: Found, told: Sequence[Sketch], repor
     return sorted(done, key=lambda c: -c.evidence), least
 
 
-def _answers(begun: Sequence[Waiting[R | None]], report: Report, what: str) -> list[R]:
+def _answers(begun: Sequence[Callable[[], R | None]], report: Report, what: str) -> list[R]:
     """What is under way, as it comes; without what could not be simulated."""
     found = []
     for number, waiting in enumerate(begun):
@@ -173,11 +173,7 @@ def _held(pool: Pool, curve: Curve, beside: Fit, report: Report) -> Unseen | Non
     shape = curve.shape
     task = Task(beside.hypothesis.label, dict(beside.values()), only=beside.hypothesis.only)
     begun = [pool.aside(_fold, out, task, curve.site.where, shape.kind, shape.of) for out in sets]
-    done = []
-    for number, waiting in enumerate(begun):
-        report("learning it again without a part of the trials", number, len(begun))
-        done.append(waiting())
-    return unseen_of(pool.workshop, done)
+    return unseen_of(pool.workshop, _answers(begun, report, "learning it again without a part of the trials"))
 
 
 def _fold(workshop: Workshop, out: tuple[str, ...], beside: Task, where: str, kind: Kind, of: Variable) -> Predictions:

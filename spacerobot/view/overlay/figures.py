@@ -34,8 +34,9 @@ def trial_figure(trial: TrialOverlay) -> Figure:
     """Measured and simulated on the left, predicted minus measured on the right, a row for each channel."""
     shown = shown_channels(trial)
     with style():
-        figure = canvas(WIDTH, TOP + ROW * len(shown) - GAP + BOTTOM, constrained=False)
-        panels = figure.subplots(len(shown), 2, squeeze=False, sharex="row", gridspec_kw=_margins(len(shown)))
+        height = TOP + ROW * len(shown) - GAP + BOTTOM
+        figure = canvas(WIDTH, height, constrained=False)
+        panels = figure.subplots(len(shown), 2, squeeze=False, sharex="row", gridspec_kw=_margins(height))
         for (left, right), channel in zip(panels, shown, strict=True):
             _overlay(left, channel)
             _difference(right, channel, trial.touches)
@@ -47,9 +48,8 @@ def trial_figure(trial: TrialOverlay) -> Figure:
         return figure
 
 
-def _margins(rows: int) -> dict[str, float]:
-    """The same for a grid of two columns, as shares of the figure."""
-    height = TOP + ROW * rows - GAP + BOTTOM
+def _margins(height: float) -> dict[str, float]:
+    """Around and between two columns of panels, as shares of a figure of such a height."""
     column = 0.5 * (WIDTH - LEFT - BETWEEN - RIGHT)
     return {
         "left": LEFT / WIDTH,

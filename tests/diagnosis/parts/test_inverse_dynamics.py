@@ -26,6 +26,7 @@ from spacerobot.diagnosis.selection.forward_selection import grow
 from spacerobot.diagnosis.selection.held_out import folds
 from spacerobot.diagnosis.selection.part_result import Part
 from spacerobot.diagnosis.terms.candidates import plainest
+from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import hypothesis
 from spacerobot.effects.catalogue.coulomb_friction import level as coulomb
 from spacerobot.effects.mechanism import Mechanism
@@ -47,8 +48,12 @@ def fitted(model: InverseDynamics, *labels: tuple[str, str]) -> Fit:
     by = {s.label: s for s in model.sites()}
     made = hypothesis(model.believed, [by[label] for label in labels])
     fit = Fitter(model, model.trials).fit(made)
-    trials = reweighted(model.trials, floor_of({k: t.residual for k, t in fit.trials.items()}, model.trials))
-    return Fitter(model, trials).fit(made, warm=fit.values())
+    return Fitter(model, heard(model, fit)).fit(made, warm=fit.values())
+
+
+def heard(model: InverseDynamics, fit: Fit) -> tuple[TrialData, ...]:
+    """Its trials under the noise that a fit leaves."""
+    return reweighted(model.trials, floor_of(fit.residuals(), model.trials))
 
 
 def errors(fit: Fit, keys: Sequence[str]) -> np.ndarray:
@@ -62,9 +67,8 @@ def errors(fit: Fit, keys: Sequence[str]) -> np.ndarray:
 def test_differences_to_both_sides_find_nothing_more_along_a_given_motion(effect: str) -> None:
     model = model_of(PLANTED, "shoulder")
     usual = fitted(model, (effect, "joint.shoulder"))
-    trials = reweighted(model.trials, floor_of({k: t.residual for k, t in usual.trials.items()}, model.trials))
     usual, careful = (
-        Fitter(model, trials, careful=c).fit(usual.hypothesis, warm=usual.values()) for c in (False, True)
+        Fitter(model, heard(model, usual), careful=c).fit(usual.hypothesis, warm=usual.values()) for c in (False, True)
     )
     assert usual.converged
     assert usual.cost - careful.cost < SETTLED
