@@ -158,14 +158,16 @@ class Effect(ABC):
         """How far displacements go towards where the effect begins, or beyond it, shape (T,): here either way."""
         return np.abs(displacement)
 
-    def plausible(self, values: Mapping[str, float], sizes: Sizes) -> bool:
-        """Whether the effect with these numbers is what its name says; bounds of parameters are seen to elsewhere.
+    def implausible(self, values: Mapping[str, float], sizes: Sizes) -> str:
+        """Why the effect with these numbers is not what its name says, one clause; empty where it is.
+
+        Bounds of parameters are seen to elsewhere.
 
         Args:
             values: of its parameters.
             sizes: typical of what was recorded at its place.
         """
-        return True
+        return ""
 
     @property
     def precision(self) -> np.ndarray | None:

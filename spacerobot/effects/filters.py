@@ -82,9 +82,9 @@ class HigherOrder(SensorEffect):
         for key, value in given.items():
             setattr(self, key, value)  # an instance is an effect of its own, as a class of the catalogue is
 
-    def plausible(self, values: Mapping[str, float], sizes: Sizes) -> bool:
+    def implausible(self, values: Mapping[str, float], sizes: Sizes) -> str:
         """As the plain one."""
-        return self.plain.plausible(values, sizes)
+        return self.plain.implausible(values, sizes)
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
         """The filter on each of the sensor's channels."""

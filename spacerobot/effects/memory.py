@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from spacerobot.effects.kernel import c_function
+from spacerobot.effects.sizes import Sizes
 
 MemoryLaw = Callable[[float, float, float, float, float, float, Any], float]
 """(z, rate, d, v, way, normal, p) -> value.
@@ -58,6 +59,13 @@ GIVES = 1e-3
 
 What gives less is how a stop is drawn, in an engine or in a law, and no length that anybody could measure in the rig.
 """
+
+
+def gives_too_little(length: float, sizes: Sizes) -> str:
+    """Why what builds up over so short a length is no law with a memory, one clause; empty where it is one."""
+    share = length / sizes.length
+    return "" if share > GIVES else f"building up within {share:.1g} of the travel it is dry friction"
+
 
 AT_REST = 1e-12
 """Share of the state's size to which its rest is found."""

@@ -69,9 +69,9 @@ class OneSided(Effect):
         """As the plain one."""
         return self.plain.places(mechanism)
 
-    def plausible(self, values: Mapping[str, float], sizes: Sizes) -> bool:
+    def implausible(self, values: Mapping[str, float], sizes: Sizes) -> str:
         """As the plain one."""
-        return self.plain.plausible(values, sizes)
+        return self.plain.implausible(values, sizes)
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
         """A spring that acts on one side."""

@@ -42,9 +42,9 @@ class Trend(Effect):
         """Where the other could sit."""
         return self.steady.places(mechanism)
 
-    def plausible(self, values: Mapping[str, float], sizes: Sizes) -> bool:
+    def implausible(self, values: Mapping[str, float], sizes: Sizes) -> str:
         """As the other effect, at its first strength."""
-        return self.steady.plausible({p.name: values[p.name] for p in self.steady.parameters}, sizes)
+        return self.steady.implausible({p.name: values[p.name] for p in self.steady.parameters}, sizes)
 
     def in_trial(self, values: Mapping[str, float], number: float) -> dict[str, float]:
         """The other effect's values, as strong as it is in a trial, counted from 0."""

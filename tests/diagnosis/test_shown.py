@@ -9,10 +9,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from spacerobot.diagnosis.selection.nameable import at_bound, not_shown, why_nameless
+from spacerobot.diagnosis.selection.nameable import at_bound, implausible, not_shown, why_nameless
 from spacerobot.diagnosis.terms.hypothesis import Site
 from spacerobot.effects.effect import Parameter
 from spacerobot.effects.registry import all_effects, effect
+from spacerobot.effects.sizes import Sizes
 
 SITES = [Site(e, "somewhere") for e in all_effects().values()]
 sites = st.sampled_from(SITES)
@@ -130,8 +131,9 @@ class Fitted:
 def test_why_a_fit_is_not_named_is_what_speaks_against_it() -> None:
     """A sign, a bound, or numbers that are not its name's; nothing of a fit against which nothing speaks."""
 
-    def why(site: Site, values: dict[str, float], sound: bool = True) -> str:
-        return why_nameless(Fitted(site, values), lambda fit: sound)  # type: ignore[arg-type]
+    def why(site: Site, values: dict[str, float]) -> str:
+        sizes = Sizes(force=10.0, length=0.02, time=0.1)
+        return why_nameless(Fitted(site, values), lambda fit: implausible([site], values, lambda _: sizes))  # type: ignore[arg-type]
 
     late = Site(effect("time_offset"), "force_sensor")
     assert why(late, {late.key("delay_s"): 0.02}) == ""
@@ -141,4 +143,5 @@ def test_why_a_fit_is_not_named_is_what_speaks_against_it() -> None:
     assert why(rub, sane) == ""
     fast = next(p for p in rub.effect.parameters if p.name == "velocity_m_s")
     assert "velocity_m_s" in why(rub, {**sane, rub.key(fast.name): fast.upper})
-    assert "not what its name says" in why(rub, sane, sound=False)
+    rising = {**sane, rub.key("coulomb_force_N"): 2.0 * sane[rub.key("static_force_N")]}
+    assert "does not fall" in why(rub, rising)

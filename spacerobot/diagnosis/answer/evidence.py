@@ -240,7 +240,7 @@ def _of_rig(
         rows.append(
             _fitted(
                 fit,
-                "" if chosen else lost.get(label) or why_nameless(fit, found.plausible) or NOT_WEIGHED,
+                "" if chosen else lost.get(label) or why_nameless(fit, found.implausible) or NOT_WEIGHED,
                 chi2=fit.chi2,
                 chi2_per_sample=fit.chi2 / max(fit.samples, 1),
                 unseen=unseen.get(label),

@@ -73,7 +73,7 @@ def learn(pool: Pool, found: Found, report: Report) -> Learnt | None:
     """
     if not pool.workshop.model.learns:
         return None
-    singles = [f for f in found.fits.values() if len(f.hypothesis.sites) == 1 and found.plausible(f)]
+    singles = [f for f in found.fits.values() if len(f.hypothesis.sites) == 1 and not found.implausible(f)]
     for beside in (found.baseline, *([found.preferred(singles)] if singles else [])):
         learnt = _learn(pool, beside, found, report)
         if learnt is not None and learnt.trusted:
@@ -85,7 +85,7 @@ def _named_as_well(curve: Curve, found: Found) -> bool:
     """Whether a set of the catalogue says as much for fewer numbers, or nearly; each must earn its BIC."""
     price = float(np.log(float(curve.fit.samples)))
     own = curve.fit.cost + price * (curve.determined() + len(curve.fit.hypothesis.sites) - 1)
-    return any(f.cost + price * _numbers(f) < own + MARGIN for f in found.fits.values() if found.plausible(f))
+    return any(f.cost + price * _numbers(f) < own + MARGIN for f in found.fits.values() if not found.implausible(f))
 
 
 def _numbers(fit: Fit) -> int:

@@ -17,7 +17,7 @@ from spacerobot.diagnosis.fitting.screen import FAINT, Screen, Screened, Screene
 from spacerobot.diagnosis.fitting.starts import fit_near
 from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.selection.held_out import MOST, HeldOut, folds, predict_held_out
-from spacerobot.diagnosis.selection.nameable import plausible, reached
+from spacerobot.diagnosis.selection.nameable import implausible, reached
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Site, hypothesis
 from spacerobot.support.errors import InputError, SimulationError
@@ -231,7 +231,7 @@ class Bench:
 
         about = ["near", *of_fit(near), sorted(start.items()), *self._weights()]
         fit = self.kept.fit(hypothesis(believed, sites, start), fitter, about, compute)
-        if fit is None or not plausible(sites, fit.values(), self.model.size_at):
+        if fit is None or implausible(sites, fit.values(), self.model.size_at):
             return None
         return fit if reached(sites, fit.values(), self.model.visited) else None
 

@@ -13,7 +13,7 @@ from spacerobot.diagnosis.machines.whole_rig import WholeRig, rig_model
 from spacerobot.diagnosis.selection.bending import LEVEL, beyond
 from spacerobot.diagnosis.selection.confirm import difference
 from spacerobot.diagnosis.selection.precompile import as_believed
-from spacerobot.diagnosis.selection.search_state import Found, Report, noise_of, plausible_of, run_tasks
+from spacerobot.diagnosis.selection.search_state import Found, Report, implausible_of, noise_of, run_tasks
 from spacerobot.diagnosis.terms.hypothesis import hypothesis
 from spacerobot.support.errors import SpacerobotError
 
@@ -76,7 +76,7 @@ def again(pool: Pool, found: Found, report: Report) -> Found:
         baseline=found.baseline if baseline is None else baseline,
         fits={},
         noise=noise_of(pool.workshop),
-        plausible=plausible_of(pool.workshop),
+        implausible=implausible_of(pool.workshop),
     )
     run_tasks(pool, new, [Task(f.hypothesis.label, {}, near=f) for f in fits], report, "the best sets, once more")
     return new

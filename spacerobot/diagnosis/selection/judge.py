@@ -85,7 +85,7 @@ def judge(
         withdrawn: sets with an effect whose interval does not show it (`shown.py`); they are not named.
     """
     base = found.baseline
-    nameless = [f for f in found.fits.values() if f.hypothesis.label in withdrawn or held(f) or not found.plausible(f)]
+    nameless = [f for f in found.fits.values() if f.hypothesis.label in withdrawn or held(f) or found.implausible(f)]
     candidates = [base, *(f for f in found.fits.values() if means(f) and f not in nameless)]
     inflation = min((left_of[id(f)].inflation for f in [*candidates, *nameless] if id(f) in left_of), default=1.0)
     scores = {id(f): score(f, inflation) for f in [*candidates, *nameless]}
@@ -107,6 +107,8 @@ def judge(
     parts = {id(p): _floor(p, best, scores[id(base)] - scores[id(p)], left_of) for p in _parts(best, ranked)}
     known = [p for p in ranked if id(p) in parts and _law_of_its_own(p, left_of)]
     favourite = next((p for p in known if scores[id(p)] - scores[id(best)] < parts[id(p)]), best)
+    explained = scores[id(base)] - scores[id(favourite)]
+    owed = lead_over(explained) if _adequate(favourite, left_of) else MARGIN
     rivals: list[Rival] = []
     equal: list[Fit] = []
     odds = 0.0
@@ -123,7 +125,7 @@ def judge(
         elif by_name(fit.hypothesis.label) in [by_name(f.hypothesis.label) for f in (favourite, *equal)]:
             lost = "another form of what stands here already"
         elif contains(fit.hypothesis.label, favourite.hypothesis.label):
-            lost = "holds the favourite as a special case and gains too little by it"
+            lost = f"holds the favourite as a special case and {_gains(scores[id(favourite)] - scores[id(fit)], owed)}"
         elif gap < MARGIN:
             equal.append(fit)
             odds += float(np.exp(-0.5 * gap))
@@ -137,8 +139,6 @@ def judge(
             lost = f"chi-squared larger by {fit.cost - favourite.cost:.0f}"
         rivals.append(Rival(fit, scores[id(fit)] - scores[id(favourite)], lost))
     if favourite is best:
-        explained = scores[id(base)] - scores[id(favourite)]
-        owed = lead_over(explained) if _adequate(favourite, left_of) else MARGIN
         odds += _richer(favourite, ranked, scores, owed)
     left = left_of.get(id(favourite))
     adequate = left is not None and left.adequate
@@ -163,6 +163,13 @@ def judge(
     sound = [f.hypothesis.label for f in ranked if f.hypothesis.sites and _adequate(f, left_of)]
     others = [f for f in nameless if not any(contains(f.hypothesis.label, label) for label in sound)]
     return _unnamed(said, [f for f in others if scores[id(f)] < scores[id(best)] - MARGIN])
+
+
+def _gains(gain: float, owed: float) -> str:
+    """What a richer set gains over the favourite, in words."""
+    if gain <= 0.0:
+        return "gains nothing by it"
+    return f"gains less than the {owed:.0f} it must" if gain < owed else "gains too little by it"
 
 
 def _too_many(fit: Fit) -> bool:

@@ -102,7 +102,7 @@ def nameable(fit: Fit) -> bool:
     return means(fit) and not held(fit)
 
 
-def why_nameless(fit: Fit, plausible: Callable[[Fit], bool]) -> str:
+def why_nameless(fit: Fit, implausible: Callable[[Fit], str]) -> str:
     """Why a fit may not be named as it stands, one clause; empty where nothing speaks against it."""
     if not means(fit):
         return "its sign makes no physical sense: a stream would be read before it happens"
@@ -112,7 +112,7 @@ def why_nameless(fit: Fit, plausible: Callable[[Fit], bool]) -> str:
             key = site.key(p.name)
             if key in values and at_bound(p, values[key], errors.get(key)):
                 return f"a bound of what is looked for holds its {p.name}"
-    return "" if plausible(fit) else "with these numbers it is not what its name says"
+    return implausible(fit)
 
 
 def reached(sites: Sequence[Site], values: Mapping[str, float], visited: Callable[[str], np.ndarray]) -> bool:
@@ -140,11 +140,12 @@ def reached(sites: Sequence[Site], values: Mapping[str, float], visited: Callabl
     return True
 
 
-def plausible(sites: Sequence[Site], values: Mapping[str, float], size_at: Callable[[str], Sizes]) -> bool:
-    """Whether every effect, with its fitted numbers, is what its name says, and no place has two laws of one thing."""
+def implausible(sites: Sequence[Site], values: Mapping[str, float], size_at: Callable[[str], Sizes]) -> str:
+    """Why effects, with their fitted numbers, are not what their names say, one clause; empty where they are."""
     if redundant([s.label for s in sites]):
-        return False
-    return all(
-        site.effect.plausible({p.name: values[site.key(p.name)] for p in site.effect.parameters}, size_at(site.where))
-        for site in sites
-    )
+        return "two laws of one thing at one place"
+    for site in sites:
+        own = {p.name: values[site.key(p.name)] for p in site.effect.parameters}
+        if why := site.effect.implausible(own, size_at(site.where)):
+            return why
+    return ""

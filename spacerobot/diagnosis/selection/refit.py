@@ -16,7 +16,7 @@ from spacerobot.diagnosis.fitting.starts import effect_starts, informed_starts
 from spacerobot.diagnosis.fitting.workshop import Task
 from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.selection.nested_laws import inherited
-from spacerobot.diagnosis.selection.search_state import Found, noise_of, plausible_of, run_tasks, share_of
+from spacerobot.diagnosis.selection.search_state import Found, implausible_of, noise_of, run_tasks, share_of
 from spacerobot.diagnosis.terms.candidates import by_name, contains, refines, simpler
 from spacerobot.diagnosis.terms.decision import PENALTY
 from spacerobot.diagnosis.terms.hypothesis import Label, Site, label_of
@@ -54,7 +54,10 @@ def refit(
     sets = _with_parts(pool.workshop.model, chosen, rivals, known)
     singles = {s.label: Site(s.effect, s.where) for one in sets.values() for s in one}
     found = Found(
-        baseline, singles=tuple(singles.values()), noise=noise_of(pool.workshop), plausible=plausible_of(pool.workshop)
+        baseline,
+        singles=tuple(singles.values()),
+        noise=noise_of(pool.workshop),
+        implausible=implausible_of(pool.workshop),
     )
     mine = label_of(chosen)
     for label, sites in sets.items():

@@ -23,8 +23,8 @@ from spacerobot.diagnosis.selection.search_state import (
     WORTH_A_FIT,
     Found,
     Report,
+    implausible_of,
     noise_of,
-    plausible_of,
     run_tasks,
     screened,
     share_of,
@@ -70,7 +70,7 @@ def search(
     baseline = pool.here(Task((), {})) if baseline is None else baseline
     if baseline is None:  # each trial can be simulated as believed, or the door had refused it; a fit moved on
         raise InputError("the rig as believed cannot be fitted to these trials", where=str(workshop.study.path))
-    found = Found(baseline, singles=tuple(sites), noise=noise_of(workshop), plausible=plausible_of(workshop))
+    found = Found(baseline, singles=tuple(sites), noise=noise_of(workshop), implausible=implausible_of(workshop))
     if near is not None:
         run_tasks(pool, found, [Task(near.hypothesis.label, {}, near=near)], report, "what was seen at first sight")
     report("screening", 0, len(sites))

@@ -12,7 +12,7 @@ from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.screen import Screen, Screened, Screener, together
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
-from spacerobot.diagnosis.selection.nameable import nameable, plausible
+from spacerobot.diagnosis.selection.nameable import implausible, nameable
 from spacerobot.diagnosis.selection.penalty import score, simplest
 from spacerobot.diagnosis.terms.candidates import one_of_each
 from spacerobot.diagnosis.terms.hypothesis import Label, Site
@@ -44,7 +44,7 @@ class Found:
         screened: predicted fall of the cost by set of effects, fitted or not.
         singles: every site that was tried.
         noise: whether a fit leaves nothing but noise.
-        plausible: whether a fit's numbers are such as its effects' names would survive.
+        implausible: why a fit, with its numbers, is not what its effects' names say; empty where it is.
     """
 
     baseline: Fit
@@ -53,7 +53,7 @@ class Found:
     screened: dict[Label, float] = field(default_factory=dict)
     singles: tuple[Site, ...] = ()
     noise: Callable[[Fit], bool] = lambda fit: True
-    plausible: Callable[[Fit], bool] = lambda fit: True
+    implausible: Callable[[Fit], str] = lambda fit: ""
 
     def keep(self, fit: Fit | None) -> None:
         """Remember a fit if it is the best of its kind."""
@@ -79,7 +79,7 @@ class Found:
 
     def preferred(self, fits: Sequence[Fit]) -> Fit:
         """The one of these that a verdict would prefer; of those that it could not name, where there is no other."""
-        fits = [f for f in fits if nameable(f) and self.plausible(f)] or fits
+        fits = [f for f in fits if nameable(f) and not self.implausible(f)] or fits
         scores = {id(f): score(f) for f in fits}
         return simplest(sorted(fits, key=lambda f: scores[id(f)]), scores, score(self.baseline), self.noise)
 
@@ -150,6 +150,6 @@ def noise_of(workshop: Workshop) -> Callable[[Fit], bool]:
     return functools.cache(lambda fit: workshop.left_by(fit).adequate)
 
 
-def plausible_of(workshop: Workshop) -> Callable[[Fit], bool]:
-    """Whether a fit is what its effects' names say, by what is typical of the recordings."""
-    return lambda fit: plausible(fit.hypothesis.sites, fit.values(), workshop.model.size_at)
+def implausible_of(workshop: Workshop) -> Callable[[Fit], str]:
+    """Why a fit is not what its effects' names say, by what is typical of the recordings."""
+    return lambda fit: implausible(fit.hypothesis.sites, fit.values(), workshop.model.size_at)

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 from spacerobot.effects.effect import Effect, Parameter, positions
 from spacerobot.effects.mechanism import Mechanism
-from spacerobot.effects.memory import GIVES, Memory
+from spacerobot.effects.memory import Memory, gives_too_little
 from spacerobot.effects.primitives import State
 from spacerobot.effects.sizes import Sizes
 
@@ -49,9 +49,9 @@ class BoucWen(Effect):
         """Guides and joints."""
         return positions(mechanism, "wrist", "joint")
 
-    def plausible(self, values: Mapping[str, float], sizes: Sizes) -> bool:
+    def implausible(self, values: Mapping[str, float], sizes: Sizes) -> str:
         """The force builds up over a length that shows."""
-        return values["displacement_m"] > GIVES * sizes.length
+        return gives_too_little(values["displacement_m"], sizes)
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
         """A force beside what acts at the port."""

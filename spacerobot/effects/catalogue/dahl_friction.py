@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 from spacerobot.effects.effect import Effect, Parameter, positions
 from spacerobot.effects.mechanism import Mechanism
-from spacerobot.effects.memory import GIVES, Memory
+from spacerobot.effects.memory import Memory, gives_too_little
 from spacerobot.effects.primitives import State
 from spacerobot.effects.sizes import Sizes
 
@@ -53,9 +53,9 @@ class DahlFriction(Effect):
         """Guides and joints."""
         return positions(mechanism, "wrist", "joint")
 
-    def plausible(self, values: Mapping[str, float], sizes: Sizes) -> bool:
+    def implausible(self, values: Mapping[str, float], sizes: Sizes) -> str:
         """The bristle gives by a length that shows."""
-        return values["force_N"] / values["stiffness_N_m"] > GIVES * sizes.length
+        return gives_too_little(values["force_N"] / values["stiffness_N_m"], sizes)
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
         """A bristle beside what acts at the port; none where it can hold nothing."""

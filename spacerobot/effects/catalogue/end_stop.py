@@ -49,9 +49,10 @@ class EndStop(Effect):
         most = max(up, down)
         return tuple(s for s, beyond in zip(SIDES, (down, up), strict=True) if beyond > OFTEN * most)
 
-    def plausible(self, values: Mapping[str, float], sizes: Sizes) -> bool:
+    def implausible(self, values: Mapping[str, float], sizes: Sizes) -> str:
         """No softer than a buffer, beside the springs that work there."""
-        return values["stiffness_N_m"] > STIFF * sizes.force / sizes.length
+        times = values["stiffness_N_m"] * sizes.length / sizes.force
+        return "" if times > STIFF else f"with {times:.2g} times the stiffness of what works there it stops nothing"
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
         """A spring that acts beyond the travel."""

@@ -32,6 +32,8 @@ class LowPass(SensorEffect):
             return super().in_form(form)
         return HigherOrder(self, form)
 
-    def plausible(self, values: Mapping[str, float], sizes: Sizes) -> bool:
+    def implausible(self, values: Mapping[str, float], sizes: Sizes) -> str:
         """A sensor that needs longer to settle than this would blur the motion itself."""
-        return 2.0 * math.pi * values["cutoff_Hz"] * QUICK * sizes.time > 1.0
+        cutoff = values["cutoff_Hz"]
+        quick = 2.0 * math.pi * cutoff * QUICK * sizes.time > 1.0
+        return "" if quick else f"a filter at {cutoff:.3g} Hz would blur the motion itself"

@@ -6,10 +6,10 @@ import math
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
-from spacerobot.effects.catalogue.stribeck_friction import SLOW
+from spacerobot.effects.catalogue.stribeck_friction import not_falling
 from spacerobot.effects.effect import Effect, Parameter, positions
 from spacerobot.effects.mechanism import Mechanism
-from spacerobot.effects.memory import GIVES, Memory
+from spacerobot.effects.memory import Memory, gives_too_little
 from spacerobot.effects.primitives import State
 from spacerobot.effects.sizes import Sizes
 
@@ -62,12 +62,10 @@ class LugreFriction(Effect):
         """Guides and joints."""
         return positions(mechanism, "wrist", "joint")
 
-    def plausible(self, values: Mapping[str, float], sizes: Sizes) -> bool:
+    def implausible(self, values: Mapping[str, float], sizes: Sizes) -> str:
         """Friction falls with speed, within the speeds that were seen; the bristles give by a length that shows."""
-        if values["coulomb_force_N"] / values["bristle_stiffness_N_m"] <= GIVES * sizes.length:
-            return False
-        slow = values["velocity_m_s"] < SLOW * sizes.length / sizes.time
-        return values["static_force_N"] > values["coulomb_force_N"] and slow
+        length = values["coulomb_force_N"] / values["bristle_stiffness_N_m"]
+        return gives_too_little(length, sizes) or not_falling(values, sizes)
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
         """Bristles beside what acts at the port; none where they can hold nothing."""

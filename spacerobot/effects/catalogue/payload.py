@@ -28,9 +28,9 @@ class Payload(Effect):
         joints = tuple(n for n in mechanism.coordinates if n.startswith("joint."))
         return tuple(n for n in names if n in mechanism.coordinates) + joints
 
-    def plausible(self, values: Mapping[str, float], sizes: Sizes) -> bool:
+    def implausible(self, values: Mapping[str, float], sizes: Sizes) -> str:
         """Mass that is there; less of it than believed is a wrong value, not a payload."""
-        return values["mass_kg"] > 0.0
+        return "" if values["mass_kg"] > 0.0 else "less mass than believed is a wrong value, no payload"
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
         """The body's mass, with this added, along and sideways.

@@ -22,6 +22,16 @@ SLOW = 0.3
 """Stribeck's velocity lies below this share of the typical speed: beyond it the law is a damper in disguise."""
 
 
+def not_falling(values: Mapping[str, float], sizes: Sizes) -> str:
+    """Why a friction does not fall with speed within the speeds that were seen, one clause; empty where it does."""
+    if values["static_force_N"] <= values["coulomb_force_N"]:
+        return "its friction does not fall with speed"
+    speed = sizes.length / sizes.time
+    if values["velocity_m_s"] >= SLOW * speed:
+        return f"at {values['velocity_m_s'] / speed:.2g} times the typical speed it still falls: a damper in disguise"
+    return ""
+
+
 class StribeckFriction(Effect):
     """Dry friction that falls from a static to a sliding level."""
 
@@ -41,10 +51,9 @@ class StribeckFriction(Effect):
         """Guides and joints."""
         return positions(mechanism, "wrist", "joint")
 
-    def plausible(self, values: Mapping[str, float], sizes: Sizes) -> bool:
+    def implausible(self, values: Mapping[str, float], sizes: Sizes) -> str:
         """Friction falls with speed, within the speeds that were seen."""
-        slow = values["velocity_m_s"] < SLOW * sizes.length / sizes.time
-        return values["static_force_N"] > values["coulomb_force_N"] and slow
+        return not_falling(values, sizes)
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
         """Friction whose level falls with speed."""

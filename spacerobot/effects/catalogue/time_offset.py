@@ -22,6 +22,6 @@ class TimeOffset(SensorEffect):
     relative = True
     same_as = ("clock",)
 
-    def plausible(self, values: Mapping[str, float], sizes: Sizes) -> bool:
+    def implausible(self, values: Mapping[str, float], sizes: Sizes) -> str:
         """Nothing is read before it happens; where one of two streams is early, the other one is late."""
-        return values["delay_s"] > 0.0
+        return "" if values["delay_s"] > 0.0 else "nothing is read before it happens"

@@ -50,9 +50,10 @@ class TransmissionCoupling(Effect):
         """Every joint that has another before it; where one alone is compared, those beyond it and itself."""
         return tuple(j for j in _joints(mechanism) if partner(mechanism, j) is not None)
 
-    def plausible(self, values: Mapping[str, float], sizes: Sizes) -> bool:
+    def implausible(self, values: Mapping[str, float], sizes: Sizes) -> str:
         """Gears of two joints turn together; with a ratio near nothing the friction is the joint's own."""
-        return abs(values["ratio"]) > LEAST
+        ratio = values["ratio"]
+        return "" if abs(ratio) > LEAST else f"with a ratio of {ratio:.2g} the friction is the joint's own"
 
     def apply(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
         """As everywhere; a drive of which no friction is stated has none."""

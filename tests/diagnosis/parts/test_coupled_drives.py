@@ -63,8 +63,8 @@ def test_the_friction_of_a_coupled_drive_comes_back_at_both_joints(joint: str) -
 def test_a_coupling_of_next_to_nothing_is_none() -> None:
     (site,) = (s for s in model_of(coupled, "elbow").sites() if s.effect.name == "transmission_coupling")
     values = {"coulomb_force_N": 1.0, "coefficient_Ns_m": 0.0, "ratio": 0.05}
-    assert not site.effect.plausible(values, model_of(coupled, "elbow").sizes[""])
-    assert site.effect.plausible({**values, "ratio": -1.0}, model_of(coupled, "elbow").sizes[""])
+    assert site.effect.implausible(values, model_of(coupled, "elbow").sizes[""])
+    assert not site.effect.implausible({**values, "ratio": -1.0}, model_of(coupled, "elbow").sizes[""])
 
 
 def test_a_torque_that_hardly_reads_tells_nothing() -> None:
