@@ -11,9 +11,10 @@ import numpy as np
 
 from spacerobot.recordings import units
 from spacerobot.recordings.body_frame import turn_to_world
-from spacerobot.recordings.channel import dimensions
+from spacerobot.recordings.channel import ChannelSpec, dimensions
 from spacerobot.recordings.cleaning import clock_times, doubted_values, keep_rows, used_values
 from spacerobot.recordings.dataroot import inside
+from spacerobot.recordings.held import fresh, held_for
 from spacerobot.recordings.readers import read_table
 from spacerobot.recordings.series import Series, estimate_noise
 from spacerobot.recordings.stream import StreamSpec
@@ -142,6 +143,7 @@ def load_trial(streams: Mapping[str, StreamSpec], root: Path, trial: Trial) -> R
                 )
             time, values = time[within], values[within]
             beside = {name: column[within] for name, column in beside.items()}
+        held: dict[int, list[str]] = {}
         for j, channel in enumerate(stream.channels):
             if channel.name in series:
                 raise InputError(
@@ -163,15 +165,19 @@ def load_trial(streams: Mapping[str, StreamSpec], root: Path, trial: Trial) -> R
             value = (values[:, j] * channel.scale + channel.offset + trial.offsets.get(channel.name, 0.0)) * factor
             if channel.unwrap:
                 value[valid] = np.unwrap(value[valid])
+            rows = held_for(value) if _sensed(channel, stream) else 1
+            new = fresh(value, rows)
+            if rows > 1:
+                held.setdefault(rows, []).append(channel.name)
             stated = channel.sigma is not None
             sigma = channel.sigma if channel.sigma is not None else np.nan
             if not stated and stream.kind == "samples":
-                sigma = estimate_noise(value)
+                sigma = estimate_noise(value[new])
             series[channel.name] = Series(
                 channel.name,
-                time,
-                value,
-                valid,
+                time[new],
+                value[new],
+                valid[new],
                 sigma,
                 stated,
                 name,
@@ -179,11 +185,18 @@ def load_trial(streams: Mapping[str, StreamSpec], root: Path, trial: Trial) -> R
                 channel.si_unit,
                 channel.use,
                 channel.offset_sigma * factor,
-                {column: (factor * beside[column], sigma) for column, sigma in channel.plus_sigma},
+                {column: (factor * beside[column][new], sigma) for column, sigma in channel.plus_sigma},
             )
+        for rows, names in held.items():
+            notes.append(f"{name}: each reading stands in {rows} rows, of which the first counts: {', '.join(names)}")
     specs = [c for name in trial.sources for c in streams[name].channels]
     turn_to_world(specs, series)
     return Recording(trial, series, tuple(notes), epoch)
+
+
+def _sensed(channel: ChannelSpec, stream: StreamSpec) -> bool:
+    """Whether a channel is a sensor's; a command holds until the next one, and is what it says meanwhile."""
+    return stream.kind == "samples" and channel.use == "output" and not channel.name.endswith(".reference")
 
 
 def _read(root: Path, trial: Trial, stream: StreamSpec, source: Source) -> RawTable:
