@@ -37,6 +37,9 @@ CHANCE = 1e-3
 ROUND = 0.1
 """Half the width of a rounded corner, as a share of the track: what does as well with it was a push that lasted."""
 
+FAINT = 0.02
+"""Share of the rms of all tracks below which what is left over of one is as good as nothing."""
+
 SHARPEST = 1e-9
 """Half the width [s] of a corner that is not rounded."""
 
@@ -182,20 +185,32 @@ def _rest(track: Track, columns: np.ndarray) -> np.ndarray:
     return np.asarray(track.rest - columns @ found)
 
 
-def _left(tracks: Sequence[Track], breaks: Sequence[_Break]) -> float:
-    """Sum of squares that these breaks leave over."""
-    return sum(float(np.square(_rest(t, _columns(t, breaks))).sum()) for t in tracks)
+def _left(tracks: Sequence[Track], breaks: Sequence[_Break], rounded: int | None = None, width: float = 0.0) -> float:
+    """What these breaks leave over, as squares of all readings, each track by its own."""
+    return _together(tracks, [_rest(t, _columns(t, breaks, rounded, width)) for t in tracks])
+
+
+def _together(tracks: Sequence[Track], rests: Sequence[np.ndarray]) -> float:
+    """Squares of all readings as if all tracks left over as much: their geometric mean, times the readings.
+
+    How much is noise is every track's own, and not known: so likelihoods of their squares are multiplied, where a sum
+    would hear the loudest track alone. What is FAINT beside what all tracks brought is taken for nothing.
+    """
+    brought = sum(float(np.square(t.rest).sum()) for t in tracks) / sum(t.rest.size for t in tracks)
+    every = sum(r.size for r in rests)
+    logs = [r.size * np.log(float(np.mean(np.square(r))) + FAINT**2 * brought + 1e-300) for r in rests]
+    return every * float(np.exp(sum(logs) / every))
 
 
 def _smooth(tracks: Sequence[Track], count: int) -> float:
     """What polynomials with no fewer coefficients than so many corners and their moments leave over."""
-    total = 0.0
+    rests = []
     for track in tracks:
         span = track.time[-1] - track.time[0]
         x = 2.0 * (track.time - track.time[0]) / max(float(span), 1e-300) - 1.0
         degree = 3 * count + (1 if track.rate else 2)
-        total += float(np.square(_rest(track, np.polynomial.legendre.legvander(x, degree))).sum())
-    return total
+        rests.append(_rest(track, np.polynomial.legendre.legvander(x, degree)))
+    return _together(tracks, rests)
 
 
 def _significant(tracks: Sequence[Track], known: Sequence[_Break], found: Sequence[_Break]) -> bool:
@@ -208,8 +223,7 @@ def _significant(tracks: Sequence[Track], known: Sequence[_Break], found: Sequen
 def _sharp(tracks: Sequence[Track], found: Sequence[_Break], which: int) -> bool:
     """Whether a corner fits better than the same one rounded does, by more than chance would have it."""
     width = ROUND * max(float(t.time[-1] - t.time[0]) for t in tracks)
-    rounded = sum(float(np.square(_rest(t, _columns(t, found, which, width))).sum()) for t in tracks)
-    return _chance(tracks, found, rounded, len(tracks)) < CHANCE
+    return _chance(tracks, found, _left(tracks, found, which, width), len(tracks)) < CHANCE
 
 
 def _chance(tracks: Sequence[Track], found: Sequence[_Break], other: float, further: int) -> float:

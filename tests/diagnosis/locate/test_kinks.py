@@ -59,3 +59,15 @@ def test_a_knock_is_found_beside_a_tracker_that_jumps() -> None:
     rest = 3.0 * np.maximum(TIME - 20.1, 0.0) + 15.0 * (TIME > 7.7) + random.standard_normal(TIME.size)
     (found,) = kinks([Track(TIME, rest)])
     assert found.time == pytest.approx(20.1, abs=0.4)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_quiet_track_is_heard_beside_a_loud_one(seed: int) -> None:
+    """Noise is every track's own: what was left out of one hides no knock that another one shows."""
+    random = np.random.default_rng(seed)
+    corner, wave = 1e-3 * np.maximum(TIME - 9.4, 0.0), 0.01 * np.sin(0.3 * TIME + 1.0)
+    quiet = Track(TIME, corner + 2e-4 * random.standard_normal(TIME.size))
+    loud = Track(TIME, wave + 1e-3 * random.standard_normal(TIME.size))
+    (found,) = kinks([quiet, loud])
+    assert found.time == pytest.approx(9.4, abs=0.3)
+    assert kinks([Track(TIME, quiet.rest - corner), loud]) == ()
