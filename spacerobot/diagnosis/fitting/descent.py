@@ -31,7 +31,9 @@ HOPE_OF_FALLS = 10.0
 
 SETTLED = 0.05
 WORTH = 1e-3
-"""A fit has converged when a step lowers chi-squared by less than the first, or than this share of the misfit."""
+"""A fit has converged when a step lowers chi-squared by less than the first, or than this share of the misfit: of what
+is left over beyond the noise. Where noise is taken for louder than it is, all that the readings say is below it.
+"""
 
 BAD, WORTH_IF_BAD = 0.5, 1e-2
 """Misfit per sample above which no fitter asks for differences to both sides, and a hasty one for no last digits; and
@@ -121,7 +123,7 @@ class Descent:
                 self.rows, self.age = {}, 0
             self.rows = self.near.jacobians(self.hypothesis, self.state, self.rows, self.both)
             system = self.system = self.near.normal(self.state, self.rows, self.prior, self.manner.robust)
-            misfit = abs(self.state.loss(self.near.trials, self.manner.robust) - self.state.samples)
+            misfit = max(self.state.loss(self.near.trials, self.manner.robust) - self.state.samples, 0.0)
             off = misfit > BAD * self.state.samples
             bad = self.manner.hasty and off
             settled = SETTLED if self.manner.careful else max(SETTLED, misfit * (WORTH_IF_BAD if bad else WORTH))

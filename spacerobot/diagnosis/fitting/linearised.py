@@ -19,6 +19,11 @@ from spacerobot.support.errors import SimulationError
 DIFFERENCE = 0.02
 """Finite-difference step in units of a parameter's scale."""
 
+OF_CURVES = 1e-3
+"""And of a learned curve's coefficients, whose scale is the largest force at their port: over a fiftieth of that a body
+that nothing holds goes another way altogether, and descents crept along slopes that were none.
+"""
+
 
 class Linearised:
     """Residuals of a model's trials and their derivatives.
@@ -102,7 +107,8 @@ class Linearised:
                 continue
             if free.kind == "scatter" and not free.key.startswith(f"{trial.condition}|"):
                 continue
-            step = DIFFERENCE if z[g] + DIFFERENCE <= high[g] else -DIFFERENCE
+            step = OF_CURVES if free.key in curves else DIFFERENCE
+            step = step if z[g] + step <= high[g] else -step
             if z[g] + step < low[g]:
                 continue
 

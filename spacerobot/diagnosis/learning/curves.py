@@ -27,9 +27,10 @@ MARGIN = 0.05
 ROUGHNESS = 0.2
 """Where the search for a curve's roughness begins, in units of its size."""
 
-LOUD = ((30.0, 10), (8.0, 10), (2.5, 10))
+LOUD = ((100.0, 10), (30.0, 10), (8.0, 10), (2.5, 10))
 """Factors on the sensors' noise, and steps, of one fit after the other: what is believed holds at first, or a fit that
-lacks the law has bent every value before the curve has found its shape. The roughness is estimated anew after each.
+lacks the law has bent every value before the curve has found its shape. Where a body floats freely, a curve that shows
+at once leaps beyond where it acts linearly. The roughness is estimated anew after each.
 """
 
 BEGIN = ((1.0, 10), (1.0, 10))
