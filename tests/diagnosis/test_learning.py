@@ -11,16 +11,20 @@ from typing import Any
 import numpy as np
 import pytest
 
+from spacerobot.diagnosis.fitting import linearised
 from spacerobot.diagnosis.fitting.fitted import Fit
+from spacerobot.diagnosis.fitting.linearised import Linearised
 from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
 from spacerobot.diagnosis.learning.bands import band
-from spacerobot.diagnosis.learning.curves import Curve, Sketch, fit_curve, sketch
+from spacerobot.diagnosis.learning.curves import Curve, Sketch, first_shape, fit_curve, sketch
 from spacerobot.diagnosis.learning.learn import WITHIN, _closed, _learn
 from spacerobot.diagnosis.selection.search_state import Found
+from spacerobot.diagnosis.terms.hypothesis import Site, hypothesis
 from spacerobot.effects import registry
 from spacerobot.effects.effect import Effect, Parameter
 from spacerobot.effects.kernel import Kernel
+from spacerobot.effects.learned import LearnedLaw
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Force, Friction
 
@@ -49,6 +53,16 @@ def stiffening(d: float, v: float, aux: float, p: Any) -> float:
     return -(p[0] * d + p[1] * v + p[4] * d * d * d)
 
 
+def magnet(d: float, v: float, aux: float, p: Any) -> float:
+    """A magnet under the table, which pulls the target to its place from either side."""
+    u = (d - p[1]) / p[2]
+    return -p[0] * u * math.exp(0.5 - 0.5 * u * u)
+
+
+PLACES = {stiffening: "contact", magnet: "target"}
+"""Where a law acts, if not in the guide."""
+
+
 class Hidden(Effect):
     """Physics of no catalogue, from code of its own."""
 
@@ -60,8 +74,8 @@ class Hidden(Effect):
             setattr(self, key, value)
 
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:
-        """The guide, or the tip."""
-        return ("contact",) if self.law is stiffening else ("wrist",)
+        """The guide, the tip or the target."""
+        return (PLACES.get(self.law, "wrist"),)
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
         """The law at the port."""
@@ -72,7 +86,7 @@ class Hidden(Effect):
             return mechanism.with_friction(Friction("hidden", where, pressed, p, normal="contact"))
         if self.law is stiffening:
             return mechanism.with_contact(lambda c: replace(c, kernel=Kernel(stiffening), p=(*c.p[:4], *p)))
-        return mechanism.with_force(Force("hidden", where, Kernel(back_only), p))
+        return mechanism.with_force(Force("hidden", where, Kernel(self.law), p))
 
 
 Planted = tuple[str, str, dict[str, float]]
@@ -83,7 +97,7 @@ def _workshop(
 ) -> Workshop:
     registry.all_effects()
     monkeypatch.setitem(registry._effects, "hidden", Hidden("hidden", law, numbers))
-    where = "contact" if law is stiffening else "wrist"
+    where = PLACES.get(law, "wrist")
     study = write_study(folder, planted=[("hidden", where, {"share": 1.0}), *more], speeds=SPEEDS)
     monkeypatch.undo()
     return Workshop(study)
@@ -99,6 +113,37 @@ def _sketched(workshop: Workshop, beside: Fit, where: str, kind: Any, of: Any) -
 
 def _curve(workshop: Workshop, beside: Fit, where: str, kind: Any, of: Any) -> Curve:
     return _sketched(workshop, beside, where, kind, of)[1]
+
+
+def test_a_weak_field_under_a_floating_target_is_found_from_nothing(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """A fiftieth of what the contact brings: nothing holds the target, and each push sends it another way."""
+    workshop = _workshop(monkeypatch, tmp_path, magnet, (0.2, -0.004, 0.02))
+    baseline = workshop.run(Task((), {}))
+    assert baseline is not None
+    curve = _curve(workshop, baseline, "target", "force", "d")
+    assert curve.fit.cost < 1.05 * curve.fit.samples < baseline.cost
+    seen = band(curve)
+    truth = np.array([-magnet(x, 0.0, 0.0, (0.2, -0.004, 0.02)) for x in seen.x])
+    assert np.mean((seen.low <= truth) & (truth <= seen.high)) >= 0.85
+
+
+def test_how_a_curve_moves_a_floating_target_is_its_slope(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """What a fit takes for a derivative is one: a tenth of the step, to both sides, says the same."""
+    workshop = _workshop(monkeypatch, tmp_path, magnet, (0.32, -0.0036, 0.025))
+    baseline = workshop.run(Task((), {}))
+    assert baseline is not None
+    site = Site(LearnedLaw(first_shape(workshop, baseline, "target", "force", "d").divided(12)), "target")
+    made = hypothesis(workshop.model.believed, [site], baseline.values())
+    near = Linearised(workshop.model, workshop.trials)
+    state = near.state(made, made.start(baseline.values()), baseline.initials())
+    assert state is not None
+    own = [k for k, free in enumerate(made.free) if free.kind == "effect"]
+    slopes = near.jacobians(made, state, {})
+    monkeypatch.setattr(linearised, "OF_CURVES", 0.1 * linearised.OF_CURVES)
+    for trial, finer in near.jacobians(made, state, {}, both=True).items():
+        assert np.linalg.norm((slopes[trial] - finer)[:, own]) < 0.1 * np.linalg.norm(finer[:, own])
 
 
 @pytest.mark.slow
