@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
@@ -29,6 +30,9 @@ PIECES = 12
 
 TRACK = 2.0
 """Half width [s] of the test functions that a slow base's track is seen through."""
+
+UNEVEN = 0.1
+"""Share of the usual gap between two samples below which they are one moment."""
 
 DRIVE_NOISE = 0.01
 """Noise of a recorded drive as a share of its rms; how much matters little where the noise is not known."""
@@ -147,9 +151,21 @@ def _with_drive(model: Simulated, trial: TrialData) -> TrialData:
     drive = model.drives.get(trial.id)
     if drive is None or not drive.value:
         return trial
-    fresh = np.concatenate([[True], np.diff(drive.time) > 0.0])
-    value = np.array(list(drive.value.values()))[:, fresh]
+    time = _evenly(drive.time)
+    value = np.array([np.interp(time, drive.time, one) for one in drive.value.values()])
     rms = np.sqrt(np.mean(value**2, axis=1, keepdims=True))
     weight = np.ones_like(value) / np.maximum(DRIVE_NOISE * rms, 1e-300)
-    block = Block(DRIVE, tuple(drive.value), drive.time[fresh], value, weight)
-    return replace(trial, blocks=(*trial.blocks, block))
+    return replace(trial, blocks=(*trial.blocks, Block(DRIVE, tuple(drive.value), time, value, weight)))
+
+
+def _evenly(time: np.ndarray) -> np.ndarray:
+    """Times with no two of them almost alike: what is held until the next command is written at both ends of a jump,
+    and the smooth curve through such a pair is anywhere but between them.
+    """
+    gaps = np.diff(time)
+    if gaps.size < 2:
+        return time
+    step = float(np.median(gaps[gaps > UNEVEN * np.quantile(gaps, 0.9)]))
+    if gaps.min() > UNEVEN * step:
+        return time
+    return np.asarray(np.linspace(time[0], time[-1], 2 * math.ceil((time[-1] - time[0]) / step) + 1))

@@ -142,21 +142,25 @@ class WeakTrial(Motion):
     def _pushed(self, force: Series, by: Callable[[np.ndarray], np.ndarray]) -> Integral:
         grid = self.grid(force)
         weights = grid.weights(0, by(grid.nodes))
-        out = {force.channel: weights}
-        time, value, sigma = force.time, force.value, force.sigma
-        step = np.abs(np.diff(value))
-        jumps = np.flatnonzero(step > JUMP * np.hypot(sigma[1:], sigma[:-1]))
-        if jumps.size:
-            middle = 0.5 * (time[jumps] + time[jumps + 1])
-            size = by(middle) * step[jumps] * np.diff(time)[jumps] / np.sqrt(12.0)
-            out[force.channel + JUMPS] = csr_array(self.windows.values(middle, 0).multiply(size))
-        return Integral(weights @ value, {} if self.smoothed else out)
+        noise = {} if self.smoothed else {force.channel: weights, **self._jumps(force, by)}
+        return Integral(weights @ force.value, noise)
+
+    def _jumps(self, force: Series, by: Callable[[np.ndarray], np.ndarray]) -> dict[str, csr_array]:
+        """The sources of noise that a force's jumps are: when between two samples each came, nobody read."""
+        time, step = force.time, np.abs(np.diff(force.value))
+        jumps = np.flatnonzero(step > JUMP * np.hypot(force.sigma[1:], force.sigma[:-1]))
+        if not jumps.size:
+            return {}
+        middle = 0.5 * (time[jumps] + time[jumps + 1])
+        size = by(middle) * step[jumps] * np.diff(time)[jumps] / np.sqrt(12.0)
+        return {force.channel + JUMPS: csr_array(self.windows.values(middle, 0).multiply(size))}
 
     def drive(self, channel: str, gain: float) -> Integral:
-        """int phi gain u dt of a recorded drive."""
+        """int phi gain u dt of a recorded drive, whose jumps are no better known than a measured force's."""
         series = self.series[channel]
         weights = gain * self.grid(series).weights(0)
-        return Integral(weights @ series.value, {channel: weights})
+        jumps = self._jumps(series, lambda times: np.full(times.shape, gain))
+        return Integral(weights @ series.value, {channel: weights, **jumps})
 
     def modulated(self, row: dict[str, float], by_d: np.ndarray, by_v: np.ndarray) -> Integral:
         """int phi (a d + b v) dt of a port, a and b given at the nodes; the rate's derivative goes to phi and b."""
