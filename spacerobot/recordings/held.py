@@ -24,7 +24,7 @@ def held_for(value: Floats) -> int:
     """For how many rows a log holds each reading of a channel; 1 where it holds none.
 
     A signal that counts whole steps repeats itself where it is slow, for longer and shorter: so regularly only what is
-    held does. Rates that are no multiple of each other hold for one row more now and then.
+    held does. Rates that are no multiple of each other hold for one row more now and then: then that many.
 
     Args:
         value: shape (T,), NaN where there is no reading.

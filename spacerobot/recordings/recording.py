@@ -166,7 +166,7 @@ def load_trial(streams: Mapping[str, StreamSpec], root: Path, trial: Trial) -> R
             if channel.unwrap:
                 value[valid] = np.unwrap(value[valid])
             rows = held_for(value) if _sensed(channel, stream) else 1
-            new = fresh(value, rows)
+            new = fresh(value, rows) if rows > 1 else slice(None)
             if rows > 1:
                 held.setdefault(rows, []).append(channel.name)
             stated = channel.sigma is not None

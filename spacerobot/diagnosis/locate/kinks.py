@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.special import fdtrc
@@ -63,6 +64,11 @@ class Track:
     time: np.ndarray
     rest: np.ndarray
     rate: bool = False
+
+    @cached_property
+    def brought(self) -> float:
+        """Sum of squares of what is left over, before any corner."""
+        return float(np.square(self.rest).sum())
 
 
 @dataclass(frozen=True)
@@ -196,8 +202,8 @@ def _together(tracks: Sequence[Track], rests: Sequence[np.ndarray]) -> float:
     How much is noise is every track's own, and not known: so likelihoods of their squares are multiplied, where a sum
     would hear the loudest track alone. What is FAINT beside what all tracks brought is taken for nothing.
     """
-    brought = sum(float(np.square(t.rest).sum()) for t in tracks) / sum(t.rest.size for t in tracks)
     every = sum(r.size for r in rests)
+    brought = sum(t.brought for t in tracks) / every
     logs = [r.size * np.log(float(np.mean(np.square(r))) + FAINT**2 * brought + 1e-300) for r in rests]
     return every * float(np.exp(sum(logs) / every))
 

@@ -18,6 +18,7 @@ from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
 from spacerobot.diagnosis.machines.platform import Platform
 from spacerobot.diagnosis.machines.simulated import Simulated
 from spacerobot.diagnosis.machines.test_functions import Bump
+from spacerobot.diagnosis.machines.windows import Drive
 from spacerobot.diagnosis.terms.data import Block, TrialData, piece_id
 
 DRIVE = "recorded drive"
@@ -151,21 +152,18 @@ def _with_drive(model: Simulated, trial: TrialData) -> TrialData:
     drive = model.drives.get(trial.id)
     if drive is None or not drive.value:
         return trial
-    time = _evenly(drive.time)
+    time = _evenly(drive)
     value = np.array([np.interp(time, drive.time, one) for one in drive.value.values()])
     rms = np.sqrt(np.mean(value**2, axis=1, keepdims=True))
     weight = np.ones_like(value) / np.maximum(DRIVE_NOISE * rms, 1e-300)
     return replace(trial, blocks=(*trial.blocks, Block(DRIVE, tuple(drive.value), time, value, weight)))
 
 
-def _evenly(time: np.ndarray) -> np.ndarray:
-    """Times with no two of them almost alike: what is held until the next command is written at both ends of a jump,
-    and the smooth curve through such a pair is anywhere but between them.
+def _evenly(drive: Drive) -> np.ndarray:
+    """Its times with no two of them almost alike: what is held until the next command is written at both ends of a
+    jump, and the smooth curve through such a pair is anywhere but between them.
     """
-    gaps = np.diff(time)
-    if gaps.size < 2:
-        return time
-    step = float(np.median(gaps[gaps > UNEVEN * np.quantile(gaps, 0.9)]))
-    if gaps.min() > UNEVEN * step:
-        return time
-    return np.asarray(np.linspace(time[0], time[-1], 2 * math.ceil((time[-1] - time[0]) / step) + 1))
+    first, last = drive.time[0], drive.time[-1]
+    if np.diff(drive.time).min(initial=np.inf) > UNEVEN * drive.step:
+        return drive.time
+    return np.asarray(np.linspace(first, last, 2 * math.ceil((last - first) / drive.step) + 1))
