@@ -58,6 +58,9 @@ PRECEDENCE = (NOT_TRUSTED, UNKNOWN, LEARNED, AMBIGUOUS, NAMED, WRONG_PARAMETER, 
 """Of the parts' verdicts, the first that occurs is the study's: the whole is as weak as the weakest of its parts that
 were measured. What is named at one of them stands in its own entry."""
 
+NO_LAW = "no law was learned either"
+NO_FORCE = "what stands out in its balances predicts no unseen trial"
+
 
 def verdict_of(study: Study, parts: Sequence[Part], *, seed: int, seconds: float) -> Verdict:
     """The whole answer; beside what every verdict has, "parts" with each part's own."""
@@ -80,9 +83,9 @@ def verdict_of(study: Study, parts: Sequence[Part], *, seed: int, seconds: float
         confidence=float(np.mean([p.confidence for p in speaking])),
         why=[line for p in parts for line in why_not(p.checks)]
         + [
-            f"{p.name}: no law was learned either: {p.not_learned}"
+            f"{p.name}: {NO_LAW if v == UNKNOWN else NO_FORCE}: {p.not_learned}"
             for p, v in zip(parts, own, strict=True)
-            if v == UNKNOWN and p.not_learned
+            if p.not_learned and (v == UNKNOWN or p.striking)
         ]
         + [f"{p.name}: {p.model.not_measured}" for p in parts if p.model.not_measured]
         + [line for p, v in zip(parts, own, strict=True) if v == AMBIGUOUS for line in _shared(p)],

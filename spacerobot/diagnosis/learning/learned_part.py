@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from spacerobot.diagnosis.learning.learnt import Learnt
-from spacerobot.diagnosis.learning.part import Taken, louder, noise, refused, take, words
+from spacerobot.diagnosis.learning.part import NotLearned, Taken, louder, noise, refused, take, words
 from spacerobot.diagnosis.learning.part_held import kept_aside
 from spacerobot.diagnosis.selection.candidate import Candidate, tried
 from spacerobot.diagnosis.selection.growth import Growth
@@ -69,9 +69,10 @@ def settle_part(part: Part, report: Report) -> Part:
         return part
     growth = part.uncut or part.growth
     taken = take(growth, report)
-    why = taken if isinstance(taken, str) else refused(taken)
-    if isinstance(taken, str) or why:
-        return replace(part, not_learned=why)
+    if isinstance(taken, NotLearned):
+        return _without(part, taken)
+    if (why := refused(taken)) is not None:
+        return _without(part, why)
     unseen, best = kept_aside(taken, report)
     foretold = min(unseen.after, unseen.selected, key=lambda held: held.total)
     if not pays(Candidate(taken.curve.fit, foretold), Candidate(taken.best.fit, best), taken.bench.trials):
@@ -80,6 +81,10 @@ def settle_part(part: Part, report: Report) -> Part:
             part, not_learned=f"{said}, learned again without a part of the trials, predicts these no better"
         )
     return _learned(part, taken, unseen, growth)
+
+
+def _without(part: Part, why: NotLearned) -> Part:
+    return replace(part, not_learned=why.why, no_law=why.refuted)
 
 
 def _learned(part: Part, taken: Taken, unseen: Unseen, growth: Growth) -> LearnedPart:

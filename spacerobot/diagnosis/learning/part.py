@@ -24,9 +24,9 @@ from spacerobot.diagnosis.selection.bench import Bench
 from spacerobot.diagnosis.selection.candidate import Candidate
 from spacerobot.diagnosis.selection.forward_selection import unshown
 from spacerobot.diagnosis.selection.growth import Growth
-from spacerobot.diagnosis.selection.model_choice import pays, ratio
+from spacerobot.diagnosis.selection.model_choice import pays, ratio, surely
 from spacerobot.diagnosis.selection.search_state import Report
-from spacerobot.diagnosis.terms.decision import LOUD, TIE
+from spacerobot.diagnosis.terms.decision import LOUD, TIE, WORTH_OF_REST
 from spacerobot.effects.plane import across
 from spacerobot.support.errors import SimulationError
 
@@ -35,6 +35,19 @@ TRIED = 3
 
 LEVEL = "a level of friction"
 """The curve of effects where dry friction may act."""
+
+
+@dataclass(frozen=True)
+class NotLearned:
+    """Why no law was learned.
+
+    Attributes:
+        why: in words.
+        refuted: whether laws were tried, and none says anything of unseen trials.
+    """
+
+    why: str
+    refuted: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +101,7 @@ def laws_of(growth: Growth) -> Iterator[Law]:
             yield Law(port, "force", "q", turns)
 
 
-def take(growth: Growth, report: Report) -> Taken | str:
+def take(growth: Growth, report: Report) -> Taken | NotLearned:
     """The law that predicts a part's unseen trials best, or why there is none.
 
     Args:
@@ -97,9 +110,9 @@ def take(growth: Growth, report: Report) -> Taken | str:
     """
     laws = list(laws_of(growth))
     if not laws:
-        return "nothing of it moves along a port at which a law could be learned"
+        return NotLearned("nothing of it moves along a port at which a law could be learned")
     if len(growth.bench.left_out) < 2:
-        return "there are too few trials to keep one aside"
+        return NotLearned("there are too few trials to keep one aside")
     found = []
     for done, law in enumerate(laws):
         report(f"learning a law at {law.where}", done, len(laws))
@@ -112,12 +125,13 @@ def take(growth: Growth, report: Report) -> Taken | str:
         if curve is not None:
             found.append((misfit(bench, curve.fit), bench, law, curve))
     if not found:
-        return "no curve could be fitted"
+        return NotLearned("no curve could be fitted")
     found.sort(key=lambda one: one[0])
     readings = max(growth.after.fit.samples, 1)
     gone = 1.0 - float(np.exp(0.5 * (found[0][0] - misfit(growth.bench, growth.after.fit)) / readings))
     if gone < TIE:
-        return f"no curve at a port of it takes more than {100.0 * max(gone, 0.0):.2g} % of what is left"
+        said = f"no curve at a port of it takes more than {100.0 * max(gone, 0.0):.2g} % of what is left"
+        return NotLearned(said, refuted=True)
     bench = found[0][1]  # the weights of the one that fits best, for all
     tried = []
     for place, (_, _, law, curve) in enumerate(found[:TRIED]):
@@ -126,31 +140,43 @@ def take(growth: Growth, report: Report) -> Taken | str:
         if again is not None:
             tried.append((law, again, better_of(bench, again)))
     if not tried:
-        return "no curve could be fitted"
+        return NotLearned("no curve could be fitted")
     least = min(tried, key=lambda one: one[2].error)
     near = [one for one in tried if ratio(one[2], least[2]) <= 1.0 + TIE]
     law, curve, after = min(near, key=lambda one: one[1].determined())
     others = [one for one in tried if one[0] is not law]
     lead = min((curve.evidence - one[1].evidence for one in others), default=float("inf"))
     following = min((ratio(one[2], after) for one in others), default=float("inf"))
+    before, best = (tested(bench, c.fit) for c in (growth.before, growth.after))
+    if ratio(best, after) < 1.0 - WORTH_OF_REST:  # nothing that could stand beside it mends a law that misleads
+        return NotLearned(leaves(law, ratio(after, best)), refuted=True)
     report("learning what stands beside it", 0, 1)
     curve = beside_it(growth, bench, curve)
-    before, best = (tested(bench, c.fit) for c in (growth.before, growth.after))
     after = Candidate(curve.fit, bench.held_out(curve.fit))
     return Taken(bench, law, curve, before, best, after, form_of(bench, curve), lead, following)
 
 
-def refused(taken: Taken) -> str:
-    """Why a law is not believed; empty where it is."""
-    trials, said = taken.bench.trials, f"the law that predicts best ({words(taken.law)})"
+def refused(taken: Taken) -> NotLearned | None:
+    """Why a law is not believed; None where it is."""
+    trials = taken.bench.trials
     if not pays(taken.better, taken.best, trials):
-        share = 100.0 * ratio(taken.better, taken.best)
-        return f"{said} leaves {share:.3g} % of the error of the catalogue's best on trials kept aside, not throughout"
+        share = ratio(taken.better, taken.best)
+        return NotLearned(leaves(taken.law, share), refuted=not surely(taken.better, taken.best, trials))
     if loud := louder(taken.bench, taken.curve.fit):
-        return f"{said} still leaves {loud:.3g} times the stated noise"
+        return NotLearned(f"{_best(taken.law)} still leaves {loud:.3g} times the stated noise")
     if why := unshownbeside(taken.curve.fit):
-        return f"{said} is told from no effect beside it: {why}"
-    return ""
+        return NotLearned(f"{_best(taken.law)} is told from no effect beside it: {why}")
+    return None
+
+
+def leaves(law: Law, share: float) -> str:
+    """What a law that predicts no better leaves, as a share of what the catalogue's best does."""
+    found = f"{100.0 * share:.3g} % of the error of the catalogue's best on trials kept aside"
+    return f"{_best(law)} leaves {found}" + (", not throughout" if share < 1.0 else "")
+
+
+def _best(law: Law) -> str:
+    return f"the law that predicts best ({words(law)})"
 
 
 def words(law: Law) -> str:

@@ -266,7 +266,7 @@ class Simulated(Machine):
                 port, inside = next(iter(mechanism.ports)), (drive.jumps > start) & (drive.jumps < end)
                 stops = tuple(Impulse(port, 0.0, float(t), "command") for t in drive.jumps[inside])
                 mechanism = replace(mechanism, impulses=(*mechanism.impulses, *stops))
-            else:
+            if drive.bends:
                 step = min(step, 2.0 * drive.step)
         return simulate(
             mechanism,

@@ -66,6 +66,12 @@ class Drive:
         gaps = np.diff(self.time)
         return float(np.median(gaps[gaps > 2.0 * EDGE]))
 
+    @cached_property
+    def bends(self) -> bool:
+        """Whether it changes between its jumps too, where no integrator stops."""
+        slow = np.diff(self.time) > 2.0 * EDGE
+        return any(bool(np.any(np.diff(v)[slow])) for v in self.value.values())
+
     def times(self, factor: float) -> Drive:
         """The same inputs, so many times as strong."""
         value, beside = ({c: factor * v for c, v in of.items()} for of in (self.value, self.beside))

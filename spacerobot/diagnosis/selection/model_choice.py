@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 from scipy.special import stdtrit
 
-from spacerobot.diagnosis.selection.candidate import Candidate
+from spacerobot.diagnosis.selection.candidate import Candidate, tried
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.decision import CHANCE, EXACT, REWORDED, SPOKEN, WORTH_OF_BASELINE, WORTH_OF_REST
 
@@ -55,7 +55,11 @@ class Told:
         return np.where(other > 0.0, one / np.where(other > 0.0, other, 1.0), 1.0)
 
     def better(self, group: np.ndarray) -> np.ndarray:
-        """Whether the one predicts better, by enough and throughout, shape (...).
+        """Whether the one predicts better, by enough and throughout, shape (...); `group` as in `sure`."""
+        return np.asarray((self.ratio < 1.0 - WORTH_OF_REST) & self.sure(group))
+
+    def sure(self, group: np.ndarray) -> np.ndarray:
+        """Whether the one predicts better throughout, by however little, shape (...).
 
         Args:
             group: what each trial belongs to, shape (K,); gains within one are no independent ones.
@@ -67,7 +71,7 @@ class Told:
         freedom = np.maximum(count - 1.0, 1.0)
         scatter = (weight * (gain - mean[..., None]) ** 2).sum(axis=-1)
         sure = mean > stdtrit(freedom, 1.0 - CHANCE) * np.sqrt(scatter / count / freedom)
-        return np.asarray((self.ratio < 1.0 - WORTH_OF_REST) & np.where(count < 3.0, every, sure))
+        return np.asarray(np.where(count < 3.0, every, sure))
 
     def _by_group(self, group: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Gains, as logarithms of mean squares, and what each is based on, 1 at most; shape (..., groups) each."""
@@ -122,10 +126,18 @@ def choice(tested: Sequence[Candidate], baseline: Candidate, trials: Sequence[Tr
 def pays(new: Candidate, old: Candidate, trials: Sequence[TrialData]) -> bool:
     """Whether unseen trials are predicted better, by enough and throughout."""
     found = told(new, old)
-    if found is None or new.held_out is None:
-        return False
+    return found is not None and bool(found.better(_grouped(new, trials)))
+
+
+def surely(new: Candidate, old: Candidate, trials: Sequence[TrialData]) -> bool:
+    """Whether unseen trials are predicted better throughout, by however little."""
+    found = told(new, old)
+    return found is not None and bool(found.sure(_grouped(new, trials)))
+
+
+def _grouped(one: Candidate, trials: Sequence[TrialData]) -> np.ndarray:
     by = {t.id: t for t in trials}
-    return bool(found.better(groups([by[name] for name in new.held_out.residual])))
+    return groups([by[name] for name in tried(one).residual])
 
 
 def groups(trials: Sequence[TrialData]) -> np.ndarray:

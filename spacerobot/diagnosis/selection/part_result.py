@@ -18,7 +18,7 @@ from spacerobot.diagnosis.selection.growth import Growth
 from spacerobot.diagnosis.selection.held_out import HeldOut
 from spacerobot.diagnosis.selection.judge import moved
 from spacerobot.diagnosis.selection.kept_aside import Unseen
-from spacerobot.diagnosis.selection.model_choice import agreeing, ratio
+from spacerobot.diagnosis.selection.model_choice import agreeing, ratio, surely
 from spacerobot.diagnosis.selection.stretches import Knock
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.decision import DOUBT, LOCATED, LOUD, REWORDED, SIGNIFICANT, STRIKING, TIE
@@ -45,6 +45,7 @@ class Part:
         knocks: that struck it in single trials.
         uncut: where knocks were found, the search before the trials were cut there; a law may be what they are.
         not_learned: where nothing of the catalogue explains it, why no law was learned either.
+        no_law: whether laws were tried, and none says anything of unseen trials.
     """
 
     growth: Growth
@@ -54,6 +55,7 @@ class Part:
     knocks: tuple[Knock, ...] = ()
     uncut: Growth | None = None
     not_learned: str = ""
+    no_law: bool = False
 
     @property
     def model(self) -> Machine:
@@ -129,6 +131,18 @@ class Part:
         return found if found and (self.shown or not self.model.predicts_readings) else ()
 
     @property
+    def borne_out(self) -> bool:
+        """Whether what strikes in its balances may be a force.
+
+        Where the readings themselves are predicted, a pattern that no force bears out on unseen trials, neither of the
+        catalogue nor learned, is none: a controller that makes up for what disturbs it pushes in step with that.
+        """
+        if not self.striking or not self.model.predicts_readings:
+            return bool(self.striking)
+        plain = self.growth.considered_baseline
+        return not self.no_law or any(surely(c, plain, self.trials) for c in self.growth.considered if c.sites)
+
+    @property
     def loudness(self) -> dict[str, float]:
         """By channel, rms of what the chosen model leaves over the noise that is stated; empty where none is."""
         expected = self.model.expected(self.fit.values())
@@ -146,7 +160,7 @@ class Part:
             return AMBIGUOUS if self.rivals else NAMED
         if self.knocks:
             return NAMED
-        if self.striking:
+        if self.borne_out:
             return UNKNOWN
         return WRONG_PARAMETER if self.moved else NOTHING_MISSING
 
