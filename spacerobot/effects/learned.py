@@ -53,6 +53,9 @@ MOST = PARAMETERS - HEADER
 CREEP = 1e-4
 """Speed [m/s] below which a force against the velocity of a body in the plane has no direction yet."""
 
+ROOTED = 1e-3
+"""Typical forces that a curve of a contact's depth has where there is none, as one standard deviation."""
+
 ABSURD = 10.0
 """Typical forces that a coefficient is not beyond, as one standard deviation: what no reading visits stays finite."""
 
@@ -264,12 +267,20 @@ class Shape(Law):
             return np.asarray(np.roll(unit, 1, axis=0) - 2.0 * unit + np.roll(unit, -1, axis=0))
         return np.asarray(np.diff(np.eye(self.count), 2, axis=0))
 
+    @property
+    def rooted(self) -> bool:
+        """Whether its range begins where nothing is displaced, as the depth of a contact does: no force acts there."""
+        return self.kind == "force" and self.of == "d" and self.low == 0.0
+
     def precision(self) -> np.ndarray:
-        """Of the parameters in units of `size`, shape (P, P): bends, and a size that is not absurd."""
+        """Of the parameters in units of `size`, shape (P, P): bends, a size that is not absurd, where it is rooted."""
         bends = self.bends()
         own = self.count
         out = np.eye(own + (self.kind == "memory")) / ABSURD**2
         out[:own, :own] += bends.T @ bends / self.roughness**2
+        if self.rooted:
+            root = self.rows(np.zeros(1))
+            out[:own, :own] += root.T @ root / ROOTED**2
         return out
 
     def rows(self, x: np.ndarray) -> np.ndarray:

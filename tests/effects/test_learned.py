@@ -114,6 +114,18 @@ def test_a_straight_curve_is_smooth_and_a_bent_one_is_not(shape: Shape) -> None:
     assert bent @ precision @ bent > straight @ precision @ straight + straight.size
 
 
+@given(shape=SHAPES)
+@settings(max_examples=20)
+def test_a_curve_of_depth_has_no_force_where_there_is_none(shape: Shape) -> None:
+    """Lifting it as a whole costs where its range begins at nothing, and only there."""
+    for begins, costs in ((0.0, True), (0.1, False)):
+        depth = Shape("force", "d", begins, begins + 1.0, shape.cells, shape.roughness, shape.size)
+        lifted = np.ones(depth.count)
+        assert (lifted @ depth.precision() @ lifted > 1e3 * depth.count) == costs
+        rising = depth.places - depth.low
+        assert rising @ depth.precision() @ rising < 1.0 + depth.count
+
+
 def _run(name: str, values: dict[str, float]) -> ReducedRun:
     mechanism = Placed(effect(name), "wrist", values).apply(rig({"target.mass": 9.0}))
     return simulate(mechanism, position={"target": -0.01}, velocity={"target": 0.08}, end=1.2, tolerance=1e-10)

@@ -15,7 +15,7 @@ from tests.overlay.test_free_body import study as body_study
 WINDOWS = 'each = [1, 3]\nid = "{n}"\nwindow = [0.0, 1.9995]\nstep = 2.0\nlog = "log.csv"\n'
 
 
-@pytest.mark.parametrize(("make", "within"), [(axis_study, 2e-5), (body_study, 1e-3)])
+@pytest.mark.parametrize(("make", "within"), [(axis_study, 2e-5), (body_study, 3e-3)])
 def test_each_window_is_a_trial_of_its_own(tmp_path: Path, make, within: float) -> None:  # type: ignore[no-untyped-def]
     folder = make(tmp_path / "mine")
     file = folder / "study.toml"

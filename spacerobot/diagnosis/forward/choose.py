@@ -9,7 +9,6 @@ from pathlib import Path
 from spacerobot.diagnosis.forward.base import ForwardModel, TrialOverlay
 from spacerobot.diagnosis.forward.driven_axis import DrivenAxis
 from spacerobot.diagnosis.forward.floating_platform import FloatingPlatform
-from spacerobot.diagnosis.forward.free_body import FreeBody
 from spacerobot.diagnosis.forward.parts import AsDiagnosed, Parts
 from spacerobot.diagnosis.forward.wrist_rig import WristRig
 from spacerobot.recordings.study import Study
@@ -17,7 +16,7 @@ from spacerobot.support.errors import InputError
 from spacerobot.support.executors.base import Executor
 from spacerobot.support.runs import combined_hash
 
-MODELS: tuple[type[ForwardModel], ...] = (WristRig, DrivenAxis, FloatingPlatform, FreeBody, Parts)
+MODELS: tuple[type[ForwardModel], ...] = (WristRig, DrivenAxis, FloatingPlatform, Parts)
 """In the order in which they are asked."""
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import ClassVar, Self
@@ -18,6 +19,8 @@ from spacerobot.diagnosis.selection.bench import STEPS
 from spacerobot.diagnosis.selection.held_out import start_of
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Hypothesis, hypothesis
+from spacerobot.effects.mechanism import Mechanism
+from spacerobot.recordings.sigmas import TURNED
 from spacerobot.recordings.study import Study
 from spacerobot.recordings.trial import Trial
 from spacerobot.support.errors import InputError
@@ -50,7 +53,7 @@ class Parts(ForwardModel):
             InputError: nothing that was recorded can be compared with the baseline.
             SimulationError: what is unknown cannot be fitted.
         """
-        return cls(study, tuple((m, *_believed(m)) for m in some_models_for(study)))
+        return cls(study, tuple(as_believed(m) for m in some_models_for(study)))
 
     @property
     def values(self) -> tuple[Value, ...]:
@@ -60,7 +63,8 @@ class Parts(ForwardModel):
             free = {f.key: f.value(float(x)) for f, x in zip(made.free, z, strict=True)}
             held = {n: v for n, v in model.base.items() if n not in free and n not in model.relative_to}
             both = [(n, v, "believed") for n, v in held.items()] + [(n, v, self.source) for n, v in free.items()]
-            out += [Value(f"{model.name}: {name}", value, _unit(name), source) for name, value, source in both]
+            plain = model.plain()
+            out += [Value(f"{model.name}: {name}", value, _unit(name, plain), source) for name, value, source in both]
         return tuple(out)
 
     source: ClassVar[str] = "unknown to the study: fitted to all trials"
@@ -69,13 +73,12 @@ class Parts(ForwardModel):
     @property
     def assumptions(self) -> tuple[str, ...]:
         """What was taken for granted."""
-        alike: dict[str, list[str]] = {}
+        alike: dict[tuple[str, float], list[str]] = {}
         for model, _, _ in self.parts:
-            alike.setdefault(model.metric, []).append(model.name)
+            alike.setdefault((model.metric, model.window), []).append(model.name)
         return tuple(
-            f"Compared as {metric}, in the pieces that a diagnosis uses, each from the start that fits it best: "
-            f"{', '.join(names)}."
-            for metric, names in alike.items()
+            f"Compared as {metric}, {_pieces(window)}, each from the start that fits it best: {', '.join(names)}."
+            for (metric, window), names in alike.items()
         )
 
     @property
@@ -137,22 +140,29 @@ class AsDiagnosed(Parts):
             raise InputError(
                 "the model has no part of this study", given=", ".join(found), valid=", ".join(models), where=str(path)
             )
-        return cls(study, tuple((models[n], *found[n].hypothesis(models[n])) for n in known))
+        return cls(study, tuple((models[n].everything(), *found[n].hypothesis(models[n])) for n in known))
 
 
-def _unit(name: str) -> str:
+def _pieces(window: float) -> str:
+    if math.isinf(window):
+        return "in the pieces that a diagnosis uses"
+    return f"starting anew from the recording every {window:.3g} s as a diagnosis does"
+
+
+def _unit(name: str, plain: Mechanism) -> str:
     """SI unit of a value that a study may state; none of an effect's."""
+    port = name.rpartition(".")[0]
     with contextlib.suppress(InputError):
-        return unit_of(name)
+        unit = unit_of(name)
+        return TURNED.get(unit, unit) if port in plain.ports and plain.angular(port) else unit
     return ""
 
 
-def _believed(model: Machine) -> tuple[Hypothesis, np.ndarray]:
+def as_believed(model: Machine) -> tuple[Machine, Hypothesis, np.ndarray]:
     """A part without effects, its values as believed; those that are unknown as they fit best."""
     made = hypothesis(replace(model.believed, sigma={}, zeros={}), ())
-    if not made.free:
-        return made, np.zeros(0)
-    return made, Fitter(model, model.trials).fit(made, max_iterations=STEPS).z
+    z = Fitter(model, model.trials).fit(made, max_iterations=STEPS).z if made.free else np.zeros(0)
+    return model.everything(), made, z
 
 
 def _rows(

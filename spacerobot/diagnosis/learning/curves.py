@@ -24,10 +24,12 @@ FEW_CELLS = 12
 MARGIN = 0.05
 """Share of the recorded range that a curve reaches beyond it on either side: a better fit moves a little further."""
 
-ROUGHNESS = 0.2
-"""Where the search for a curve's roughness begins, in units of its size."""
+ROUGHNESS = 0.03
+"""Where the search for a curve's roughness begins, in units of its size: a curve that begins smooth bends where the
+readings ask for it; one that begins rough makes up for its own errors, by a contact that begins later, and stays there.
+"""
 
-LOUD = ((100.0, 10), (30.0, 10), (8.0, 10), (2.5, 10))
+LOUD = ((1000.0, 6), (100.0, 6), (30.0, 6), (8.0, 6), (2.5, 10))
 """Factors on the sensors' noise, and steps, of one fit after the other: what is believed holds at first, or a fit that
 lacks the law has bent every value before the curve has found its shape. Where a body floats freely, a curve that shows
 at once leaps beyond where it acts linearly. The roughness is estimated anew after each.
@@ -158,7 +160,8 @@ def first_shape(ground: Ground, beside: Fit, port: str, kind: Kind, of: Variable
     low, high = (-stiff * reach, stiff * reach) if of == "z" else seen[of]
     margin = MARGIN * max(high - low, 1e-9)
     size = stiff if kind == "memory" else push
-    return Shape(kind, of, low - margin, high + margin, CELLS, ROUGHNESS, size)
+    begins = 0.0 if (port, of) == ("contact", "d") else low - margin  # no force acts where nothing is pressed
+    return Shape(kind, of, begins, high + margin, CELLS, ROUGHNESS, size)
 
 
 def finished(ground: Ground, curve: Curve, beside: Fit) -> Curve:

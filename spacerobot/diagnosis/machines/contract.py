@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
@@ -231,6 +232,15 @@ class Machine(ABC):
         other.moment = MappingProxyType({})
         other.believed = replace(self.believed, absolute={**self.believed.absolute, **self.moment})
         return other
+
+    @property
+    def window(self) -> float:
+        """How long it predicts before it starts anew from the recording [s]; infinite where whole trials are."""
+        return math.inf
+
+    def everything(self) -> Self:
+        """The same with every window of its recordings, where a fit looks at some of them."""
+        return self
 
     def but_for(self, out: Sequence[str]) -> Self:
         """The same with its other trials alone."""

@@ -108,6 +108,15 @@ class Simulated(Machine):
         self._hidden: tuple[TrialData, ...] = ()
         self._starts: dict[str, tuple[Nuisance, ...]] = {}
 
+    @property
+    def window(self) -> float:
+        """Length of its windows [s]."""
+        return self._window
+
+    def everything(self) -> Self:
+        """All its windows."""
+        return self.in_windows(self._window)
+
     def in_windows(self, length: float) -> Self:
         """The same recordings in windows of another length [s], all of them."""
         other = copy(self)

@@ -9,7 +9,6 @@ import numpy as np
 
 from spacerobot.diagnosis.forward.base import ChannelOverlay
 from spacerobot.diagnosis.forward.choose import forward_model
-from spacerobot.diagnosis.forward.driven_axis import DrivenAxis
 from spacerobot.diagnosis.forward.floating_platform import FloatingPlatform
 from spacerobot.model.robot import Robot
 from spacerobot.recordings.rig_robot import study_robot
@@ -43,8 +42,9 @@ def study_film(study: Study, trial: str | None = None) -> Film:
         return capture_film(study, chosen, overlay, channels)
     if isinstance(model, FloatingPlatform):
         return _platform(study, chosen, model, channels)
-    if isinstance(model, DrivenAxis) and study.robot_source is not None:
-        return _axis(study, chosen, model.joint, channels)
+    joints = [c.split(".")[1] for c in channels if c.startswith("joint.") and c.endswith(".position")]
+    if joints and study.robot_source is not None:
+        return _joints(study, chosen, joints, channels)
     raise InputError(
         "nothing of this study can be drawn",
         given=", ".join(study.channels()[:8]),
@@ -75,23 +75,21 @@ def _platform(study: Study, trial: Trial, model: FloatingPlatform, channels: dic
     return _plain(study, trial, tracks, simulated + ghosts, tip, "base.position.x", "base.position.y", "base.yaw")
 
 
-def _axis(study: Study, trial: Trial, joint: str, channels: dict[str, ChannelOverlay]) -> Film:
-    assert study.robot_source is not None
+def _joints(study: Study, trial: Trial, joints: list[str], channels: dict[str, ChannelOverlay]) -> Film:
     robot = study_robot(study)
-    name = f"joint.{joint}.position"
-    if name not in channels:
-        raise InputError(
-            "the joint's position is not recorded", given=", ".join(channels), valid=name, where=str(study.path)
+    names = {j: f"joint.{j}.position" for j in joints}
+    tracks = Tracks(channels, names[joints[0]])
+
+    def configurations(track: Callable[[str], Array]) -> Array:
+        values = {j: track(name) for j, name in names.items()}
+        return np.array(
+            [robot.configuration(others={j: float(v[t]) for j, v in values.items()}) for t in range(len(tracks.time))]
         )
-    tracks = Tracks(channels, name)
 
-    def configurations(values: Array) -> Array:
-        return np.array([robot.configuration(others={joint: float(v)}) for v in values])
-
-    simulated = robot_bodies(robot, configurations(tracks.simulated(name)))
-    ghosts = _ghosts(robot, configurations(tracks.measured(name)), simulated, tracks.mismatch(name))
-    tip = frame_poses(robot, configurations(tracks.simulated(name)), robot.tip)[:, :3]
-    return _plain(study, trial, tracks, simulated + ghosts, tip, name)
+    simulated = robot_bodies(robot, configurations(tracks.simulated))
+    ghosts = _ghosts(robot, configurations(tracks.measured), simulated, tracks.mismatch(*names.values()))
+    tip = frame_poses(robot, configurations(tracks.simulated), robot.tip)[:, :3]
+    return _plain(study, trial, tracks, simulated + ghosts, tip, *names.values())
 
 
 def _ghosts(robot: Robot, configurations: Array, simulated: tuple[Body, ...], mismatch: Array) -> tuple[Body, ...]:
