@@ -58,6 +58,24 @@ def taken(folder: Path) -> dict[str, float]:
     return {v.name.rpartition(".")[2]: v.value for v in DrivenAxis.of(load_study(folder)).values}
 
 
+@pytest.mark.parametrize(
+    "moving", ["mass = 3.0", "inertia = 3.0", "mass = 2.2\narmature = 0.8", 'inertia = "unknown"', 'mass = "unknown"']
+)
+def test_what_moves_is_what_is_stated_by_whatever_name(moving: str, tmp_path: Path) -> None:
+    """The robot's own file says 7 kg."""
+    folder = axis_study(tmp_path, baseline=f"{moving}\ndamping = 4.0")
+    assert taken(folder)["mass"] == pytest.approx(3.0, rel=1e-3)
+    assert np.abs(residual(folder)).max() < 2e-5
+
+
+def test_a_trial_that_moves_more_says_so(tmp_path: Path) -> None:
+    folder = axis_study(tmp_path, baseline="mass = 1.0\narmature = 0.8\ndamping = 4.0")
+    assert np.abs(residual(folder)).max() > 1e-3
+    path = folder / "study.toml"
+    path.write_text(path.read_text() + "joint.slide.mass = 2.2\n")
+    assert np.abs(residual(folder)).max() < 2e-5
+
+
 def test_a_spring_is_followed_too(tmp_path: Path) -> None:
     baseline = "mass = 3.0\ndamping = 4.0\nstiffness = 900.0"
     assert np.abs(residual(axis_study(tmp_path, stiffness=900.0, baseline=baseline))).max() < 2e-5

@@ -107,6 +107,31 @@ def axis(
     return build
 
 
+def _all_of_it(values: Mapping[str, float], name: str, own: float) -> dict[str, float]:
+    """The values of a joint with its rotor in its mass, `own` where none is stated: what moves is both."""
+    out = {mass_name(n): v for n, v in values.items()}
+    out[f"{name}.mass"] = out.get(f"{name}.mass", own) + out.pop(f"{name}.armature", 0.0)
+    return out
+
+
+def _own(study: Study, trial: Trial, name: str, own: float) -> dict[str, float]:
+    """What a trial states for itself."""
+    out = {mass_name(n): v for n, v in trial.overrides.items()}
+    if out.keys() & {f"{name}.mass", f"{name}.armature"}:
+        out[f"{name}.mass"] = _all_of_it(study.values(trial), name, own)[f"{name}.mass"]
+        out.pop(f"{name}.armature", None)
+    return out
+
+
+def _sigma_of_all(sigma: Mapping[str, float], values: Mapping[str, float], name: str) -> dict[str, float]:
+    """Relative deviations, by name, of a joint's values with its rotor in its mass."""
+    parts = [(values.get(n, 0.0), sigma.get(n, 0.0)) for n in (f"{name}.mass", f"{name}.armature")]
+    out = {n: s for n, s in sigma.items() if n != f"{name}.armature"}
+    if any(value * s for value, s in parts):
+        out[f"{name}.mass"] = math.hypot(*(value * s for value, s in parts)) / sum(value for value, _ in parts)
+    return out
+
+
 def _between(time: np.ndarray, value: np.ndarray, factor: int) -> tuple[np.ndarray, np.ndarray]:
     """A signal at so many times its rate."""
     return band_limited(time, value, factor) if factor > 1 else (time, value)
@@ -116,6 +141,12 @@ def _turned(weight: tuple[float, float], zero: float) -> tuple[float, float]:
     """(a, b) of `weight_of` by the encoder's reading, which is `zero` [rad] where the joint's angle is nothing."""
     a, b = weight
     return a * math.cos(zero) + b * math.sin(zero), b * math.cos(zero) - a * math.sin(zero)
+
+
+def mass_name(name: str) -> str:
+    """What a balance calls a value: "joint.NAME.inertia" is what the joint moves, its coordinate's mass."""
+    joint = name.startswith("joint.") and name.endswith(".inertia")
+    return name.removesuffix("inertia") + "mass" if joint else name
 
 
 def axis_model(study: Study, trials: Sequence[Trial], joint: str, robot: Robot) -> Simulated:
@@ -131,7 +162,9 @@ def axis_model(study: Study, trials: Sequence[Trial], joint: str, robot: Robot) 
     angular = bool(joint_axis(robot.model, robot.joint_id(joint))[0])
     driven = all(f"{name}.torque" in study.recording(t) for t in trials)
     weight = weight_of(robot, study.baseline.gravity, joint)
-    values = {n: v for n, v in study.values().items() if n.startswith(f"{name}.")}
+    values = {mass_name(n): v for n, v in study.values().items() if n.startswith(f"{name}.")}
+    stated_sigma = {mass_name(n): v for n, v in study.sigma.items()}
+    open_ = {mass_name(n) for n in study.baseline.unknown}
     index = robot.velocity_index(joint)
     own = float(joint_space_inertia(robot, robot.configuration())[index, index])
     taken = (f"{name}.position", f"{name}.torque") if driven else (f"{name}.position",)
@@ -161,11 +194,12 @@ def axis_model(study: Study, trials: Sequence[Trial], joint: str, robot: Robot) 
         noise = position.sigma if position.sigma_stated else FIRST_NOISE * sizes.length
         block = Block(position.stream, (position.name,), time, value[None, :], np.full((1, time.size), 1.0 / noise))
         ends = float(time[0]), float(time[-1])
-        whole.append(TrialData(trial.id, study.condition(trial), dict(trial.overrides), (block,), *ends))
-    unknown = {f"{name}.{k}": sizes.of(u) for k, u in UNITS.items() if f"{name}.{k}" in study.baseline.unknown}
+        whole.append(TrialData(trial.id, study.condition(trial), _own(study, trial, name, own), (block,), *ends))
+    unknown = {f"{name}.{k}": sizes.of(u) for k, u in UNITS.items() if f"{name}.{k}" in open_}
     if f"{name}.mass" not in unknown:
-        values.setdefault(f"{name}.mass", own + values.get(f"{name}.armature", 0.0))
-    sigma = {n: s for n, s in study.sigma.items() if n in values and n not in unknown}
+        stated_sigma = _sigma_of_all(stated_sigma, values, name)
+        values = _all_of_it(values, name, own)
+    sigma = {n: s for n, s in stated_sigma.items() if n in values and n not in unknown}
     absolute = {n: s for n, s in study.absolute.items() if n.startswith(f"{name}.") and n not in unknown}
     values |= {n: 0.0 for n in absolute if n not in values}
     logs = (study.recording(t)[f"{name}.torque"].good()[0] for t in trials)

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from spacerobot.diagnosis.machines.axis import axis_model
+from spacerobot.diagnosis.machines.axis import axis_model, mass_name
 from spacerobot.diagnosis.machines.body import axes_of, body_models
 from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.machines.doubted import doubted
@@ -107,12 +107,6 @@ def _felt(name: str, joint: str) -> bool:
     return name.startswith((f"joint.{joint}.", "link.")) or name.endswith(".zero")
 
 
-def _mass(name: str) -> str:
-    """What a balance calls a value: "joint.NAME.inertia" is what the joint moves, its coordinate's mass."""
-    joint = name.startswith("joint.") and name.endswith(".inertia")
-    return name.removesuffix("inertia") + "mass" if joint else name
-
-
 def balances(study: Study, trials: list[Trial], joints: tuple[str, ...]) -> list[Machine]:
     """A torque balance for each joint; of a base that floats, with what the joints make it do."""
     robot = robot_of(study, floating=True if study.baseline.base == "free" else None)
@@ -128,13 +122,13 @@ def balances(study: Study, trials: list[Trial], joints: tuple[str, ...]) -> list
     }
     first = next((j for j in joints if j not in idle), None)
     stream = "" if first is None else study.recording(trials[0])[f"joint.{first}.torque"].stream
-    values = {_mass(n): v for n, v in study.values().items() if n.startswith("joint.")}
+    values = {mass_name(n): v for n, v in study.values().items() if n.startswith("joint.")}
     logs = [study.recording(t)[c] for t in trials for c in channels]
     doubts = doubted(study, trials, channels)
     noise = {s.name: s.sigma for s in logs if s.sigma_stated}
     found: list[Machine] = []
     for joint in joints:
-        unknown = [_mass(n) for n in sorted(study.baseline.unknown) if n.startswith(f"joint.{joint}.")]
+        unknown = [mass_name(n) for n in sorted(study.baseline.unknown) if n.startswith(f"joint.{joint}.")]
         found.append(
             InverseDynamics(
                 robot,
@@ -144,7 +138,7 @@ def balances(study: Study, trials: list[Trial], joints: tuple[str, ...]) -> list
                 compared=[joint],
                 values=values,
                 unknown=unknown,
-                sigma={_mass(n): v for n, v in study.sigma.items() if _felt(n, joint)},
+                sigma={mass_name(n): v for n, v in study.sigma.items() if _felt(n, joint)},
                 absolute={n: v for n, v in study.absolute.items() if _felt(n, joint)},
                 sensor=stream,
                 noise=noise,
