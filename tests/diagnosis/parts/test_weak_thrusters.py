@@ -14,7 +14,7 @@ from spacerobot.diagnosis.machines.choose import models_for
 from spacerobot.diagnosis.selection import held_out
 from spacerobot.diagnosis.terms.hypothesis import hypothesis
 from spacerobot.recordings.study import Study, load_study
-from tests.diagnosis.parts.helpers_air_bed import LEVELS, NOISE, flown, head
+from tests.diagnosis.parts.helpers_air_bed import INERTIA, LEVELS, NOISE, flown, head
 
 SHARE = 0.8
 
@@ -56,6 +56,15 @@ def test_forces_are_a_place_of_their_own_only_where_a_torque_is_beside_them(tmp_
     (tmp_path / "study.toml").write_text(alone)
     (model,) = models_for(load_study(tmp_path))
     assert not [s for s in model.sites() if s.where == "command.force"]
+
+
+def test_of_three_moments_of_inertia_a_body_in_the_plane_has_the_one_that_it_yaws_with(tmp_path: Path) -> None:
+    air_bed(tmp_path, 1.0, 1.0)
+    path = tmp_path / "study.toml"
+    path.write_text(path.read_text().replace(f"yaw_inertia = {INERTIA}", f"inertia = [0.7, 0.9, {INERTIA}]"))
+    (model,) = models_for(load_study(tmp_path))
+    assert model.base["body.yaw_inertia"] == INERTIA
+    assert "body.yaw_inertia" not in model.believed.unknown
 
 
 @pytest.mark.parametrize("trust", [held_out.FAINTLY, 1.0])
