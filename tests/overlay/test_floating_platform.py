@@ -10,6 +10,7 @@ import pytest
 
 from spacerobot.diagnosis.forward.choose import forward_model
 from spacerobot.diagnosis.forward.floating_platform import FloatingPlatform
+from spacerobot.diagnosis.machines.platform import platform_models
 from spacerobot.recordings.study import load_study
 from spacerobot.support.errors import InputError
 from tests.overlay.studies import needs_real, write_csv
@@ -129,6 +130,15 @@ def test_a_joint_without_limits_is_a_joint_like_another(tmp_path: Path) -> None:
 def test_a_wrong_platform_is_seen(tmp_path: Path) -> None:
     assert worst(study(tmp_path / "inertia", believed=(10.0, 0.55)))["base.yaw"] > 2e-3
     assert worst(study(tmp_path / "mass", believed=(11.0, 0.5)))["base.position.x"] > 1e-4
+
+
+def test_of_three_moments_of_inertia_the_one_counts_that_it_yaws_with(tmp_path: Path) -> None:
+    folder = study(tmp_path)
+    path = folder / "study.toml"
+    path.write_text(path.read_text().replace(f"yaw_inertia = {PLATFORM[1]}", f"inertia = [0.9, 0.8, {PLATFORM[1]}]"))
+    assert max(worst(folder).values()) < 5e-5
+    (model,) = platform_models(load_study(folder))
+    assert model.base["platform.yaw_inertia"] == PLATFORM[1]
 
 
 def test_thrust_is_refused(tmp_path: Path) -> None:

@@ -199,6 +199,13 @@ _LAWS = {
 }
 
 
+def _alike(words: str) -> str:
+    """A law's likeness as a sentence."""
+    if words.startswith("rises"):
+        return f"Its curve {words}."
+    return f"It grows{words.removeprefix('growing')}." if words.startswith("growing") else f"It is {words}."
+
+
 def _learned(verdict: Mapping[str, Any], evidence: Evidence) -> Story:
     law = verdict["learned"][0]
     said = _LAWS.get(law["kind"], "a law").format(on=joined(law["depends_on"]))
@@ -207,11 +214,7 @@ def _learned(verdict: Mapping[str, Any], evidence: Evidence) -> Story:
     where = f"at the {law['where']}" if law["where"] in ("wrist", "contact", "target") else place(law["where"])
     sentence = f"What is missing is {said}, {where}: learned from the recordings, which nothing in the "
     sentence += f"catalogue explains. With it, {gained}." if gained else "catalogue explains."
-    more = (
-        (f"Its curve {like['words']}." if like["words"].startswith("rises") else f"It is {like['words']}.",)
-        if like
-        else ("No short formula says as much as the curve below.",)
-    )
+    more = (_alike(like["words"]),) if like else ("No short formula says as much as the curve below.",)
     draft = ("my_law.py, beside this page, is a draft of it as an effect of your own.",) if law["formula"] else ()
     return Story(
         "Learned", "found", "A law that the catalogue does not hold", sentence, (*more, *draft, *_moved(verdict))
