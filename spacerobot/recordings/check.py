@@ -25,7 +25,7 @@ Ask = Callable[[Recording], Iterable[InputError]]
 LINEAR = 0.05
 """Zero of a joint that turns [rad] up to which its torque is linear in it, to 1.3 ‰: a sine's square term."""
 
-IDLE = (".friction", ".ratio", ".kp", ".kv")
+IDLE = (".ratio", ".kp", ".kv")
 """Values of a joint that a study may state and that nothing simulates."""
 
 
@@ -174,6 +174,7 @@ def _idle(study: Study) -> list[str]:
     if any(c == "wrist.x" or c == "target.x" for c in study.channels()):
         shape = (".radius", ".length", ".width", ".height")  # drawn
         idle |= {n for n in stated if n.startswith(("wrist.", "contact.")) and n not in DEFAULTS}
+        idle |= {n for n in stated if n.startswith("joint.") and n.endswith(".friction")}
         idle |= {n for n in study.absolute if n.startswith("target.") and n not in DEFAULTS and not n.endswith(shape)}
     return sorted(idle)
 

@@ -48,8 +48,8 @@ def _known(model: Simulated, study: Study, joint: str) -> Simulated:
     would bend a fit of its motion far more.
     """
     names = [n.rpartition(".")[2] for n in model.believed.unknown]
-    if not names:
-        return model
+    if not names or not set(names) <= set(LAWS) or model.base.get(f"joint.{joint}.friction"):
+        return model  # where friction is in the baseline, nothing bends a fit
     values, own = study.values(), {n.rpartition(".")[2]: v for n, v in model.base.items()}
     stated = {law: own[law] for law in LAWS if law in own}
     tracks = [study.recording(t) for t in study.trials]

@@ -25,7 +25,7 @@ from spacerobot.diagnosis.locate.laws import (
 from spacerobot.diagnosis.locate.samples import Integral, total
 from spacerobot.diagnosis.locate.weak_trial import WeakTrial
 from spacerobot.effects.mechanism import Mechanism
-from spacerobot.effects.primitives import Force
+from spacerobot.effects.primitives import Force, Friction
 
 CONTACT = "contact"
 BODY, LAW, STILL = "body", "law", "still"
@@ -109,6 +109,10 @@ def _body(weak: WeakTrial, mechanism: Mechanism, combination: dict[str, float]) 
         factor = sum(x * mechanism.ports[force.port].get(c, 0.0) for c, x in combination.items())
         if factor and any(force.p):
             parts.append(factor * force_integral(weak, mechanism, force))
+    for friction in mechanism.frictions:
+        factor = sum(x * mechanism.ports[friction.port].get(c, 0.0) for c, x in combination.items())
+        if factor and friction.normal is None and _seen(weak, mechanism, friction.port):
+            parts.append(factor * friction_integral(weak, mechanism, friction))
     for drive in mechanism.inputs:
         factor = sum(x * mechanism.ports[drive.port].get(c, 0.0) for c, x in combination.items())
         if factor:
@@ -147,6 +151,13 @@ def force_integral(weak: WeakTrial, mechanism: Mechanism, force: Force) -> Integ
     slope_d, slope_v = slopes(force.kernel, force.p, state.d, state.v, aux)
     rest = f - slope_d * state.d - slope_v * state.v
     return Integral(weak.integral(0, rest)) + weak.modulated(row, slope_d, slope_v)
+
+
+def friction_integral(weak: WeakTrial, mechanism: Mechanism, friction: Friction) -> Integral:
+    """int phi f dt of a dry friction that the baseline knows, sliding as the smoothed motion has it."""
+    state = weak.port_state(dict(mechanism.ports[friction.port]), weak.nodes)
+    level = [friction.level(float(v), 0.0, float(d), friction.p) for v, d in zip(state.v, state.d, strict=True)]
+    return Integral(weak.integral(0, -np.sign(state.v) * np.array(level)))
 
 
 def _contact(weak: WeakTrial, mechanism: Mechanism) -> list[Balance]:

@@ -11,6 +11,7 @@ import pinocchio as pin
 from spacerobot.diagnosis.machines import torque_log
 from spacerobot.diagnosis.machines.contract import FIRST_NOISE, conditions_of
 from spacerobot.diagnosis.machines.doubted import doubted
+from spacerobot.diagnosis.machines.joint_log import stated_friction
 from spacerobot.diagnosis.machines.simulated import Build, Simulated
 from spacerobot.diagnosis.machines.sizes import sizes_of
 from spacerobot.diagnosis.machines.windows import Drive, band_limited, moment, refinement
@@ -29,7 +30,7 @@ from spacerobot.model.robot import Robot
 from spacerobot.recordings.study import Study
 from spacerobot.recordings.trial import Trial
 
-UNITS = {"mass": "kg", "damping": "N s/m", "stiffness": "N/m"} | torque_log.UNITS
+UNITS = {"mass": "kg", "damping": "N s/m", "stiffness": "N/m", "friction": "N"} | torque_log.UNITS
 """What an axis may leave unknown."""
 
 OSCILLATIONS = 15.0
@@ -67,8 +68,8 @@ def weight_of(robot: Robot, gravity: Sequence[float], joint: str) -> tuple[float
 def axis(
     joint: str, sensor: str, angular: bool, weight: tuple[float, float] = (0.0, 0.0), driven: bool = True
 ) -> Build:
-    """The mechanism of one joint, by its values "joint.NAME.mass", ".stiffness", ".damping", ".gain", ".bias",
-    ".zero".
+    """The mechanism of one joint, by its values "joint.NAME.mass", ".stiffness", ".damping", ".friction", ".gain",
+    ".bias", ".zero".
 
     Args:
         joint: its name.
@@ -98,6 +99,7 @@ def axis(
             coordinates={name: Coordinate(name, values[f"{name}.mass"], angular=angular)},
             ports={name: {name: 1.0}},
             forces=tuple(forces),
+            frictions=stated_friction(values, name),
             inputs=(Input("drive", name, f"{name}.torque", torque_log.gain(values, joint)),) if driven else (),
             maps=(ChannelMap(f"{name}.torque", "delay", -late),) if late else (),
             readouts=readouts,

@@ -12,6 +12,8 @@ from spacerobot.diagnosis.machines.joint_factors import Brought
 from spacerobot.diagnosis.machines.rigid import Rigid
 from spacerobot.diagnosis.machines.sizes import sizes_of
 from spacerobot.diagnosis.machines.test_functions import Bump
+from spacerobot.effects.catalogue.coulomb_friction import level
+from spacerobot.effects.primitives import Friction
 from spacerobot.effects.sizes import Sizes
 
 STEP = 1e-4
@@ -157,3 +159,9 @@ def shifted(grid: Grid, zeros: Mapping[str, float]) -> Grid:
     if not moved:
         return grid
     return replace(grid, value={c: x - moved.get(c, 0.0) for c, x in grid.value.items()})
+
+
+def stated_friction(values: Mapping[str, float], name: str) -> tuple[Friction, ...]:
+    """The dry friction of a joint, "joint.NAME", that the baseline states."""
+    force = values.get(f"{name}.friction", 0.0)
+    return (Friction(f"{name}.friction", name, level, (force,), steady=True),) if force else ()

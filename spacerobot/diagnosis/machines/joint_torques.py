@@ -19,7 +19,7 @@ from spacerobot.diagnosis.machines.doubted import NONE, Doubted, beyond
 from spacerobot.diagnosis.machines.grid import Grid
 from spacerobot.diagnosis.machines.hidden_motion import hidden
 from spacerobot.diagnosis.machines.joint_factors import Brought, asked_for, brought
-from spacerobot.diagnosis.machines.joint_log import JointLog, Motion, kinematics, shifted, torque_sizes
+from spacerobot.diagnosis.machines.joint_log import JointLog, Motion, kinematics, shifted, stated_friction, torque_sizes
 from spacerobot.diagnosis.machines.links import carried_links, mass_of, with_masses
 from spacerobot.diagnosis.machines.measured import port_forces
 from spacerobot.diagnosis.machines.rigid import Rigid
@@ -309,6 +309,7 @@ class InverseDynamics(Machine):
             coordinates=coordinates,
             ports={f"joint.{j}": {f"joint.{j}": 1.0} for j in self.joints},
             forces=tuple(forces),
+            frictions=tuple(f for j in self.joints for f in stated_friction(values, f"joint.{j}")),
             readouts=self._followed,
             maps=(
                 *(m for j in self.compared for m in torque_log.logged(values, j)),

@@ -41,6 +41,7 @@ class CoulombFriction(Effect):
     source = "Coulomb (1785)"
     parameters = (Parameter("force_N", "N", 0.0, 0.1, 0.0, 1e4, (0.02, 0.2, 1.0)),)
     replaces = ("{where}.equivalent_damping",)
+    same_as = ("friction",)
     carried = True
 
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:
