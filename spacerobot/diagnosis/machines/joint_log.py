@@ -12,7 +12,7 @@ from spacerobot.diagnosis.machines.joint_factors import Brought
 from spacerobot.diagnosis.machines.rigid import Rigid
 from spacerobot.diagnosis.machines.sizes import sizes_of
 from spacerobot.diagnosis.machines.test_functions import Bump
-from spacerobot.effects.catalogue.coulomb_friction import level
+from spacerobot.effects.catalogue.coulomb_friction import dry
 from spacerobot.effects.primitives import Friction
 from spacerobot.effects.sizes import Sizes
 
@@ -164,4 +164,4 @@ def shifted(grid: Grid, zeros: Mapping[str, float]) -> Grid:
 def stated_friction(values: Mapping[str, float], name: str) -> tuple[Friction, ...]:
     """The dry friction of a joint, "joint.NAME", that the baseline states."""
     force = values.get(f"{name}.friction", 0.0)
-    return (Friction(f"{name}.friction", name, level, (force,), steady=True),) if force else ()
+    return (dry(f"{name}.friction", name, force),) if force else ()

@@ -18,6 +18,11 @@ def level(v: float, normal: float, aux: float, p: Any) -> float:
     return p[0]
 
 
+def dry(name: str, port: str, force: float) -> Friction:
+    """Dry friction of one level [N or N m] at a port."""
+    return Friction(name, port, level, (force,), steady=True)
+
+
 CREEP = 1e-4
 """Speed [m/s] below which a body that slides in the plane may as well rest: there its friction is smoothed, since
 only friction along one direction can be set-valued."""
@@ -55,4 +60,4 @@ class CoulombFriction(Effect):
         p, others = (values["force_N"],), across(mechanism, where)
         if others:
             return mechanism.with_force(*along_all(self.name, (where, *others), IN_PLANE, p))
-        return mechanism.with_friction(Friction(f"{self.name} at {where}", where, level, p, steady=True))
+        return mechanism.with_friction(dry(f"{self.name} at {where}", where, values["force_N"]))
