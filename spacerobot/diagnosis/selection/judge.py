@@ -99,7 +99,7 @@ def judge(
     bent = many and at_will < scores[id(best)] - MARGIN  # many wrong values do better than any effect
     if best is base or lead < EARN or bent:
         if freed is not None and not (bent or failed):
-            instead = _instead(at_will, ranked, scores, left_of)
+            instead = _instead(freed, at_will, ranked, scores, left_of)
             if instead:
                 return _either(instead, freed, at_will, ranked, scores)
         said = _without_effect(base, freed, ranked, scores, left_of, failed)
@@ -213,14 +213,15 @@ def _unnamed(said: Judgement, better: Sequence[Fit]) -> Judgement:
 
 
 def _instead(
-    at_will: float, ranked: Sequence[Fit], scores: Mapping[int, float], left_of: Mapping[int, Left]
+    freed: Fit, at_will: float, ranked: Sequence[Fit], scores: Mapping[int, float], left_of: Mapping[int, Left]
 ) -> list[Fit]:
-    """Effects that put back all believed values and cost less than wrong values do, best first.
+    """Effects that put back believed values and cost less than wrong values do, best first.
 
-    One thing that is missing is no less likely than a value that is stated wrongly: what it was measured against is
-    asked as well by a sensor's scale, whose price the other values bear.
+    One thing that is missing is no less likely than two values that are both stated wrongly; beside one wrong value it
+    must cost clearly less.
     """
-    better = [f for f in ranked if len(f.hypothesis.sites) == 1 and scores[id(f)] < at_will and not moved(f)]
+    bar = at_will - (0.0 if len(moved(freed)) >= FEW else MARGIN)
+    better = [f for f in ranked if len(f.hypothesis.sites) == 1 and scores[id(f)] < bar and not moved(f)]
     return [f for f in better if id(f) in left_of and left_of[id(f)].adequate]
 
 
