@@ -166,3 +166,18 @@ def _check(name: str, number: float, found: Kind, where: str) -> None:
         raise InputError(f"{name} must be {word} {found.minimum:g} {found.unit}", given=number, where=where)
     if found.strict and number < SMALLEST:
         raise InputError(f"{name} is out of range", given=number, valid=f"from {SMALLEST:g} {found.unit}", where=where)
+
+
+def yawing(stated: Mapping[str, float], group: str, called: str = "") -> dict[str, float]:
+    """What is stated of a body that moves in the plane: of three moments of inertia the one that it yaws with counts.
+
+    Args:
+        stated: by dotted name.
+        group: the body's.
+        called: what the names begin with instead.
+    """
+    own = called or group
+    out = {f"{own}.{n.split('.', 1)[1]}": v for n, v in stated.items() if n.startswith(f"{group}.")}
+    if f"{own}.inertia.z" in out:
+        out.setdefault(f"{own}.yaw_inertia", out[f"{own}.inertia.z"])
+    return out

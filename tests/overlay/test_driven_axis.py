@@ -9,6 +9,8 @@ import pytest
 
 from spacerobot.diagnosis.forward.choose import forward_model
 from spacerobot.diagnosis.forward.driven_axis import DrivenAxis
+from spacerobot.diagnosis.machines.axis import axis_model
+from spacerobot.diagnosis.machines.links import robot_of
 from spacerobot.diagnosis.overlay import overlay
 from spacerobot.recordings.study import load_study
 from spacerobot.support.errors import InputError
@@ -66,6 +68,24 @@ def test_what_moves_is_what_is_stated_by_whatever_name(moving: str, tmp_path: Pa
     folder = axis_study(tmp_path, baseline=f"{moving}\ndamping = 4.0")
     assert taken(folder)["mass"] == pytest.approx(3.0, rel=1e-3)
     assert np.abs(residual(folder)).max() < 2e-5
+
+
+def test_what_is_unknown_is_not_said_to_be_believed(tmp_path: Path) -> None:
+    model = DrivenAxis.of(load_study(axis_study(tmp_path, baseline='mass = "unknown"\ndamping = 4.0')))
+    said = {v.name.rpartition(".")[2]: v.source for v in model.values}
+    assert said["mass"] == DrivenAxis.source
+    assert said["damping"] == "believed"
+
+
+def test_a_rotor_as_well_known_as_stated_makes_the_whole_no_less_known(tmp_path: Path) -> None:
+    """7 kg of the robot's file and a rotor of 0.5 kg, known to a tenth."""
+    folder = axis_study(tmp_path, baseline="armature = 0.5\ndamping = 4.0")
+    path = folder / "study.toml"
+    path.write_text(path.read_text().replace("[streams", "[baseline.sigma]\njoint.slide.armature = 0.1\n[streams", 1))
+    study = load_study(folder)
+    believed = axis_model(study, study.trials, "slide", robot_of(study)).believed
+    assert believed.values["joint.slide.mass"] == pytest.approx(7.5)
+    assert believed.sigma == {"joint.slide.mass": pytest.approx(0.05 / 7.5)}
 
 
 def test_a_trial_that_moves_more_says_so(tmp_path: Path) -> None:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from typing import Self
 
@@ -24,6 +23,7 @@ class DrivenAxis(Parts):
     """m a + c v + k x = recorded force, on one joint: its motion, also where a diagnosis compares torques."""
 
     kind = "one joint driven by its recorded force (reduced model)"
+    source = "unknown to the study: from all trials"
 
     @classmethod
     def applies(cls, study: Study) -> bool:
@@ -40,24 +40,21 @@ class DrivenAxis(Parts):
         joint = _driven(study)
         assert joint is not None  # applies() has seen it
         model = axis_model(study, study.trials, joint, robot_of(study))
-        return cls(study, (as_believed(_known(model, study, joint)),))
+        return cls(study, (as_believed(model, _found(model, study, joint)),))
 
 
-def _known(model: Simulated, study: Study, joint: str) -> Simulated:
-    """The axis with what is unknown of it from the momentum balance of all trials: friction that is not in the baseline
-    would bend a fit of its motion far more.
+def _found(model: Simulated, study: Study, joint: str) -> dict[str, float]:
+    """What is unknown of the axis, from the momentum balance of all trials: friction that is not in the baseline would
+    bend a fit of its motion far more. Nothing where that is in the baseline, and a fit says it all.
     """
     names = [n.rpartition(".")[2] for n in model.believed.unknown]
     if not names or not set(names) <= set(LAWS) or model.base.get(f"joint.{joint}.friction"):
-        return model  # where friction is in the baseline, nothing bends a fit
+        return {}
     values, own = study.values(), {n.rpartition(".")[2]: v for n, v in model.base.items()}
     stated = {law: own[law] for law in LAWS if law in own}
     tracks = [study.recording(t) for t in study.trials]
     found = balance(tracks, joint, stated, names, partial(torque_log.torque, values, joint))
-    out = copy(model)
-    out.base = model.base | {f"joint.{joint}.{law}": value for law, value in found.items()}
-    out.believed = replace(model.believed, values=out.base, unknown={})
-    return out
+    return {f"joint.{joint}.{law}": value for law, value in found.items()}
 
 
 def _driven(study: Study) -> str | None:

@@ -11,13 +11,13 @@ import numpy as np
 import pinocchio as pin
 
 from spacerobot.diagnosis.forward.base import ForwardModel, TrialOverlay, Value, channels_of, overlaid, unit_of
-from spacerobot.diagnosis.machines.platform import platform_values
 from spacerobot.dynamics.floating_base import BaseMotion, base_motion, floating_configuration
 from spacerobot.model.robot import Robot
 from spacerobot.recordings.recording import Recording
 from spacerobot.recordings.rig_robot import study_robot
 from spacerobot.recordings.study import Study
 from spacerobot.recordings.trial import Trial
+from spacerobot.recordings.values import yawing
 from spacerobot.support.errors import InputError
 
 TRACK = ("base.position.x", "base.position.y", "base.yaw")
@@ -70,7 +70,7 @@ class FloatingPlatform(ForwardModel):
     @property
     def values(self) -> tuple[Value, ...]:
         """Mass and inertia of the platform, as stated or as the robot's own."""
-        stated = platform_values(self.study.values())
+        stated = yawing(self.study.values(), "platform")
         base = self.robot.model.inertias[1]
         own = {"platform.mass": base.mass, "platform.yaw_inertia": float(base.inertia[2, 2])}
         return tuple(
@@ -130,7 +130,7 @@ class FloatingPlatform(ForwardModel):
 
     def _model(self, trial: Trial) -> pin.Model:
         model = self.robot.model.copy()
-        stated = platform_values(self.study.values(trial))
+        stated = yawing(self.study.values(trial), "platform")
         base = model.inertias[1]
         mass = stated.get("platform.mass", base.mass)
         inertia = base.inertia.copy()

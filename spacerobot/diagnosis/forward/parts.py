@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import ClassVar, Self
@@ -158,11 +159,13 @@ def _unit(name: str, plain: Mechanism) -> str:
     return ""
 
 
-def as_believed(model: Machine) -> tuple[Machine, Hypothesis, np.ndarray]:
-    """A part without effects, its values as believed; those that are unknown as they fit best."""
-    made = hypothesis(replace(model.believed, sigma={}, zeros={}), ())
-    z = Fitter(model, model.trials).fit(made, max_iterations=STEPS).z if made.free else np.zeros(0)
-    return model.everything(), made, z
+def as_believed(model: Machine, found: Mapping[str, float] | None = None) -> tuple[Machine, Hypothesis, np.ndarray]:
+    """A part without effects, its values as believed; those that are unknown as `found`, or else as they fit best."""
+    unknown = found or model.believed.unknown
+    made = hypothesis(replace(model.believed, sigma={}, zeros={}, unknown=unknown), ())
+    if found or not made.free:
+        return model.everything(), made, np.zeros(len(made.free))
+    return model.everything(), made, Fitter(model, model.trials).fit(made, max_iterations=STEPS).z
 
 
 def _rows(

@@ -77,8 +77,8 @@ def settle_part(part: Part, report: Report) -> Part:
     foretold = min(unseen.after, unseen.selected, key=lambda held: held.total)
     if not pays(Candidate(taken.curve.fit, foretold), Candidate(taken.best.fit, best), taken.bench.trials):
         said = words(taken.law)
-        return replace(
-            part, not_learned=f"{said}, learned again without a part of the trials, predicts these no better"
+        return _without(
+            part, NotLearned(f"{said}, learned again without a part of the trials, predicts these no better")
         )
     return _learned(part, taken, unseen, growth)
 

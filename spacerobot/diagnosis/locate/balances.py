@@ -98,6 +98,11 @@ def _seen(weak: WeakTrial, mechanism: Mechanism, port: str) -> bool:
 def _body(weak: WeakTrial, mechanism: Mechanism, combination: dict[str, float]) -> Balance:
     count = weak.windows.count
     parts: list[Integral] = []
+
+    def felt(port: str) -> float:
+        """By how much a force along a port pushes on the combination."""
+        return sum(x * mechanism.ports[port].get(c, 0.0) for c, x in combination.items())
+
     for c, x in combination.items():
         mass = mechanism.coordinates[c].mass
         parts.append(-x * mass * weak.coordinate(c, 2))
@@ -106,15 +111,15 @@ def _body(weak: WeakTrial, mechanism: Mechanism, combination: dict[str, float]) 
                 uniform = np.full(weak.nodes.shape, x * mass * item.acceleration)
                 parts.append(Integral(weak.integral(0, uniform)))
     for force in mechanism.forces:
-        factor = sum(x * mechanism.ports[force.port].get(c, 0.0) for c, x in combination.items())
+        factor = felt(force.port)
         if factor and any(force.p):
             parts.append(factor * force_integral(weak, mechanism, force))
     for friction in mechanism.frictions:
-        factor = sum(x * mechanism.ports[friction.port].get(c, 0.0) for c, x in combination.items())
+        factor = felt(friction.port)
         if factor and friction.normal is None and _seen(weak, mechanism, friction.port):
             parts.append(factor * friction_integral(weak, mechanism, friction))
     for drive in mechanism.inputs:
-        factor = sum(x * mechanism.ports[drive.port].get(c, 0.0) for c, x in combination.items())
+        factor = felt(drive.port)
         if factor:
             parts.append(weak.drive(drive.channel, factor * drive.gain))
     if mechanism.contact is not None and weak.force is not None:

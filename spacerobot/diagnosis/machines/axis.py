@@ -116,8 +116,8 @@ def _all_of_it(values: Mapping[str, float], name: str, own: float) -> dict[str, 
     return out
 
 
-def _own(study: Study, trial: Trial, name: str, own: float) -> dict[str, float]:
-    """What a trial states for itself."""
+def _of_trial(study: Study, trial: Trial, name: str, own: float) -> dict[str, float]:
+    """What a trial states for itself, as `_all_of_it` has it."""
     out = {mass_name(n): v for n, v in trial.overrides.items()}
     if out.keys() & {f"{name}.mass", f"{name}.armature"}:
         out[f"{name}.mass"] = _all_of_it(study.values(trial), name, own)[f"{name}.mass"]
@@ -125,9 +125,10 @@ def _own(study: Study, trial: Trial, name: str, own: float) -> dict[str, float]:
     return out
 
 
-def _sigma_of_all(sigma: Mapping[str, float], values: Mapping[str, float], name: str) -> dict[str, float]:
-    """Relative deviations, by name, of a joint's values with its rotor in its mass."""
-    parts = [(values.get(n, 0.0), sigma.get(n, 0.0)) for n in (f"{name}.mass", f"{name}.armature")]
+def _sigma_of_all(sigma: Mapping[str, float], values: Mapping[str, float], name: str, own: float) -> dict[str, float]:
+    """Relative deviations, by name, of a joint's values with its rotor in its mass, as `_all_of_it` has it."""
+    stated = {f"{name}.mass": values.get(f"{name}.mass", own), f"{name}.armature": values.get(f"{name}.armature", 0.0)}
+    parts = [(value, sigma.get(n, 0.0)) for n, value in stated.items()]
     out = {n: s for n, s in sigma.items() if n != f"{name}.armature"}
     if any(value * s for value, s in parts):
         out[f"{name}.mass"] = math.hypot(*(value * s for value, s in parts)) / sum(value for value, _ in parts)
@@ -196,10 +197,10 @@ def axis_model(study: Study, trials: Sequence[Trial], joint: str, robot: Robot) 
         noise = position.sigma if position.sigma_stated else FIRST_NOISE * sizes.length
         block = Block(position.stream, (position.name,), time, value[None, :], np.full((1, time.size), 1.0 / noise))
         ends = float(time[0]), float(time[-1])
-        whole.append(TrialData(trial.id, study.condition(trial), _own(study, trial, name, own), (block,), *ends))
+        whole.append(TrialData(trial.id, study.condition(trial), _of_trial(study, trial, name, own), (block,), *ends))
     unknown = {f"{name}.{k}": sizes.of(u) for k, u in UNITS.items() if f"{name}.{k}" in open_}
     if f"{name}.mass" not in unknown:
-        stated_sigma = _sigma_of_all(stated_sigma, values, name)
+        stated_sigma = _sigma_of_all(stated_sigma, values, name, own)
         values = _all_of_it(values, name, own)
     sigma = {n: s for n, s in stated_sigma.items() if n in values and n not in unknown}
     absolute = {n: s for n, s in study.absolute.items() if n.startswith(f"{name}.") and n not in unknown}

@@ -23,6 +23,7 @@ from spacerobot.effects.registry import all_effects
 from spacerobot.effects.sizes import Sizes
 from spacerobot.recordings.study import Study
 from spacerobot.recordings.trial import Trial
+from spacerobot.recordings.values import yawing
 
 COMMAND = "command"
 """What the sensors' effects call the recorded forces: thrust that comes out weaker, later or sluggish."""
@@ -210,7 +211,7 @@ def _model(study: Study, trials: Sequence[Trial], group: str, name: str) -> Simu
                 weight = np.full((1, time.size), 1.0 / noise)
                 blocks.append(Block(series.stream, (channel,), time, value[None, :], weight))
         start, end = min(b.time[0] for b in blocks), max(b.time[-1] for b in blocks)
-        overrides = _about_the_vertical(trial.overrides, group)
+        overrides = yawing(trial.overrides, group, "body")
         condition = study.condition(trial)
         whole.append(TrialData(trial.id, condition, overrides, tuple(blocks), float(start), float(end)))
         if driven:
@@ -221,7 +222,7 @@ def _model(study: Study, trials: Sequence[Trial], group: str, name: str) -> Simu
             ahead, aside = bodily
             turned = Turned(ahead, aside, turning, np.unwrap(angle))
             drives[trial.id] = replace(drives[trial.id], turned=turned)
-    values = _about_the_vertical(study.values(), group)
+    values = yawing(study.values(), group, "body")
     unknown, relative = {}, []
     for key, angular in (("body.mass", False), ("body.yaw_inertia", True)):
         stated = key in values or all(key in t.overrides for t in whole)
@@ -244,7 +245,7 @@ def _model(study: Study, trials: Sequence[Trial], group: str, name: str) -> Simu
         if len(driven) > 1:
             sensors |= {name: (c,) for name, c in singly.items()}
     known = study.recording(trials[0])
-    said = _about_the_vertical(study.sigma, group)
+    said = yawing(study.sigma, group, "body")
     sigma = {n: v for n, v in said.items() if n in ("body.mass", "body.yaw_inertia") and n not in unknown}
     logs = (study.recording(t)[c].good()[0] for t in trials for c in driven)
     late = moment("body.delay", values, (np.median(np.diff(log)) for log in logs)) if driven else {}
@@ -275,14 +276,6 @@ def _model(study: Study, trials: Sequence[Trial], group: str, name: str) -> Simu
     made.stated = frozenset(c for c in whole[0].channels if known[c].sigma_stated)
     made.relative_to = tuple(key.replace("body", group, 1) for key in relative)
     return made
-
-
-def _about_the_vertical(stated: Mapping[str, float], group: str) -> dict[str, float]:
-    """What is stated of a body, as of "body"; of its three moments of inertia the one that it yaws with counts too."""
-    out = {f"body.{n.split('.', 1)[1]}": v for n, v in stated.items() if n.startswith(f"{group}.")}
-    if "body.inertia.z" in out:
-        out.setdefault("body.yaw_inertia", out["body.inertia.z"])
-    return out
 
 
 def _window(whole: Sequence[TrialData], pace: float, driven: bool) -> float:

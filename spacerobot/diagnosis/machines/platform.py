@@ -39,6 +39,7 @@ from spacerobot.recordings.recording import Recording
 from spacerobot.recordings.series import Series
 from spacerobot.recordings.study import Study
 from spacerobot.recordings.trial import Trial
+from spacerobot.recordings.values import yawing
 
 TRACK = {"base": "base.position.x", "base.y": "base.position.y", "base.yaw": "base.yaw"}
 """Coordinate -> the channel that shows it."""
@@ -56,14 +57,6 @@ EARLY = 1.0
 """Readings within this time [s] tell how a trial starts."""
 
 VALUES = ("platform.mass", "platform.yaw_inertia")
-
-
-def platform_values(stated: Mapping[str, float]) -> dict[str, float]:
-    """What is stated of the platform; of its three moments of inertia the one that it yaws with counts too."""
-    out = {n: v for n, v in stated.items() if n.startswith("platform.")}
-    if "platform.inertia.z" in out:
-        out.setdefault("platform.yaw_inertia", out["platform.inertia.z"])
-    return out
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +82,7 @@ class Platform(Machine):
         self.given = frozenset(self.drives.values()) | {s.name for t in trials for s in _thrust(study.recording(t))}
         self.robot: Robot = robot_of(study, floating=True)
         own = self.robot.model.inertias[1]
-        believed = platform_values(study.values())
+        believed = yawing(study.values(), "platform")
         self.base = {"platform.mass": own.mass, "platform.yaw_inertia": float(own.inertia[2, 2]), **believed}
         self._grid: dict[str, np.ndarray] = {}
         self._joints: dict[str, np.ndarray] = {}
@@ -101,7 +94,7 @@ class Platform(Machine):
         self.sizes = self._sizes()
         self._whole = tuple(self._trial(t) for t in trials)
         self.trials = self._whole
-        sigma = {n: s for n, s in platform_values(study.sigma).items() if n in VALUES}
+        sigma = {n: s for n, s in yawing(study.sigma, "platform").items() if n in VALUES}
         unknown = {n: self.base[n] for n in VALUES if n in study.baseline.unknown}
         zeros = self.doubted.sigma
         self.believed = Believed(self.base, sigma, {}, conditions_of(self.trials), unknown, zeros=zeros)

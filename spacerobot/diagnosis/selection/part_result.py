@@ -137,10 +137,12 @@ class Part:
         Where the readings themselves are predicted, a pattern that no force bears out on unseen trials, neither of the
         catalogue nor learned, is none: a controller that makes up for what disturbs it pushes in step with that.
         """
-        if not self.striking or not self.model.predicts_readings:
-            return bool(self.striking)
+        if not self.striking:
+            return False
+        if not (self.no_law and self.model.predicts_readings):
+            return True
         plain = self.growth.considered_baseline
-        return not self.no_law or any(surely(c, plain, self.trials) for c in self.growth.considered if c.sites)
+        return any(surely(c, plain, self.trials) for c in self.growth.considered if c.sites)
 
     @property
     def loudness(self) -> dict[str, float]:

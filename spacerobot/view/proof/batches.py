@@ -40,7 +40,8 @@ def batches(docs: Path) -> str:
     try:
         earlier = tomllib.loads(path.read_text(encoding="utf-8"))["batch"]
         large = [e for e in earlier if e["campaigns"] >= LARGE and "confidently_wrong" in e]
-        rows = [_earlier(entry) for entry in large] + [_small([e for e in earlier if e not in large])]
+        small = [e for e in earlier if e not in large]
+        rows = [_earlier(entry) for entry in large] + ([_small(small)] if small else [])
     except (tomllib.TOMLDecodeError, KeyError, TypeError, ValueError, UnicodeDecodeError) as error:
         raise InputError(f"no list of batches: {error}", where=str(path)) from None
     rows += [_published(path) for path in sorted(docs.glob("*_records.jsonl"))]
@@ -56,11 +57,11 @@ def _earlier(entry: Mapping[str, Any]) -> list[str]:
 
 def _small(entries: Sequence[Mapping[str, Any]]) -> list[str]:
     """Many batches in one line."""
-    dates = sorted(e["date"] for e in entries)
+    dates = [e["date"] for e in entries]
     campaigns = sum(e["campaigns"] for e in entries)
     wrong, found = (_summed([e[key] for e in entries if key in e]) for key in ("confidently_wrong", "in_set"))
-    last = f"{len(entries)} small ones and searches, to {dates[-1]}" if entries else "none"
-    return [dates[0] if dates else "", "-", "-", str(campaigns), wrong, found, last]
+    said = f"{len(entries)} small ones and searches, to {max(dates)}"
+    return [min(dates), "-", "-", str(campaigns), wrong, found, said]
 
 
 def _summed(shares: Sequence[str]) -> str:
