@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -38,6 +38,9 @@ class Run(Protocol):
     def port(self, name: str, states: np.ndarray) -> np.ndarray:
         """A port's value from the coordinates', shape (T,)."""
 
+    def ports(self, names: Sequence[str], states: np.ndarray) -> np.ndarray:
+        """Several ports' values from the coordinates', shape (P, T)."""
+
     def switches(self) -> np.ndarray:
         """Times at which a mode changes, ascending, shape (E,) [s]: there forces and accelerations jump."""
 
@@ -57,14 +60,24 @@ def read_channels(run: Run, mechanism: Mechanism, channels: Iterable[str], times
     Raises:
         NotFoundError: a channel that the mechanism does not show.
     """
-    out: dict[str, np.ndarray] = {}
-    taken: dict[float, _Taken] = {}
-    for channel in channels:
+    out: dict[str, np.ndarray] = dict.fromkeys(channels, times)  # in this order
+    mapped = {m.channel for m in mechanism.maps}
+    taken: dict[float, _Taken] = {0.0: _Taken(run, times)}
+    bare: dict[str, list[str]] = {}  # by kind, channels that show a port and nothing else
+    for channel in out:
         readout = mechanism.readouts.get(channel)
         if readout is None:
             raise NotFoundError("channel", channel, mechanism.readouts)
+        if readout.kind != "force" and channel not in mapped:
+            bare.setdefault(readout.kind, []).append(channel)
+            continue
         maps = sorted((m for m in mechanism.maps if m.channel == channel), key=lambda m: m.rank)
         out[channel] = _read(run, readout, maps, times, taken)
+    for kind, some in bare.items():
+        readouts = [mechanism.readouts[channel] for channel in some]
+        values = run.ports([r.of for r in readouts], taken[0.0].of(kind))
+        for channel, readout, value in zip(some, readouts, values, strict=True):
+            out[channel] = value if readout.sign == 1.0 else readout.sign * value
     return out
 
 

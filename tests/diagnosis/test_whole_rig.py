@@ -108,9 +108,27 @@ def test_a_chaser_whose_elbow_rubs_is_named_so(tmp_path: Path) -> None:
     """The search is made again about what it found; a joint's friction is a torque."""
     study = moving_robot(tmp_path, "free", EffectAt(*ELBOW, {"force_N": 0.1}), floating=True)
     verdict = diagnose(study).verdict
-    assert verdict.verdict == "named", verdict.why
-    (found,) = verdict.effects
-    assert (found.effect, found.where) == ELBOW
-    low, high = found.parameters["force_Nm"].ci95
+    assert verdict["verdict"] == "named", verdict["why"]
+    (found,) = verdict["effects"]
+    assert (found["effect"], found["where"]) == ELBOW
+    low, high = found["parameters"]["force_Nm"]["ci95"]
     assert low < 0.1 < high
-    assert found.parameters["force_Nm"].unit == "N m"
+    assert found["parameters"]["force_Nm"]["unit"] == "N m"
+
+
+def test_what_a_zero_changes_is_what_two_predictions_differ_by(tmp_path: Path) -> None:
+    """It is added to its channel and to nothing else: no simulation is needed to tell."""
+    workshop = Workshop(moving_robot(tmp_path, "free", floating=True))
+    fitter, trial = workshop.fitter(), workshop.trials[0]
+    made, start = hypothesis(workshop.model.believed, []), fitter.guess()[trial.id]
+    base, _ = fitter.residual(made, made.start(), trial, start)
+    told = 0
+    for n, nuisance in enumerate(workshop.model.nuisances(trial)):
+        added = fitter.added(trial, n)
+        assert (added is None) == (not nuisance.adds_to)
+        if added is not None:
+            moved = start.copy()
+            moved[n] += 1.0
+            np.testing.assert_allclose(fitter.residual(made, made.start(), trial, moved)[0] - base, added, rtol=1e-9)
+            told += 1
+    assert told > 5

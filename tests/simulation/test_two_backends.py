@@ -92,9 +92,10 @@ def simulated(scene: Scene, backend: str) -> Trajectory | InputError:
 
 
 def apart(few: Trajectory, many: Trajectory) -> dict[str, float]:
-    """Largest difference of every channel that both show, over the travel of the target."""
-    travel = max(float(np.ptp(many["target.x"])), 1e-3)
-    return {c: float(np.abs(few[c] - many[c]).max()) / travel for c in SHOWN if c in few.channels}
+    """Largest difference of every channel that both show, over the travel of what travels furthest."""
+    shown = [c for c in SHOWN if c in few.channels]
+    travel = max(1e-3, *(float(np.ptp(many[c])) for c in shown))
+    return {c: float(np.abs(few[c] - many[c]).max()) / travel for c in shown}
 
 
 def agree(scene: Scene) -> bool | None:

@@ -108,3 +108,11 @@ def test_delays_of_one_channel_add_up(run: ReducedRun) -> None:
     maps = tuple(ChannelMap("contact.force", "delay", value) for value in (0.003, 0.002))
     seen = read_channels(run, replace(RIG, maps=maps), ("contact.force",), TIMES)["contact.force"]
     np.testing.assert_allclose(seen, plain(run, "force_sensor", TIMES - 0.005)["contact.force"], atol=1e-12)
+
+
+def test_channels_read_together_show_what_each_shows_alone(run: ReducedRun) -> None:
+    channels = list(RIG.readouts)[::-1]
+    together = read_channels(run, RIG, channels, TIMES)
+    assert list(together) == channels
+    for name, value in together.items():
+        np.testing.assert_allclose(value, read_channels(run, RIG, [name], TIMES)[name], rtol=1e-13, atol=1e-16)

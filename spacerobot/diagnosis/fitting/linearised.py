@@ -117,12 +117,24 @@ class Linearised:
 
             columns[:, g] = _slope(with_value, base, step, low[g] <= z[g] - step <= high[g], both)
         for n, scale in enumerate(scales if old is None else ()):
+            added = self.added(trial, n)
+            if added is not None:
+                columns[:, z.size + n] = scale * added
+                continue
 
             def with_start(by: float, n: int = n, scale: float = scale) -> np.ndarray:
                 return self.residual(hypothesis, z, trial, _moved(initial, n, by * scale))[0]
 
             columns[:, z.size + n] = _slope(with_start, base, self._starts_by[trial.id][n], True, both)
         return columns
+
+    def added(self, trial: TrialData, n: int) -> np.ndarray | None:
+        """Derivative of a trial's residual by a value of its own that is only added to a channel, shape (S,)."""
+        channel = self.model.nuisances(trial)[n].adds_to
+        if not channel:
+            return None
+        rows = [w if c == channel else np.zeros_like(w) for b in trial.blocks for c, w in zip(b.channels, b.weight)]
+        return np.concatenate(rows)
 
     def jacobians(
         self, hypothesis: Hypothesis, state: State, old: Mapping[str, np.ndarray], both: bool = False

@@ -5,8 +5,19 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
+from typing import NamedTuple
 
 import numpy as np
+
+from spacerobot.diagnosis.terms.data import Block
+
+
+class _Rows(NamedTuple):
+    """What is added to a block of channels."""
+
+    time: np.ndarray  # (T,) at which
+    which: list[int]  # of its channels
+    stacked: np.ndarray  # (R, C T) their rows, one channel after another
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,6 +38,7 @@ class Bent:
     own: tuple[int, ...]
     shown: Mapping[str, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
     later: tuple[float, ...] = ()
+    _beside: dict[tuple[str, ...], _Rows] = field(init=False, default_factory=dict, repr=False)
 
     def weights(self, values: Mapping[str, float], initial: np.ndarray) -> np.ndarray:
         """Of the rows, at other values; shape (R,). An effect that is not among them is not there."""
@@ -34,13 +46,27 @@ class Bent:
         started = [float(initial[n] - self.initial[n]) for n in self.own]
         return np.array([1.0, *moved, *started])
 
-    def add(self, channel: str, time: np.ndarray, weights: np.ndarray, row: np.ndarray) -> None:
-        """To what small motions show of a channel at some times, shape (T,), in place."""
-        if channel not in self.shown:
+    def add(self, block: Block, late: float, weights: np.ndarray, shown: np.ndarray) -> None:
+        """To what small motions show of a block, shape (C, T), in place; its clock is late by so much [s]."""
+        rows = self._rows(block)
+        if not rows.which:
             return
-        at, rows = self.shown[channel]
-        more = weights @ rows
-        row += more if at is time or np.array_equal(at, time) else np.interp(time, at, more)
+        more = (weights @ rows.stacked).reshape(len(rows.which), -1)
+        if late:
+            more = np.array([np.interp(block.time - late, block.time, m) for m in more])
+        shown[rows.which] += more
+
+    def _rows(self, block: Block) -> _Rows:
+        known = self._beside.get(block.channels)
+        if known is None or known.time is not block.time:
+            which = [k for k, channel in enumerate(block.channels) if channel in self.shown]
+            rows = [self._at(block.time, *self.shown[block.channels[k]]) for k in which]
+            stacked = np.concatenate(rows, axis=1) if rows else np.empty((0, 0))
+            known = self._beside[block.channels] = _Rows(block.time, which, stacked)
+        return known
+
+    def _at(self, time: np.ndarray, at: np.ndarray, rows: np.ndarray) -> np.ndarray:
+        return rows if np.array_equal(at, time) else np.array([np.interp(time, at, row) for row in rows])
 
     def touches(self, small: tuple[float, ...]) -> tuple[float, ...]:
         """When the whole robot touches, from when the small motions do."""

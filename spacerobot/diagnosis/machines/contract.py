@@ -38,6 +38,7 @@ class Nuisance:
         scale: step of one unit in a fit.
         least: smallest difference that a derivative can be taken by: less is lost in an integrator's error.
         beside: by doubted factor, what one more of it adds to where it truly is: it is counted as it was read.
+        adds_to: channel that it is added to as it is read, and to nothing else.
     """
 
     coordinate: str
@@ -46,6 +47,7 @@ class Nuisance:
     scale: float
     least: float = 0.0
     beside: tuple[tuple[str, float], ...] = ()
+    adds_to: str = ""
 
     @property
     def floor(self) -> float:

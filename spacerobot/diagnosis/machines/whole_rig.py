@@ -105,11 +105,8 @@ class WholeRig(RigModel):
             if is_rate(channel):
                 continue
             slope, offset = np.polyfit(time[early] - trial.start, value[early], 1)
-            found.append(
-                Nuisance(
-                    ZERO + channel, False, float(offset if self._drifting(channel) else value[early].mean()), noise
-                )
-            )
+            zero = float(offset if self._drifting(channel) else value[early].mean())
+            found.append(Nuisance(ZERO + channel, False, zero, noise, adds_to=channel))
             if self._drifting(channel):
                 found.append(Nuisance(channel, True, float(slope), noise / max(float(np.ptp(time[early])), 1e-3)))
         found += clocks
@@ -228,8 +225,8 @@ class WholeRig(RigModel):
     def predict(self, mechanism: Mechanism, trial: TrialData, initial: np.ndarray) -> RigPredicted:
         """With what channels read where the machine stands, and what the robot shows beyond its small motions."""
         own = self._motion[trial.id]
-        zeros = {n.coordinate.removeprefix(ZERO): float(v) for n, v in zip(own, initial, strict=True) if _zero(n)}
-        moving = tuple(float(v) for n, v in zip(own, initial, strict=True) if not _zero(n))
+        zeros = {n.adds_to: float(v) for n, v in zip(own, initial, strict=True) if n.adds_to}
+        moving = tuple(float(v) for n, v in zip(own, initial, strict=True) if not n.adds_to)
         kept = self._shown.get(trial.id)
         if kept is None or kept[0] is not mechanism or kept[1] != moving:
             kept = self._shown[trial.id] = mechanism, moving, super().predict(mechanism, trial, initial)
@@ -238,10 +235,9 @@ class WholeRig(RigModel):
         _, values = self._made.get(id(mechanism), (None, {}))
         weights = None if bent is None else bent.weights(values, initial)
         for block, shown, late in zip(trial.blocks, blocks, kept[2].late, strict=True):
-            for row, channel in zip(shown, block.channels, strict=True):
-                row += zeros.get(channel, 0.0)
-                if bent is not None and weights is not None:
-                    bent.add(channel, block.time - late if late else block.time, weights, row)
+            shown += np.array([zeros.get(channel, 0.0) for channel in block.channels])[:, None]
+            if bent is not None and weights is not None:
+                bent.add(block, late, weights, shown)
         touches = kept[2].touches if bent is None else bent.touches(kept[2].touches)
         return replace(kept[2], blocks=blocks, touches=touches)
 
@@ -274,7 +270,7 @@ class WholeRig(RigModel):
         """Joints and base less what they read where the machine stands."""
         out = []
         for trial in trials:
-            zeros = {n.coordinate.removeprefix(ZERO): n.guess for n in self.nuisances(trial) if _zero(n)}
+            zeros = {n.adds_to: n.guess for n in self.nuisances(trial) if n.adds_to}
             blocks = []
             for block in trial.blocks:
                 zero = np.array([zeros.get(c, 0.0) for c in block.channels])
@@ -284,10 +280,6 @@ class WholeRig(RigModel):
 
     def _arm(self, values: Mapping[str, float], trial: TrialData | None) -> ServoArm:
         return self.robot.of("" if trial is None else trial.recorded, _masses(values))
-
-
-def _zero(nuisance: Nuisance) -> bool:
-    return nuisance.coordinate.startswith(ZERO)
 
 
 def _in_robot(where: str) -> bool:

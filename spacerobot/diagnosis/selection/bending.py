@@ -13,7 +13,7 @@ from spacerobot.diagnosis.fitting.workshop import Workshop
 from spacerobot.diagnosis.machines.bent import NOTHING, Bent, Beyond, is_effect
 from spacerobot.diagnosis.machines.contract import CLOCK
 from spacerobot.diagnosis.machines.robot_channels import is_rate, of_robot
-from spacerobot.diagnosis.machines.whole_rig import ZERO, WholeRig
+from spacerobot.diagnosis.machines.whole_rig import WholeRig
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import hypothesis
 from spacerobot.effects.effect import Effect
@@ -104,7 +104,7 @@ class _Pair:
     def _own(self, trial: TrialData) -> tuple[int, ...]:
         """A trial's own values along which the two may differ: no zeros, no clocks."""
         every = enumerate(self._small.nuisances(trial))
-        return tuple(k for k, n in every if not n.coordinate.startswith((ZERO, CLOCK)))
+        return tuple(k for k, n in every if not (n.adds_to or n.coordinate.startswith(CLOCK)))
 
     def _slope(self, moved: Fit, trial: TrialData, here: Mapping[str, np.ndarray], by: float) -> dict[str, np.ndarray]:
         there, _ = self._more(moved, trial)
@@ -116,7 +116,7 @@ class _Pair:
         run = integrate_scene(scene, trial.end - trial.start, tolerance=TOLERANCE)
         mechanism = self._small.trial_mechanism(fit.hypothesis, fit.z, trial)
         plain = replace(mechanism, maps=())  # sensors act on the sum
-        zeros = [n.coordinate.startswith(ZERO) for n in self._small.nuisances(trial)]
+        zeros = [bool(n.adds_to) for n in self._small.nuisances(trial)]
         small = self._small.predict(plain, trial, np.where(zeros, 0.0, fit.trials[trial.id].initial))
         unmapped = replace(run.mechanism, maps=())
         found: dict[str, np.ndarray] = {}

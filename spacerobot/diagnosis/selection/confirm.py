@@ -8,7 +8,6 @@ from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.mended_scene import scene_of
 from spacerobot.diagnosis.fitting.workshop import Workshop
 from spacerobot.diagnosis.machines.robot_channels import of_robot
-from spacerobot.diagnosis.machines.whole_rig import ZERO
 from spacerobot.diagnosis.machines.wrist_rig import counted
 from spacerobot.diagnosis.selection.check import Check
 from spacerobot.diagnosis.terms.data import TrialData
@@ -60,8 +59,7 @@ def difference(workshop: Workshop, chosen: Fit, trial: TrialData) -> float:
     keep = counted(mechanism, trial, reduced)
     total, count, row = 0.0, 0, 0
     free = chosen.values()
-    named = (n.coordinate for n in workshop.model.nuisances(trial))
-    zeros = {n.removeprefix(ZERO) for n in named if n.startswith(ZERO)}
+    zeros = {n.adds_to for n in workshop.model.nuisances(trial)}
     beside = [np.zeros_like(shown) for shown in reduced.blocks]
     workshop.model.take_off_beside(beside, mechanism, trial)
     for block, shown, late, other in zip(trial.blocks, reduced.blocks, reduced.late, beside, strict=True):

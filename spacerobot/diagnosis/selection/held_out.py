@@ -135,6 +135,9 @@ def start_of(
         base, keep = fitter.residual(hypothesis, z, trial, start)
         columns = np.empty((base.size, scales.size))
         for n, scale in enumerate(scales):
+            if (added := fitter.added(trial, n)) is not None:
+                columns[:, n] = scale * added
+                continue
             moved, by = start.copy(), max(1.0, nuisances[n].floor)
             moved[n] += by * scale
             columns[:, n] = (fitter.residual(hypothesis, z, trial, moved)[0] - base) / by

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -203,6 +203,10 @@ class MultibodyRun:
         for coordinate, share in self.mechanism.ports[name].items():
             total += share * states[:, names.index(coordinate)]
         return total
+
+    def ports(self, names: Sequence[str], states: np.ndarray) -> np.ndarray:
+        """Several ports' displacements, rates or accelerations from the coordinates', shape (P, T)."""
+        return np.array([self.port(name, states) for name in names])
 
     def port_values(self, name: str, taken: MultibodySample, order: int) -> np.ndarray:
         """Displacement (order 0) or rate (1) of a port as its elements see it, shape (T,)."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -117,6 +117,10 @@ class ReducedRun:
     def port(self, name: str, states: np.ndarray) -> np.ndarray:
         """A port's displacement, rate or acceleration from the coordinates', shape (T,); constant rows."""
         return np.asarray(states @ self.system.rows[self.layout.port(name)])
+
+    def ports(self, names: Sequence[str], states: np.ndarray) -> np.ndarray:
+        """Several ports' displacements, rates or accelerations from the coordinates', shape (P, T); constant rows."""
+        return np.asarray(self.system.rows[[self.layout.port(name) for name in names]] @ states.T)
 
     def contact_force(self, taken: Sample) -> np.ndarray:
         """Contact force, positive in compression, shape (T,) [N]."""
