@@ -83,7 +83,7 @@ def verdict_of(study: Study, parts: Sequence[Part], *, seed: int, seconds: float
         confidence=float(np.mean([p.confidence for p in speaking])),
         why=[line for p in parts for line in why_not(p.checks)]
         + [
-            f"{p.name}: {NO_LAW if v == UNKNOWN else NO_FORCE}: {p.not_learned}"
+            f"{p.name}: {NO_LAW if v == UNKNOWN else NO_FORCE}: {p.not_learned.why}"
             for p, v in zip(parts, own, strict=True)
             if p.not_learned and (v == UNKNOWN or p.striking)
         ]

@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from spacerobot.diagnosis.learning.learnt import Learnt
-from spacerobot.diagnosis.learning.part import NotLearned, Taken, louder, noise, refused, take, words
+from spacerobot.diagnosis.learning.part import Taken, louder, noise, refused, take, words
 from spacerobot.diagnosis.learning.part_held import kept_aside
 from spacerobot.diagnosis.selection.candidate import Candidate, tried
 from spacerobot.diagnosis.selection.growth import Growth
 from spacerobot.diagnosis.selection.kept_aside import Unseen
 from spacerobot.diagnosis.selection.model_choice import agreeing, pays
-from spacerobot.diagnosis.selection.part_result import Part
+from spacerobot.diagnosis.selection.part_result import NotLearned, Part
 from spacerobot.diagnosis.selection.search_state import Report
 from spacerobot.diagnosis.terms.decision import AS_GOOD, CROWD, DOUBT, TIE
 from spacerobot.diagnosis.terms.kinds import AMBIGUOUS, LEARNED, NAMED, UNKNOWN, Kind
@@ -70,21 +70,15 @@ def settle_part(part: Part, report: Report) -> Part:
     growth = part.uncut or part.growth
     taken = take(growth, report)
     if isinstance(taken, NotLearned):
-        return _without(part, taken)
-    if (why := refused(taken)) is not None:
-        return _without(part, why)
+        return replace(part, not_learned=taken)
+    if (refusal := refused(taken)) is not None:
+        return replace(part, not_learned=refusal)
     unseen, best = kept_aside(taken, report)
     foretold = min(unseen.after, unseen.selected, key=lambda held: held.total)
     if not pays(Candidate(taken.curve.fit, foretold), Candidate(taken.best.fit, best), taken.bench.trials):
-        said = words(taken.law)
-        return _without(
-            part, NotLearned(f"{said}, learned again without a part of the trials, predicts these no better")
-        )
+        why = f"{words(taken.law)}, learned again without a part of the trials, predicts these no better"
+        return replace(part, not_learned=NotLearned(why))
     return _learned(part, taken, unseen, growth)
-
-
-def _without(part: Part, why: NotLearned) -> Part:
-    return replace(part, not_learned=why.why, no_law=why.refuted)
 
 
 def _learned(part: Part, taken: Taken, unseen: Unseen, growth: Growth) -> LearnedPart:

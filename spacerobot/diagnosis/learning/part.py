@@ -25,6 +25,7 @@ from spacerobot.diagnosis.selection.candidate import Candidate
 from spacerobot.diagnosis.selection.forward_selection import unshown
 from spacerobot.diagnosis.selection.growth import Growth
 from spacerobot.diagnosis.selection.model_choice import pays, ratio, surely
+from spacerobot.diagnosis.selection.part_result import NotLearned
 from spacerobot.diagnosis.selection.search_state import Report
 from spacerobot.diagnosis.terms.decision import LOUD, TIE, WORTH_OF_REST
 from spacerobot.effects.plane import across
@@ -35,19 +36,6 @@ TRIED = 3
 
 LEVEL = "a level of friction"
 """The curve of effects where dry friction may act."""
-
-
-@dataclass(frozen=True)
-class NotLearned:
-    """Why no law was learned.
-
-    Attributes:
-        why: in words.
-        refuted: whether laws were tried, and none says anything of unseen trials.
-    """
-
-    why: str
-    refuted: bool = False
 
 
 @dataclass(frozen=True, eq=False)

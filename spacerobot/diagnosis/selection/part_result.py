@@ -33,6 +33,19 @@ from spacerobot.diagnosis.terms.kinds import (
 )
 
 
+@dataclass(frozen=True)
+class NotLearned:
+    """Why no law was learned.
+
+    Attributes:
+        why: in words.
+        refuted: whether laws were tried, and none says anything of unseen trials.
+    """
+
+    why: str
+    refuted: bool = False
+
+
 @dataclass(frozen=True, eq=False)
 class Part:
     """One model of a study and the search it took part in.
@@ -45,7 +58,6 @@ class Part:
         knocks: that struck it in single trials.
         uncut: where knocks were found, the search before the trials were cut there; a law may be what they are.
         not_learned: where nothing of the catalogue explains it, why no law was learned either.
-        no_law: whether laws were tried, and none says anything of unseen trials.
     """
 
     growth: Growth
@@ -54,8 +66,7 @@ class Part:
     unseen: Unseen | None = None
     knocks: tuple[Knock, ...] = ()
     uncut: Growth | None = None
-    not_learned: str = ""
-    no_law: bool = False
+    not_learned: NotLearned | None = None
 
     @property
     def model(self) -> Machine:
@@ -139,7 +150,7 @@ class Part:
         """
         if not self.striking:
             return False
-        if not (self.no_law and self.model.predicts_readings):
+        if self.not_learned is None or not (self.not_learned.refuted and self.model.predicts_readings):
             return True
         plain = self.growth.considered_baseline
         return any(surely(c, plain, self.trials) for c in self.growth.considered if c.sites)

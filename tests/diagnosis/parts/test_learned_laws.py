@@ -172,7 +172,7 @@ def test_what_does_not_repeat_is_not_learned_and_says_why(tmp_path: Path) -> Non
     assert after.verdict == "unknown"
     assert after.not_learned
     said = written(verdict_of(joint(tmp_path, law, seed=6), [after], seed=0, seconds=1.0))
-    assert any(after.not_learned in line for line in said["why"])
+    assert any(after.not_learned.why in line for line in said["why"])
 
 
 @pytest.mark.slow
