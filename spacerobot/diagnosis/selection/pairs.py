@@ -175,7 +175,8 @@ def _fit_pairs(pool: Pool, found: Found, single: Fit, first: Screen | None, repo
         run_tasks(pool, found, full, report, "pairs of effects, full size", stop=True)
     if not found.explained:
         run_tasks(pool, found, afresh, report, "pairs of effects, afresh", stop=True)
-    best, best_of = found.best, found.best.hypothesis.label
+    best = found.in_play
+    best_of = best.hypothesis.label
     if len(best_of) > 1:
         # a single that misses much has bent the trials' starts
         again = [] if found.explains(best) else [Task(best_of, effect_values(best))]
@@ -237,7 +238,7 @@ def _twins(found: Found, first: Screen) -> list[Task]:
 
     Which of the two has led the pairs may be a matter of the last digits: a late stream and a smoothed one.
     """
-    best, known = found.best, first.best()
+    best, known = found.in_play, first.best()
     bound = held_labels(best)
     here = [s.label for s in best.hypothesis.sites]
     tasks = []
@@ -276,12 +277,12 @@ def _alike(a: np.ndarray, b: np.ndarray) -> bool:
 def simplify(pool: Pool, found: Found, report: Report) -> None:
     """What the best sets could do without: their special cases and subsets, from where they ended.
 
-    Both the one that a verdict would prefer and the one of least cost, whose further effect may have taken the place
-    of the first; what a bound holds is left out of what is tried. Those that were fitted already too: contact makes
+    Both the one that a verdict would prefer and the one in play, whose further effect may have taken the place of the
+    first; what a bound holds is left out of what is tried. Those that were fitted already too: contact makes
     many minima, and what is left out may have led to a better one.
     """
     tasks, known = [], {s.label for s in found.singles}
-    for best in {id(f): f for f in (found.preferred([*found.fits.values()]), found.best)}.values():
+    for best in {id(f): f for f in (found.preferred([*found.fits.values()]), found.in_play)}.values():
         bound = held_labels(best)
         for label in simpler(best.hypothesis.label):
             if not known.issuperset(by_name(label)):  # a special case that the catalogue was to do without

@@ -13,8 +13,8 @@ from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.screen import Screen, Screened, Screener, together
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
 from spacerobot.diagnosis.selection.nameable import implausible, nameable
-from spacerobot.diagnosis.selection.penalty import score, simplest
-from spacerobot.diagnosis.terms.candidates import one_of_each
+from spacerobot.diagnosis.selection.penalty import lead_over, score, simplest
+from spacerobot.diagnosis.terms.candidates import contains, one_of_each
 from spacerobot.diagnosis.terms.hypothesis import Label, Site
 
 EXPLAINED = 1.02
@@ -82,6 +82,16 @@ class Found:
         fits = [f for f in fits if nameable(f) and not self.implausible(f)] or fits
         scores = {id(f): score(f) for f in fits}
         return simplest(sorted(fits, key=lambda f: scores[id(f)]), scores, score(self.baseline), self.noise)
+
+    @property
+    def in_play(self) -> Fit:
+        """The fit of least cost, or a part of it that is preferred, leaves nothing but noise, and lacks less than a further
+        effect must earn: then, however the larger set is varied, it is not what is said.
+        """
+        chosen, best = self.preferred([self.baseline, *self.fits.values()]), self.best
+        if not (self.explains(chosen) and contains(best.hypothesis.label, chosen.hypothesis.label)):
+            return best
+        return chosen if chosen.cost - best.cost < lead_over(self.baseline.cost - chosen.cost) else best
 
     def singles_by_cost(self) -> list[Fit]:
         """Fits of one effect, best first."""
