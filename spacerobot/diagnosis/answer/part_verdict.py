@@ -170,15 +170,14 @@ def _struck(knock: Knock) -> Effect:
     strength, when = knock.effect.parameters
     value, low, high = knock.impulse
     at = knock.moment
-    return Effect(
-        effect=said_name(knock.effect.name),
-        where=knock.where,
-        parameters={
-            strength.name: Value(value=value, ci95=(low, high), unit=strength.unit),
-            when.name: Value(value=at.time, ci95=(at.low, at.high), unit=when.unit),
-        },
-        trials=[knock.trial],
-    )
+    long, shortest, longest = at.lasts
+    parameters = {
+        strength.name: Value(value=value, ci95=(low, high), unit=strength.unit),
+        when.name: Value(value=at.time, ci95=(at.low + 0.5 * longest, at.high - 0.5 * longest), unit=when.unit),
+    }
+    if long > 0.0:
+        parameters["lasts_s"] = Value(value=long, ci95=(shortest, longest), unit=when.unit)
+    return Effect(effect=said_name(knock.effect.name), where=knock.where, parameters=parameters, trials=[knock.trial])
 
 
 def _shared(part: Part) -> list[str]:

@@ -65,7 +65,9 @@ class Linearised:
         parts = [((p - b.value) * b.weight).ravel() for p, b in zip(prediction.blocks, trial.blocks, strict=True)]
         whole, keep = np.concatenate(parts), counted(mechanism, trial, prediction)
         shown = whole[keep]
-        if not np.isfinite(shown @ shown):
+        with np.errstate(over="ignore", invalid="ignore"):
+            finite = np.isfinite(shown @ shown)
+        if not finite:
             raise SimulationError(f"trial {trial.id}: the simulation runs away")
         return whole, keep
 

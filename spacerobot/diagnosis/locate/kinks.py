@@ -8,7 +8,7 @@ a polynomial with as many coefficients is the rival that a corner must beat, and
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -36,7 +36,12 @@ CHANCE = 1e-3
 """Probability with which a corner that is none falls so far at one of the moments tried (F test, Sidak)."""
 
 ROUND = 0.1
-"""Half the width of a rounded corner, as a share of the track: what does as well with it was a push that lasted."""
+"""Half the width of a rounded corner, as a share of the track: what does as well with it, or would last as long, is
+smooth. Of a push that lasts, its own width.
+"""
+
+WIDTHS = 10
+"""Lengths of a push that are tried, evenly up to that."""
 
 FAINT = 0.02
 """Share of the rms of all tracks below which what is left over of one is as good as nothing."""
@@ -73,10 +78,19 @@ class Track:
 
 @dataclass(frozen=True)
 class _Break:
-    """What happens to all tracks at one moment: a corner, or (`step`) a jump of the readings that no body can make."""
+    """What happens to all tracks at one moment: a corner, or (`step`) a jump of the readings that no body can make.
+
+    A corner that lasts, by `half` [s] to either side of its moment, is a steady push.
+    """
 
     time: float
     step: bool = False
+    half: float = SHARPEST
+
+    @property
+    def lasts(self) -> float:
+        """How long [s]; nothing where it is sharp."""
+        return 2.0 * self.half if self.half > SHARPEST else 0.0
 
 
 def kinks(tracks: Sequence[Track]) -> tuple[Moment, ...]:
@@ -91,7 +105,7 @@ def kinks(tracks: Sequence[Track]) -> tuple[Moment, ...]:
     known: list[_Break] = []
     accepted = _left(tracks, [])
     for count in range(1, MOST + 1):
-        found = _with_one_more(tracks, found, grid)
+        found = _lasting(tracks, _with_one_more(tracks, found, grid))
         square = _left(tracks, found)
         fall = 1.0 - float(np.sqrt(square / max(accepted, 1e-300)))
         large = fall > 1.0 - (1.0 - FALL) ** (count - len(known))
@@ -133,6 +147,22 @@ def _with_one_more(tracks: Sequence[Track], found: Sequence[_Break], grid: np.nd
     return out
 
 
+def _lasting(tracks: Sequence[Track], breaks: Sequence[_Break]) -> list[_Break]:
+    """The breaks, each corner as a push that lasts where that costs less; what would last longest of all is smooth."""
+    out = list(breaks)
+    halves = ROUND * _length(tracks) * np.linspace(0.0, 1.0, WIDTHS + 1)[1:]
+    for k, one in enumerate(breaks):
+        pushes = [_Break(float(one.time + by * w), half=float(w)) for w in halves for by in np.linspace(-1.0, 1.0, 9)]
+        best = min((_with(out, k, push) for push in pushes), key=lambda some: _left(tracks, some))
+        if best[k].half < halves[-1]:
+            out = _cheapest(tracks, [out, best])
+    return out
+
+
+def _length(tracks: Sequence[Track]) -> float:
+    return max(float(t.time[-1] - t.time[0]) for t in tracks)
+
+
 def _moved(tracks: Sequence[Track], breaks: Sequence[_Break], which: int, places: np.ndarray) -> list[_Break]:
     """The breaks with one of them where it does best among these places."""
     sets = [_at(breaks, which, float(p)) for p in places]
@@ -140,7 +170,11 @@ def _moved(tracks: Sequence[Track], breaks: Sequence[_Break], which: int, places
 
 
 def _at(breaks: Sequence[_Break], which: int, time: float) -> list[_Break]:
-    return [*breaks[:which], _Break(time, breaks[which].step), *breaks[which + 1 :]]
+    return _with(breaks, which, replace(breaks[which], time=time))
+
+
+def _with(breaks: Sequence[_Break], which: int, one: _Break) -> list[_Break]:
+    return [*breaks[:which], one, *breaks[which + 1 :]]
 
 
 def _columns(track: Track, breaks: Sequence[_Break], rounded: int | None = None, width: float = 0.0) -> np.ndarray:
@@ -153,7 +187,7 @@ def _columns(track: Track, breaks: Sequence[_Break], rounded: int | None = None,
     t = track.time - track.time[0]
     columns = [np.ones_like(t), t] if track.rate else [np.ones_like(t), t, t**2]
     for k, one in enumerate(breaks):
-        after, w = track.time - one.time, width if k == rounded else SHARPEST
+        after, w = track.time - one.time, width if k == rounded else one.half
         if one.step:
             if not track.rate:
                 columns.append((after > 0.0).astype(float))
@@ -164,8 +198,9 @@ def _columns(track: Track, breaks: Sequence[_Break], rounded: int | None = None,
 
 
 def _coefficients(tracks: Sequence[Track], breaks: Sequence[_Break]) -> int:
-    """Numbers that breaks set free in all tracks: the moments, and what each brings."""
-    return len(breaks) + sum((not t.rate) if one.step else 2 for one in breaks for t in tracks)
+    """Numbers that breaks set free in all tracks: the moments, how long they last, and what each brings."""
+    lasting = sum(one.lasts > 0.0 for one in breaks)
+    return len(breaks) + lasting + sum((not t.rate) if one.step else 2 for one in breaks for t in tracks)
 
 
 def _cheapest(tracks: Sequence[Track], sets: Sequence[list[_Break]]) -> list[_Break]:
@@ -228,7 +263,7 @@ def _significant(tracks: Sequence[Track], known: Sequence[_Break], found: Sequen
 
 def _sharp(tracks: Sequence[Track], found: Sequence[_Break], which: int) -> bool:
     """Whether a corner fits better than the same one rounded does, by more than chance would have it."""
-    width = ROUND * max(float(t.time[-1] - t.time[0]) for t in tracks)
+    width = max(ROUND * _length(tracks), found[which].lasts)
     return _chance(tracks, found, _left(tracks, found, which, width), len(tracks)) < CHANCE
 
 
@@ -243,12 +278,25 @@ def _chance(tracks: Sequence[Track], found: Sequence[_Break], other: float, furt
 
 
 def _moment(tracks: Sequence[Track], breaks: Sequence[_Break], which: int) -> Moment:
-    """One of the corners with its 95 % interval, the other breaks in their places."""
+    """One of the corners with its 95 % interval and all of its push, the other breaks in their places."""
     start, end = min(float(t.time[0]) for t in tracks), max(float(t.time[-1]) for t in tracks)
     half = (end - start) / MOMENTS
     near = breaks[which].time + half * np.linspace(-1.0, 1.0, 10 * FINER + 1)
-    squares = np.array([_left(tracks, _at(breaks, which, float(m))) for m in near])
-    share = max(float(squares.min()), 1e-300) / np.maximum(squares, 1e-300)
-    weight = share ** (0.5 * _independent(tracks, breaks))
-    low, middle, high = np.interp(LEVEL, np.cumsum(weight) / weight.sum(), near)
-    return Moment(float(middle), float(low), float(high))
+    low, middle, high = _interval(tracks, [_at(breaks, which, float(m)) for m in near], near)
+    lasts = breaks[which].lasts
+    if lasts == 0.0:
+        return Moment(middle, low, high)
+    halves = np.linspace(0.0, lasts, 10 * FINER + 1)[1:]
+    sets = [_with(breaks, which, replace(breaks[which], half=float(h))) for h in halves]
+    shortest, long, longest = (2.0 * h for h in _interval(tracks, sets, halves))
+    return Moment(middle, low - 0.5 * longest, high + 0.5 * longest, (long, shortest, longest))
+
+
+def _interval(tracks: Sequence[Track], sets: Sequence[list[_Break]], values: np.ndarray) -> tuple[float, float, float]:
+    """Ends and middle of the 95 % interval of a value, evenly spaced, by what the breaks with each leave over."""
+    squares = np.array([_left(tracks, some) for some in sets])
+    best = int(np.argmin(squares))
+    share = max(float(squares[best]), 1e-300) / np.maximum(squares, 1e-300)
+    weight = share ** (0.5 * _independent(tracks, sets[best]))
+    low, middle, high = np.interp(LEVEL, np.cumsum(weight) / weight.sum(), values)
+    return float(low), float(middle), float(high)

@@ -90,4 +90,4 @@ def _begin(t: np.ndarray, y: np.ndarray, at: int, ramp: int, side: int) -> Momen
     weight = (best.min() / best) ** (0.5 * independent)
     share = np.cumsum(weight) / weight.sum()
     low, middle, high = np.interp([0.025, 0.5, 0.975], share, begins + 0.5 * FINE)
-    return Moment(*(float(t[at] + b) for b in (middle, low - 0.5 * FINE, high + 0.5 * FINE)))
+    return Moment(float(t[at] + middle), float(t[at] + low - 0.5 * FINE), float(t[at] + high + 0.5 * FINE))

@@ -38,11 +38,28 @@ EPISODE = 1.0
 
 @dataclass(frozen=True)
 class Moment:
-    """A moment [s] on its trial's clock, with the interval that it lies in."""
+    """A moment [s] on its trial's clock.
+
+    Attributes:
+        time: the moment; the middle of what lasts.
+        low, high: the interval that it lies in, and with it all that lasts.
+        lasts: how long [s] with its 95 % interval, where that is more than a moment.
+    """
 
     time: float
     low: float
     high: float
+    lasts: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    @property
+    def begins(self) -> float:
+        """When [s]; the moment itself of what does not last."""
+        return self.time - 0.5 * self.lasts[0]
+
+    @property
+    def ends(self) -> float:
+        """When [s]."""
+        return self.time + 0.5 * self.lasts[0]
 
 
 def first_shock(

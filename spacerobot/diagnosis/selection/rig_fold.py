@@ -88,7 +88,8 @@ def folded(
     best = said.chosen.hypothesis.label
     after = said.chosen if best == label else _fit_of(found, sites)
     others = [_fit_of(found, seen_sites(r, out)) for r in rivals]
-    told = {id(f): foretell(workshop.model, f, unseen) for f in (found.baseline, after, said.chosen, *others)}
+    asked = {id(f): f for f in (found.baseline, after, said.chosen, *others)}
+    told = {key: foretell(workshop.model, fit, unseen) for key, fit in asked.items()}
     leads_to: LeadsTo
     if best == label:
         leads_to = SAME

@@ -91,7 +91,9 @@ def _told_apart(moments: Sequence[Moment], least: float) -> list[Moment]:
     for one in sorted(moments, key=lambda m: m.time):
         if out and one.time - out[-1].time < least:
             last = out.pop()
-            one = Moment(0.5 * (last.time + one.time), last.low, max(last.high, one.high))
+            begun, ended = last.begins, one.ends
+            lasts = ended - begun, max(one.low - last.high, 0.0), ended - begun
+            one = Moment(0.5 * (begun + ended), last.low, max(last.high, one.high), lasts)
         out.append(one)
     return out
 
@@ -162,7 +164,7 @@ def foretold(knocks: Sequence[Knock], trials: Sequence[TrialData]) -> dict[str, 
 
 def _meet(before: TrialData, after: TrialData, moment: Moment) -> bool:
     reach = 0.5 * min(before.end - before.start, after.end - after.start)
-    return moment.time - before.end < reach and after.start - moment.time < reach
+    return moment.low - before.end < reach and after.start - moment.high < reach
 
 
 def _rates(model: Machine, fit: Fit, trial: TrialData, at: float) -> dict[str, tuple[float, float]]:

@@ -36,6 +36,17 @@ def test_what_is_smooth_has_no_corner(bend: np.ndarray) -> None:
     assert kinks(tracks(bend, 0.3 * bend)) == ()
 
 
+@pytest.mark.parametrize("lasts", [2.0, 3.0, 5.0])
+def test_a_push_that_lasts_is_found_with_its_length(lasts: float) -> None:
+    """A steady force from 11 s on: what is cut out holds all of it, and nothing of it is left in the stretches."""
+    push = 3e-3 / (2.0 * lasts) * (np.maximum(TIME - 11.0, 0.0) ** 2 - np.maximum(TIME - 11.0 - lasts, 0.0) ** 2)
+    (found,) = kinks(tracks(push, -0.5 * push, noise=1e-4))
+    assert found.time == pytest.approx(11.0 + 0.5 * lasts, abs=0.2)
+    assert found.lasts[0] == pytest.approx(lasts, rel=0.3)
+    assert found.low < 11.1
+    assert found.high > 10.9 + lasts
+
+
 def test_a_step_of_a_rate_is_a_corner() -> None:
     """Where velocities were recorded."""
     random = np.random.default_rng(5)

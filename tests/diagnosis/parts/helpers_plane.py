@@ -41,8 +41,12 @@ def in_plane(
     force: Callable[[np.ndarray], np.ndarray] = lambda v: 0.0 * v,
     knocks: Mapping[int, Knock] | None = None,
     seed: int = 0,
+    lasting: float = 0.0,
 ) -> Study:
-    """One slide from each start under a force of the velocity [N], with knocks in some of them."""
+    """One slide from each start under a force of the velocity [N], with knocks in some of them.
+
+    Such a knock may be a steady push that begins then and lasts [s].
+    """
     folder.mkdir(exist_ok=True, parents=True)
     random, text = np.random.default_rng(seed), [HEAD]
     time = np.linspace(0.0, SECONDS, READINGS)
@@ -53,10 +57,21 @@ def in_plane(
 
     for number, start in enumerate(STARTS):
         when, impulse = (knocks or {}).get(number, (SECONDS, (0.0, 0.0, 0.0)))
-        first = solve_ivp(rate, (0.0, when), [0.0, 0.0, 0.0, *start], rtol=1e-8, atol=1e-9, dense_output=True)
-        state = first.y[:, -1] + np.concatenate([np.zeros(3), np.array(impulse) / inertia])
-        then = solve_ivp(rate, (when, SECONDS + 1e-9), state, rtol=1e-8, atol=1e-9, dense_output=True)
-        shown = np.where(time < when, first.sol(np.minimum(time, when))[:3], then.sol(np.maximum(time, when))[:3])
+        shown = np.zeros((3, READINGS))
+        state, begin = np.array([0.0, 0.0, 0.0, *start]), 0.0
+        for end, force_now in ((when, 0.0), (when + lasting, 1.0), (SECONDS + 1e-9, 0.0)):
+            if end > begin:
+                push = np.concatenate([np.zeros(3), force_now * np.array(impulse) / max(lasting, 1e-9) / inertia])
+
+                def pushed(t: float, y: np.ndarray, push: np.ndarray = push) -> np.ndarray:
+                    return rate(t, y) + push
+
+                run = solve_ivp(pushed, (begin, end), state, rtol=1e-8, atol=1e-9, dense_output=True)
+                here = (time >= begin) & (time <= end)
+                shown[:, here] = run.sol(time[here])[:3]
+                state, begin = run.y[:, -1], end
+            if force_now and not lasting:
+                state = state + np.concatenate([np.zeros(3), np.array(impulse) / inertia])
         shown = shown + NOISE * random.standard_normal(shown.shape)
         rows = "".join(f"{t:.6f},{x:.7f},{y:.7f},{a:.7f}\n" for t, (x, y, a) in zip(time, shown.T, strict=True))
         (folder / f"{number}.csv").write_text("t,x,y,yaw\n" + rows)

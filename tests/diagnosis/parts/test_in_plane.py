@@ -58,6 +58,18 @@ def test_knocks_are_found_in_their_trials_with_moment_and_size(tmp_path: Path) -
 
 
 @pytest.mark.slow
+def test_a_push_that_lasts_takes_nothing_from_what_acts_always(tmp_path: Path) -> None:
+    """It is found whole, with how long it lasted; the drag beside it is as without it."""
+    study = in_plane(tmp_path, lambda v: 0.6 * against(v, 1.0), {1: (2.0, (0.10, -0.06, 0.004))}, lasting=0.9)
+    drag, *struck = diagnose(study, jobs=1).verdict["effects"]
+    assert drag["parameters"]["coefficient_Ns_m"]["value"] == pytest.approx(0.6, rel=0.02)
+    found = {(e["trials"][0], e["where"]): [p["value"] for p in e["parameters"].values()] for e in struck}
+    assert set(found) == {("s1", w) for w in ("target", "target.y", "target.yaw")}
+    for where, impulse in (("target", 0.10), ("target.y", -0.06), ("target.yaw", 0.004)):
+        assert found["s1", where] == pytest.approx([impulse, 2.45, 0.9], rel=0.15), where
+
+
+@pytest.mark.slow
 def test_nothing_struck_a_body_that_glides(tmp_path: Path) -> None:
     """Noise is no knock."""
     verdict = diagnose(in_plane(tmp_path), jobs=1).verdict
