@@ -46,6 +46,29 @@ def test_the_undamped_step_is_the_least_squares_one() -> None:
     np.testing.assert_allclose(np.concatenate([dz, *dn]), best, rtol=1e-6, atol=1e-9)
 
 
+@pytest.mark.parametrize("alike", [0.0, 0.9, 0.9999])
+def test_no_step_within_bounds_pays_more(alike: float) -> None:
+    """Also where two effects act alike and one is cut off at nothing: what it promises is never below nothing."""
+    rng = np.random.default_rng(4)
+    for _ in range(20):
+        jacobians = [rng.standard_normal((READINGS, SHARED + OWN)) for _ in range(2)]
+        for jacobian in jacobians:
+            jacobian[:, 1] = alike * jacobian[:, 0] + (1.0 - alike) * jacobian[:, 1]
+        residuals = [10.0 * rng.standard_normal(READINGS) for _ in range(2)]
+        normal = Normal.build(jacobians, residuals, np.zeros(SHARED), np.eye(SHARED))
+        z = rng.uniform(0.0, 0.5, SHARED)
+        low, high = np.zeros(SHARED), np.ones(SHARED)
+        dz, _, promised = normal.step(1e-9, z, low, high)
+        assert ((z + dz >= low - 1e-12) & (z + dz <= high + 1e-12)).all()
+        assert promised >= 0.0
+
+        def model(step: np.ndarray, of: Normal = normal) -> float:
+            return float(0.5 * step @ of.reduced @ step + of.gradient @ step)
+
+        others = rng.uniform(low, high, (200, SHARED)) - z
+        assert model(dz) <= min(map(model, others)) + 1e-9 * abs(model(dz))
+
+
 def test_more_damping_is_a_shorter_step_of_every_value() -> None:
     normal, _, _ = _normal(np.random.default_rng(3))
     lengths = []

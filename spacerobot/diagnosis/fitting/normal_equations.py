@@ -71,25 +71,31 @@ class Normal:
         if own_too:
             own = [(i + damping * np.diag(np.maximum(np.diag(i), LEAST)), cross, tail) for i, cross, tail in own]
             reduced, gradient = _reduced(self.full, self.right, own)
-        free = np.ones(z.size, dtype=bool)
-        dz = np.zeros(z.size)
-        for _ in range(z.size + 1):
-            index = np.flatnonzero(free)
-            a = reduced[np.ix_(index, index)]
-            a = a + damping * np.diag(np.maximum(np.diag(a), 1e-8))
-            dz[:] = 0.0
-            dz[index] = -np.linalg.lstsq(a, gradient[index], rcond=1e-13)[0]
-            out = free & (((z + dz < low) & (z <= low + 1e-12)) | ((z + dz > high) & (z >= high - 1e-12)))
-            if not out.any():
-                break
-            free &= ~out
-        dz = np.clip(z + dz, low, high) - z
+        dz = _within(reduced + damping * np.diag(np.maximum(np.diag(reduced), 1e-8)), gradient, low - z, high - z)
         dz /= max(1.0, float((np.abs(dz) / np.maximum(FURTHEST, np.abs(z) if far else 0.0)).max(initial=0.0)))
         dn = [-np.linalg.solve(inner, tail + cross @ dz) for inner, cross, tail in own]
         promised = -(2.0 * self.right @ dz + dz @ self.full @ dz)
         for (inner, cross, tail), n in zip(self.own, dn, strict=True):
             promised -= float(2.0 * tail @ n + n @ inner @ n + 2.0 * n @ cross @ dz)
         return dz, dn, float(promised)
+
+
+def _within(a: np.ndarray, gradient: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """The least of x a x / 2 + gradient x within bounds about zero, shape (G,).
+
+    A step that is cut off at a bound is none that pays: what goes with the component that was cut must be found anew.
+    """
+    x = -np.linalg.lstsq(a, gradient, rcond=1e-13)[0]
+    if np.all((x >= low) & (x <= high)):
+        return np.asarray(x)
+    from scipy.optimize import lsq_linear  # takes a tenth of a second to load
+
+    x, movable = np.zeros_like(gradient), high > low
+    values, vectors = np.linalg.eigh(a[np.ix_(movable, movable)])
+    roots = np.sqrt(np.maximum(values, 1e-13 * values.max(initial=0.0)))
+    goal = -(vectors.T @ gradient[movable]) / np.maximum(roots, 1e-300)
+    x[movable] = lsq_linear(roots[:, None] * vectors.T, goal, (low[movable], high[movable]), method="bvls").x
+    return x
 
 
 def _reduced(
