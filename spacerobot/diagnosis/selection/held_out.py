@@ -76,12 +76,14 @@ class HeldOut:
         counted: trial -> which samples count, shape (S,).
         paid: by trial, what its condition's own values cost under their prior where they were found from it.
         failed: trial -> why it could not be predicted; its residual is then that of predicting each channel's mean.
+        cuts: trial -> where one channel's samples end and the next one's begin; all are one channel's where absent.
     """
 
     residual: Mapping[str, np.ndarray]
     counted: Mapping[str, np.ndarray]
     paid: Mapping[str, float] = field(default_factory=dict)
     failed: Mapping[str, str] = field(default_factory=dict)
+    cuts: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
 
     @property
     def chi2(self) -> dict[str, float]:
@@ -175,6 +177,7 @@ def predict_held_out(
     """
     residual: dict[str, np.ndarray] = {}
     counted: dict[str, np.ndarray] = {}
+    cuts: dict[str, tuple[int, ...]] = {}
     for _, ids in left_out:
         seen = [t for t in trials if t.id not in ids]
         if not seen:
@@ -190,5 +193,5 @@ def predict_held_out(
         for trial in unseen:
             start = start_of(fitter, teller, made, fit.z, trial, head, trust)
             r, keep = fitter.residual(made, fit.z, trial, start)
-            residual[trial.id], counted[trial.id] = np.where(keep, r, 0.0), keep
-    return HeldOut(residual, counted)
+            residual[trial.id], counted[trial.id], cuts[trial.id] = np.where(keep, r, 0.0), keep, trial.cuts
+    return HeldOut(residual, counted, cuts=cuts)

@@ -1,8 +1,8 @@
 """What a further parameter is worth: which of the models that were tried is chosen, and which predict as well.
 
 Unseen trials decide, by an effect size and by a test; information criteria would keep rewarding arbitrary terms. Two
-models are compared over the trials that tell them apart: where both predict the same, however many such trials there
-are, nothing is said for or against either.
+models are compared over the channels of the trials that tell them apart: where both predict the same, however many
+such readings there are, nothing is said for or against either.
 """
 
 from __future__ import annotations
@@ -14,29 +14,31 @@ from functools import cached_property
 import numpy as np
 from scipy.special import stdtrit
 
-from spacerobot.diagnosis.selection.candidate import Candidate, tried
+from spacerobot.diagnosis.selection.candidate import Candidate
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.decision import CHANCE, EXACT, REWORDED, SPOKEN, WORTH_OF_BASELINE, WORTH_OF_REST
 
 
 @dataclass(frozen=True, eq=False)
 class Told:
-    """What unseen trials say of two models. K trials; of several campaigns at once, these lead all shapes (`...`).
+    """What unseen trials say of two models. K channels of trials; several campaigns at once lead all shapes (`...`).
 
     Attributes:
         one, other: mean squares of their weighted residuals, shape (..., K).
         apart: mean squares of the differences of their predictions, shape (..., K).
-        readings: of each trial, shape (K,).
+        readings: of each, shape (K,).
+        trials: whose, K ids.
     """
 
     one: np.ndarray
     other: np.ndarray
     apart: np.ndarray
     readings: np.ndarray
+    trials: tuple[str, ...] = ()
 
     @cached_property
     def weight(self) -> np.ndarray:
-        """How far each trial tells the two apart, shape (..., K), from 0 to 1: d^2 / (d^2 + s^2).
+        """How far each tells the two apart, shape (..., K), from 0 to 1: d^2 / (d^2 + s^2).
 
         d^2 is the mean square of the difference of their predictions and s^2 what the better one leaves over.
         """
@@ -44,7 +46,7 @@ class Told:
         return np.where(self.apart > 0.0, self.apart / np.where(self.apart > 0.0, self.apart + rest, 1.0), 0.0)
 
     def rms(self, square: np.ndarray) -> np.ndarray:
-        """Root mean square over the readings of the telling trials, of mean squares by trial, (..., K) to (...)."""
+        """Root mean square over the readings that tell, of mean squares, (..., K) to (...)."""
         weight = self.weight * self.readings
         return np.asarray(np.sqrt((weight * square).sum(axis=-1) / np.maximum(weight.sum(axis=-1), 1e-300)))
 
@@ -62,7 +64,7 @@ class Told:
         """Whether the one predicts better throughout, by however little, shape (...).
 
         Args:
-            group: what each trial belongs to, shape (K,); gains within one are no independent ones.
+            group: what each belongs to, shape (K,); gains within one are no independent ones.
         """
         gain, weight = self._by_group(group)
         count = np.maximum(weight.sum(axis=-1), 1e-300)  # of groups as clear as the clearest
@@ -88,12 +90,16 @@ def told(one: Candidate, other: Candidate) -> Told | None:
     """What unseen trials say of two models; None where one of them was not tried."""
     if one.held_out is None or other.held_out is None:
         return None
-    names = list(one.held_out.residual)
-    readings = np.array([max(int(one.held_out.counted[n].sum()), 1) for n in names], dtype=float)
-    pairs = [(one.held_out.residual[n], other.held_out.residual[n]) for n in names]
-    squares = [(new @ new, old @ old, (new - old) @ (new - old)) for new, old in pairs]
-    ours, theirs, apart = np.array(squares, dtype=float).reshape(-1, 3).T / readings
-    return Told(ours, theirs, apart, readings)
+    rows, trials = [], []
+    for name, new in one.held_out.residual.items():
+        cuts, both = one.held_out.cuts.get(name, ()), (new, other.held_out.residual[name])
+        seen = np.split(one.held_out.counted[name], cuts)
+        for a, b, counted in zip(*(np.split(r, cuts) for r in both), seen, strict=True):
+            n = max(int(counted.sum()), 1)
+            rows.append((a @ a / n, b @ b / n, (a - b) @ (a - b) / n, n))
+            trials.append(name)
+    ours, theirs, apart, readings = np.array(rows, dtype=float).reshape(-1, 4).T
+    return Told(ours, theirs, apart, readings, tuple(trials))
 
 
 def ratio(one: Candidate, other: Candidate) -> float:
@@ -126,18 +132,18 @@ def choice(tested: Sequence[Candidate], baseline: Candidate, trials: Sequence[Tr
 def pays(new: Candidate, old: Candidate, trials: Sequence[TrialData]) -> bool:
     """Whether unseen trials are predicted better, by enough and throughout."""
     found = told(new, old)
-    return found is not None and bool(found.better(_grouped(new, trials)))
+    return found is not None and bool(found.better(_grouped(found, trials)))
 
 
 def surely(new: Candidate, old: Candidate, trials: Sequence[TrialData]) -> bool:
     """Whether unseen trials are predicted better throughout, by however little."""
     found = told(new, old)
-    return found is not None and bool(found.sure(_grouped(new, trials)))
+    return found is not None and bool(found.sure(_grouped(found, trials)))
 
 
-def _grouped(one: Candidate, trials: Sequence[TrialData]) -> np.ndarray:
+def _grouped(found: Told, trials: Sequence[TrialData]) -> np.ndarray:
     by = {t.id: t for t in trials}
-    return groups([by[name] for name in tried(one).residual])
+    return groups([by[name] for name in found.trials])
 
 
 def groups(trials: Sequence[TrialData]) -> np.ndarray:

@@ -170,4 +170,4 @@ def errors_of(
         except SimulationError as error:
             failed[trial.id] = str(error)
             residual[trial.id], counted[trial.id] = nothing_foretold(now[trial.id]), trial.valid
-    return HeldOut(residual, counted, failed=failed)
+    return HeldOut(residual, counted, failed=failed, cuts={t.id: t.cuts for t in unseen})

@@ -52,14 +52,16 @@ class PartLimits(Limits):
     def __init__(self, growth: Growth) -> None:
         bench = growth.bench
         super().__init__(bench.fitter(), bench.model.believed, growth.after.fit, 1.0)
-        trials, held = bench.trials, tried(growth.after)
-        ends = np.cumsum([0, *(self.state.raw[t.id].size for t in trials)])
+        trials = [t for t in bench.trials for _ in t.channels]  # whose channels the cuts are
+        every, held = [t.id for t in bench.trials], tried(growth.after)
+        ends = np.cumsum([0, *(b.time.size for t in bench.trials for b in t.blocks for _ in b.channels)])
         self.cuts = [slice(int(a), int(b)) for a, b in itertools.pairwise(ends)]
         fold = np.array([[t.id in out for _, out in bench.left_out] for t in trials], dtype=float)
-        self.training = 1.0 - fold @ fold.T  # (K, K) which trials the fold of each is fitted to
+        self.training = 1.0 - fold @ fold.T  # (K, K) what the fold of each is fitted to
         self.group = groups(trials)
-        self.readings = np.array([max(int(held.counted[t.id].sum()), 1) for t in trials], dtype=float)
-        self.left = np.array([float(held.residual[t.id] @ held.residual[t.id]) for t in trials])
+        counted, residual = (np.concatenate([some[name] for name in every]) for some in (held.counted, held.residual))
+        self.readings = np.array([max(int(counted[cut].sum()), 1) for cut in self.cuts], dtype=float)
+        self.left = np.array([float(residual[cut] @ residual[cut]) for cut in self.cuts])
         self.before = float(np.sqrt(tried(growth.before).mean_square))
         self.bounded = bool(
             bench.model.expected({})
@@ -135,7 +137,10 @@ def _placed(rival: Label | None) -> tuple[Label, ...]:
 
 
 class _Drawn:
-    """Campaigns with an effect in them, and what the decision makes of them. B campaigns, K trials, R rivals."""
+    """Campaigns with an effect in them, and what the decision makes of them.
+
+    B campaigns, K channels of trials, R rivals.
+    """
 
     def __init__(self, limits: PartLimits, item: Column, column: np.ndarray, rivals: Sequence[Column]) -> None:
         self.limits, self.item = limits, item

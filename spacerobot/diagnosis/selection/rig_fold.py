@@ -187,7 +187,7 @@ def _errors(
             row = nothing_foretold(trial)
         residuals[trial.id] = row
     paid = {t.id: told[t.id].paid.get(t.id, 0.0) for t in trials}
-    return HeldOut(residuals, {t.id: t.valid for t in trials}, paid, failed)
+    return HeldOut(residuals, {t.id: t.valid for t in trials}, paid, failed, {t.id: t.cuts for t in trials})
 
 
 def taken(said: Sequence[Foretold]) -> list[str]:

@@ -64,6 +64,12 @@ class TrialData:
         """Which samples are, of all blocks and channels in a row, shape (S,) bool."""
         return np.concatenate([(b.weight > 0.0).ravel() for b in self.blocks])
 
+    @functools.cached_property
+    def cuts(self) -> tuple[int, ...]:
+        """Where one channel's samples end in such a row and the next one's begin."""
+        ends = np.cumsum([b.time.size for b in self.blocks for _ in b.channels])
+        return tuple(ends[:-1].tolist())
+
     @property
     def samples(self) -> int:
         """Number of valid samples."""

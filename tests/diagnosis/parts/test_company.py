@@ -79,6 +79,28 @@ def test_trials_that_tell_no_two_models_apart_decide_nothing(
     assert answers[0] == answers[1]
 
 
+def in_channels(size: int, noise: np.ndarray, off: Sequence[float], silent: np.ndarray) -> Candidate:
+    """A candidate tried on trials with a further channel each, which every candidate predicts as well."""
+    rows = zip(noise, off, silent, strict=True)
+    residual = {f"t{k}": np.concatenate([own + w, beside]) for k, (own, w, beside) in enumerate(rows)}
+    counted = {k: np.ones(r.size, bool) for k, r in residual.items()}
+    cuts = dict.fromkeys(residual, (READINGS,) if silent.size else ())
+    return cast(Candidate, Tried(size, HeldOut(residual, counted, cuts=cuts)))
+
+
+@given(st.lists(st.tuples(OFF, OFF, OFF), min_size=1, max_size=5), st.floats(0.1, 100.0))
+def test_channels_that_tell_no_two_models_apart_decide_nothing(
+    told: list[tuple[float, float, float]], loud: float
+) -> None:
+    """A platform that does not turn says nothing against the friction that stops it, however noisy its compass is."""
+    noise, answers, trials = noises(len(told)), [], named(len(told))
+    for silent in (np.zeros((len(told), 0)), loud * noises(len(told))[:, ::-1]):
+        baseline, one, other = (in_channels(k, noise, [t[k] for t in told], silent) for k in range(3))
+        worth = (pays(one, baseline, trials), pays(other, baseline, trials), as_good(one, other, baseline))
+        answers.append((*worth, round(ratio(one, other), 9)))
+    assert answers[0] == answers[1]
+
+
 def test_a_rule_that_pools_over_all_trials_would_be_turned_by_them() -> None:
     """What the test above would find: the error over all trials hardly falls where one of many tells everything."""
     noise = noises(41)
