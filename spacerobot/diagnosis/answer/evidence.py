@@ -315,9 +315,9 @@ def _of_part(part: Part, name: str) -> list[dict[str, Any]]:
         for c in growth.considered
     ]
     tried = {c.label for c in growth.considered}
-    rest = sorted(((cost, label) for label, cost in growth.screened if label not in tried), key=lambda pair: pair[0])
-    for cost, label in rest[:SCREENED]:
-        share = 100.0 * float(np.sqrt(max(cost, 0.0) / base.cost))
+    rest = sorted(((left, label) for label, left in growth.screened if label not in tried), key=lambda pair: pair[0])
+    for left, label in rest[:SCREENED]:
+        share = 100.0 * float(np.sqrt(left))
         rows.append(
             _row(label, "screened", f"only screened: promised {share:.3g} % of the error", part=name, ratio=None)
         )

@@ -15,6 +15,9 @@ import numpy as np
 
 from spacerobot.diagnosis.terms.data import TrialData
 
+NEXT_TO_NOTHING = 1e-6
+"""Share of what all channels leave over that is added to each: of one that is told exactly the logarithm is none."""
+
 
 def correlation_time(residual: np.ndarray) -> float:
     """Integrated autocorrelation of a series in samples, at least 1: n/tau of n samples are independent.
@@ -45,6 +48,18 @@ def split(residual: np.ndarray, trial: TrialData) -> dict[str, np.ndarray]:
             out[channel] = residual[at : at + block.time.size]
             at += block.time.size
     return out
+
+
+def together(squares: Sequence[float] | np.ndarray, counts: Sequence[float] | np.ndarray) -> float:
+    """Squares of several channels as if each had left as much a reading: their geometric mean, times all readings.
+
+    How large a channel's noise is nobody knows: so likelihoods of their squares are multiplied, where a sum would hear
+    the channel alone that is furthest from its noise.
+    """
+    square, count = np.array(squares, dtype=float), np.array(counts, dtype=float)
+    every = max(float(count.sum()), 1.0)
+    each = square / np.maximum(count, 1.0) + NEXT_TO_NOTHING * float(square.sum()) / every
+    return every * float(np.exp(count @ np.log(np.maximum(each, 1e-300)) / every))
 
 
 def floor_of(residuals: Mapping[str, np.ndarray], trials: Sequence[TrialData]) -> dict[str, float]:

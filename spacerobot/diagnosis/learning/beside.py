@@ -74,9 +74,9 @@ def _companion(growth: Growth, bench: Bench, curve: Curve) -> Curve | None:
     """The curve beside the effect that promises most, where any promises as much as is worth naming."""
     here = curve.fit.hypothesis.sites
     further = [s for s in growth.sites if s not in here and not redundant([t.label for t in (*here, s)])]
-    bar = (1.0 - WORTH_OF_REST) ** 2 * curve.fit.cost
-    promised = [p for p in bench.promises(curve.fit, further) if p.cost < bar]
-    fit = bench.fitted(curve.fit, min(promised, key=lambda p: p.cost)) if promised else None
+    bar = (1.0 - WORTH_OF_REST) ** 2 * bench.left(curve.fit)
+    promised = [p for p in bench.promises(curve.fit, further) if p.left < bar]
+    fit = bench.fitted(curve.fit, min(promised, key=lambda p: p.left)) if promised else None
     if fit is None:
         return None
     sites = [s for s in fit.hypothesis.sites if not s.effect.learned]

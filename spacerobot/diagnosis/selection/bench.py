@@ -12,7 +12,7 @@ import numpy as np
 from spacerobot.diagnosis.fitting.fit_store import Kept, of_fit
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
-from spacerobot.diagnosis.fitting.noise import floor_of, reweighted, rms_of
+from spacerobot.diagnosis.fitting.noise import floor_of, reweighted, rms_of, together
 from spacerobot.diagnosis.fitting.screen import FAINT, Screen, Screened, Screener, faint
 from spacerobot.diagnosis.fitting.starts import fit_near
 from spacerobot.diagnosis.machines.contract import Machine
@@ -51,7 +51,7 @@ class Promise:
 
     site: Site
     start: Mapping[str, float]
-    cost: float  # that it would come down to
+    left: float  # what it would leave over, see `Bench.left`
 
 
 class Bench:
@@ -120,6 +120,22 @@ class Bench:
         """The present weights, as part of what decides a fit."""
         return sorted(self._factor.items())
 
+    def left(self, fit: Fit) -> float:
+        """What a fit leaves over of all channels together."""
+        return self._left(np.concatenate([fit.trials[t.id].residual for t in self.trials]))
+
+    def _left(self, residual: np.ndarray) -> float:
+        """The same of all trials' residuals in a row, shape (S,)."""
+        names = [c for t in self.trials for c in t.channels]
+        known, which = np.unique(names, return_inverse=True)
+        starts = np.cumsum([0, *(b.time.size for t in self.trials for b in t.blocks for _ in b.channels)])[:-1]
+        valid = np.concatenate([t.valid for t in self.trials])
+        squares, counts = (
+            np.bincount(which, np.add.reduceat(some, starts), known.size)
+            for some in (np.square(residual), valid.astype(float))
+        )
+        return together(squares, counts)
+
     def promises(self, fit: Fit, sites: Sequence[Site]) -> list[Promise]:
         """What each further effect promises, by its sensitivities at a fit."""
         by = {s.label: s for s in sites}
@@ -127,10 +143,10 @@ class Bench:
         found = self.kept.values(
             "promises", fit, about, lambda: [_as_row(p) for p in self._screened(fit, sites)], list[Row]
         )
-        return [Promise(by[label], start, cost) for label, start, cost in found]
+        return [Promise(by[label], start, left) for label, start, left in found]
 
     def pairs(self, fit: Fit, sites: Sequence[Site]) -> list[tuple[Promise, Promise]]:
-        """Two effects more, as they promise together, best first; each has the cost of both.
+        """Two effects more, as they promise together, best first; each has what both leave over.
 
         What makes up for a constant that was fitted in their stead may be worth nothing alone: dry friction and drag
         beside a damper that had stood for both.
@@ -139,25 +155,26 @@ class Bench:
         about = [*sorted(by), *self._weights()]
         rows = self.kept.values("pairs", fit, about, lambda: self._paired(fit, sites), list[tuple[Row, Row]])
         return [
-            (Promise(by[one], start, cost), Promise(by[two], beside, also))
-            for (one, start, cost), (two, beside, also) in rows
+            (Promise(by[one], start, left), Promise(by[two], beside, also))
+            for (one, start, left), (two, beside, also) in rows
         ]
 
     def _paired(self, fit: Fit, sites: Sequence[Site]) -> list[tuple[Row, Row]]:
         screen = self._screen(fit, sites)
-        total = max(float(screen.residual @ screen.residual), 1e-300)
         out: list[tuple[Row, Row]] = []
-        for gain, one, other in screen.pairs():
+        for _, one, other in screen.pairs():
             columns = np.stack([one.column, other.column])
             amplitudes = np.linalg.lstsq(columns.T, -screen.residual, rcond=1e-6)[0]
             if any(a < 0.0 and not s.site.effect.two_sided for a, s in zip(amplitudes, (one, other), strict=True)):
                 continue
-            cost = fit.cost * max(1.0 - gain / total, 0.0)
+            left = self._left(self._readings(screen.residual + amplitudes @ columns))
             starts = [_begun(s, float(a)) for s, a in zip((one, other), amplitudes, strict=True)]
-            out.append(((one.site.label, starts[0], cost), (other.site.label, starts[1], cost)))
-            if len(out) == PROMISING:
-                break
-        return out
+            out.append(((one.site.label, starts[0], left), (other.site.label, starts[1], left)))
+        return sorted(out, key=lambda pair: pair[0][2])[:PROMISING]
+
+    def _readings(self, column: np.ndarray) -> np.ndarray:
+        """Of a screened column, without what the free parameters' priors say."""
+        return column[: sum(t.valid.size for t in self.trials)]
 
     def _screen(self, fit: Fit, sites: Sequence[Site]) -> Screen:
         """Every reading counts as it does in the costs and held-out errors that a promise is measured by.
@@ -168,14 +185,14 @@ class Bench:
 
     def _screened(self, fit: Fit, sites: Sequence[Site]) -> list[Promise]:
         screen = self._screen(fit, sites)
-        total = max(float(screen.residual @ screen.residual), 1e-300)  # without what the free parameters may do
         out = []
         for item in screen.best().values():
-            cost = fit.cost * max(1.0 - item.gain / total, 0.0)
-            out.append(Promise(item.site, _begun(item, item.amplitude if item.gain > 0.0 else 1.0), cost))
+            amplitude = item.amplitude if item.gain > 0.0 else 0.0
+            left = self._left(self._readings(screen.residual + amplitude * item.column))
+            out.append(Promise(item.site, _begun(item, amplitude or 1.0), left))
         best = {p.site.label: p for p in out}
         for one in self._tried_whole(fit, sites):
-            if one.site.label not in best or one.cost < best[one.site.label].cost:
+            if one.site.label not in best or one.left < best[one.site.label].left:
                 best[one.site.label] = one
         return list(best.values())
 
@@ -212,7 +229,7 @@ class Bench:
         for first, start in sorted(begun, key=lambda one: one[0].cost)[:BEGUN]:
             with contextlib.suppress(SimulationError):
                 on = fit_near(fitter, believed, made, first, {}, FEW_STEPS, hopeless=fit.cost)
-                out.append(Promise(site, start, on.cost))
+                out.append(Promise(site, start, self.left(on)))
         return out
 
     def fitted(self, near: Fit, promise: Promise) -> Fit | None:
@@ -256,7 +273,7 @@ class Bench:
 
 
 def _as_row(promise: Promise) -> Row:
-    return promise.site.label, dict(promise.start), promise.cost
+    return promise.site.label, dict(promise.start), promise.left
 
 
 def _whole_starts(site: Site) -> list[dict[str, float]]:

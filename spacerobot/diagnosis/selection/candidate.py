@@ -51,8 +51,8 @@ class Candidate:
 
     @property
     def error(self) -> float:
-        """Weighted rms on unseen trials; infinite where it was not tried."""
-        return np.inf if self.held_out is None else float(np.sqrt(self.held_out.mean_square))
+        """Weighted rms on unseen trials, of all channels together; infinite where it was not tried."""
+        return np.inf if self.held_out is None else self.held_out.together
 
 
 def words(label: Label) -> str:

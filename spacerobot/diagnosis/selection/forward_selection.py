@@ -70,9 +70,9 @@ class Ahead:
     beside: Promise | None = None
 
     @property
-    def cost(self) -> float:
-        """That it would come down to."""
-        return self.promise.cost
+    def left(self) -> float:
+        """What it would leave over."""
+        return self.promise.left
 
     def fitted(self, bench: Bench) -> Fit | None:
         """Fitted; None where it cannot be, or where the fit is no physics."""
@@ -145,12 +145,12 @@ class _Search:
         self.bench = bench
         self.sites = {s.label: s for s in sites}
         self.screened: dict[Label, float] = {}
-        self.reached = np.inf
+        self.whole = self.reached = np.inf  # what the baseline leaves over, and the best so far
 
     def run(self, most: int, reached: Callable[[int], None]) -> Growth:
         baseline = self.begun()
         tested = [baseline]
-        self.reached = baseline.cost
+        self.whole = self.reached = self.bench.left(baseline.fit)
         ahead: dict[int, dict[Label, Ahead]] = {}
         bests: list[Candidate] = []
         for size in range(most + 1):
@@ -177,7 +177,7 @@ class _Search:
     def waiting(self, size: int, ahead: Mapping[int, Mapping[Label, Ahead]]) -> bool:
         """Whether sets of so many parameters or more promise much: a law of three had no turn before."""
         bar = (1.0 - 2.0 * WORTH_OF_REST) ** 2 * self.reached
-        return any(one.cost < bar for at, layer in ahead.items() if at >= size for one in layer.values())
+        return any(one.left < bar for at, layer in ahead.items() if at >= size for one in layer.values())
 
     def begun(self) -> Candidate:
         """The baseline, under the weights of a search."""
@@ -190,7 +190,7 @@ class _Search:
         label = {s.label for s in sites}
         here = max((c for c in tested if set(c.label) <= label), key=lambda c: (len(c.sites), -c.error))
         while left := [s for s in sites if s.label not in here.label]:
-            promises = sorted(self.bench.promises(here.fit, left), key=lambda p: p.cost)
+            promises = sorted(self.bench.promises(here.fit, left), key=lambda p: p.left)
             fit = next((f for p in promises if (f := self.bench.fitted(here.fit, p)) is not None), None)
             if fit is None:
                 return
@@ -258,13 +258,13 @@ class _Search:
         """The most promising candidates of one size, fitted and tried on unseen trials."""
         out: list[Candidate] = []
         bar = (1.0 - TIE) * self.reached
-        for place, promise in enumerate(sorted(ahead, key=lambda p: p.cost)[: 2 * TRIED]):
-            if len(out) == TRIED or (place >= ANYWAY and promise.cost > bar):
+        for place, promise in enumerate(sorted(ahead, key=lambda p: p.left)[: 2 * TRIED]):
+            if len(out) == TRIED or (place >= ANYWAY and promise.left > bar):
                 break
             fit = promise.fitted(self.bench)
             if fit is not None:
                 one = self.tested(Candidate(fit))
-                self.reached = min(self.reached, one.cost)
+                self.reached = min(self.reached, self.bench.left(fit))
                 out.append(one)
         return out
 
@@ -320,9 +320,9 @@ class _Search:
             promise = Ahead(one, found[site.label])
             name = tuple(sorted((*one.label, site.label)))
             layer = ahead.setdefault(one.size + len(site.effect.parameters), {})
-            if name not in layer or promise.cost < layer[name].cost:
+            if name not in layer or promise.left < layer[name].left:
                 layer[name] = promise
-                self.screened[name] = promise.cost
+                self.screened[name] = promise.left / self.whole
 
     def look_at_pairs(self, one: Candidate, most: int, ahead: dict[int, dict[Label, Ahead]]) -> None:
         """What two further effects promise together, where neither may alone."""
@@ -334,9 +334,9 @@ class _Search:
                 continue
             found[size] = found.get(size, 0) + 1
             layer = ahead.setdefault(size, {})
-            if name not in layer or first.cost < layer[name].cost:
+            if name not in layer or first.left < layer[name].left:
                 layer[name] = Ahead(one, first, second)
-                self.screened[name] = first.cost
+                self.screened[name] = first.left / self.whole
 
     def again(self, one: Candidate) -> Candidate:
         """Fitted again under the present weights."""

@@ -21,7 +21,7 @@ class Growth:
         rivals: candidates of no more parameters, in no more effects, that predict as well; and those with a general
             effect for a special case that stated noise does not exclude.
         considered: every candidate that was tried on unseen trials, best first.
-        screened: cost that each set of effects promised, by its sensitivities, whether fitted then or not.
+        screened: share that each set of effects promised to leave over, by its sensitivities, fitted then or not.
         refused: choices that did not stand, by their labels, with the reason.
         sites: every effect at every place that was considered.
     """

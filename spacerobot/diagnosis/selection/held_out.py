@@ -9,7 +9,7 @@ from operator import attrgetter
 import numpy as np
 
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
-from spacerobot.diagnosis.fitting.noise import squares_of
+from spacerobot.diagnosis.fitting.noise import squares_of, together
 from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.machines.windows import FOLDS
 from spacerobot.diagnosis.terms.data import TrialData, recorded_id
@@ -99,6 +99,18 @@ class HeldOut:
     def mean_square(self) -> float:
         """Over all samples."""
         return self.total / max(sum(int(c.sum()) for c in self.counted.values()), 1)
+
+    @property
+    def together(self) -> float:
+        """Root of the channels' mean squares, of all as if each were told as well: their geometric mean."""
+        rows: dict[int, list[tuple[float, int]]] = {}
+        for trial, residual in self.residual.items():
+            cuts = self.cuts.get(trial, ())
+            pieces = zip(np.split(residual, cuts), np.split(self.counted[trial], cuts), strict=True)
+            for k, (piece, counted) in enumerate(pieces):
+                rows.setdefault(k, []).append((float(piece @ piece), int(counted.sum())))
+        squares, counts = np.array([np.sum(some, axis=0) for some in rows.values()]).reshape(-1, 2).T
+        return float(np.sqrt(together(squares, counts) / max(float(counts.sum()), 1.0)))
 
     def of(self, trials: Sequence[str]) -> HeldOut:
         """Of some of the trials alone."""
