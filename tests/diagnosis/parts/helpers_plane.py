@@ -42,10 +42,12 @@ def in_plane(
     knocks: Mapping[int, Knock] | None = None,
     seed: int = 0,
     lasting: float = 0.0,
+    pull: Callable[[np.ndarray], np.ndarray] = lambda state: np.zeros(3),
 ) -> Study:
     """One slide from each start under a force of the velocity [N], with knocks in some of them.
 
-    Such a knock may be a steady push that begins then and lasts [s].
+    Such a knock may be a steady push that begins then and lasts [s]. What pulls besides, along, across and about
+    [N, N m], is a function of the state, shape (6,).
     """
     folder.mkdir(exist_ok=True, parents=True)
     random, text = np.random.default_rng(seed), [HEAD]
@@ -53,7 +55,7 @@ def in_plane(
     inertia = np.array([MASS, MASS, INERTIA])
 
     def rate(t: float, y: np.ndarray) -> np.ndarray:
-        return np.concatenate([y[3:], [*(force(y[3:5]) / MASS), 0.0]])
+        return np.concatenate([y[3:], [*(force(y[3:5]) / MASS), 0.0] + pull(y) / inertia])
 
     for number, start in enumerate(STARTS):
         when, impulse = (knocks or {}).get(number, (SECONDS, (0.0, 0.0, 0.0)))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from spacerobot.diagnosis.diagnose import diagnose
-from tests.diagnosis.parts.helpers_plane import in_plane
+from tests.diagnosis.parts.helpers_plane import MASS, in_plane
 
 
 def against(velocity: np.ndarray, power: float) -> np.ndarray:
@@ -67,6 +67,23 @@ def test_a_push_that_lasts_takes_nothing_from_what_acts_always(tmp_path: Path) -
     assert set(found) == {("s1", w) for w in ("target", "target.y", "target.yaw")}
     for where, impulse in (("target", 0.10), ("target.y", -0.06), ("target.yaw", 0.004)):
         assert found["s1", where] == pytest.approx([impulse, 2.45, 0.9], rel=0.15), where
+
+
+@pytest.mark.slow
+def test_a_bowl_is_no_drag_although_bodies_that_leave_its_middle_slow_down(tmp_path: Path) -> None:
+    """Each of its curvatures explains one channel alone; beside them the bearing's friction is found as well."""
+
+    def pull(state: np.ndarray) -> np.ndarray:
+        bowl = -9.80665 * MASS * 0.0013 * state[:2]
+        return np.array([*bowl, -0.004 * state[5]])
+
+    verdict = diagnose(in_plane(tmp_path, pull=pull), jobs=1).verdict
+    found = {(e["effect"], e["where"]): next(iter(e["parameters"].values()))["value"] for e in verdict["effects"]}
+    assert found == {
+        ("table_curvature", "target"): pytest.approx(0.0013, rel=0.1),
+        ("table_curvature", "target.y"): pytest.approx(0.0013, rel=0.1),
+        ("viscous_drag", "target.yaw"): pytest.approx(0.004, rel=0.1),
+    }
 
 
 @pytest.mark.slow
