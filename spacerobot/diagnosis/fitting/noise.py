@@ -16,7 +16,7 @@ import numpy as np
 from spacerobot.diagnosis.terms.data import TrialData
 
 NEXT_TO_NOTHING = 1e-6
-"""Share of what all channels leave over that is added to each: of one that is told exactly the logarithm is none."""
+"""Share of what all channels leave over that is as good as nothing: one that is told exactly has no logarithm."""
 
 
 def correlation_time(residual: np.ndarray) -> float:
@@ -50,16 +50,22 @@ def split(residual: np.ndarray, trial: TrialData) -> dict[str, np.ndarray]:
     return out
 
 
-def together(squares: Sequence[float] | np.ndarray, counts: Sequence[float] | np.ndarray) -> float:
-    """Squares of several channels as if each had left as much a reading: their geometric mean, times all readings.
+def common_level(squares: np.ndarray, counts: np.ndarray, least: float | None = None) -> float:
+    """Mean square of several channels as if each had left as much a reading: their geometric mean.
 
-    How large a channel's noise is nobody knows: so likelihoods of their squares are multiplied, where a sum would hear
-    the channel alone that is furthest from its noise.
+    How large a channel's noise is nobody knows: so likelihoods of their squares are multiplied, where the mean over all
+    readings would hear the channel alone that is furthest from its noise.
+
+    Args:
+        squares: sums, shape (C,).
+        counts: readings of each, shape (C,).
+        least: mean square that is as good as nothing, added to each; that share of the plain mean if None.
     """
-    square, count = np.array(squares, dtype=float), np.array(counts, dtype=float)
-    every = max(float(count.sum()), 1.0)
-    each = square / np.maximum(count, 1.0) + NEXT_TO_NOTHING * float(square.sum()) / every
-    return every * float(np.exp(count @ np.log(np.maximum(each, 1e-300)) / every))
+    every = max(float(counts.sum()), 1.0)
+    if least is None:
+        least = NEXT_TO_NOTHING * float(squares.sum()) / every
+    each = squares / np.maximum(counts, 1.0) + least
+    return float(np.exp(counts @ np.log(np.maximum(each, 1e-300)) / every))
 
 
 def floor_of(residuals: Mapping[str, np.ndarray], trials: Sequence[TrialData]) -> dict[str, float]:

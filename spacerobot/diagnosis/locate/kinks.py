@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 from scipy.special import fdtrc
 
-from spacerobot.diagnosis.fitting.noise import correlation_time
+from spacerobot.diagnosis.fitting.noise import common_level, correlation_time
 from spacerobot.diagnosis.machines.touch import Moment
 
 MOMENTS = 48
@@ -151,8 +151,9 @@ def _lasting(tracks: Sequence[Track], breaks: Sequence[_Break]) -> list[_Break]:
     """The breaks, each corner as a push that lasts where that costs less; what would last longest of all is smooth."""
     out = list(breaks)
     halves = ROUND * _length(tracks) * np.linspace(0.0, 1.0, WIDTHS + 1)[1:]
+    shifts = np.linspace(-1.0, 1.0, WIDTHS - 1)  # of its own half: the corner lies somewhere in it
     for k, one in enumerate(breaks):
-        pushes = [_Break(float(one.time + by * w), half=float(w)) for w in halves for by in np.linspace(-1.0, 1.0, 9)]
+        pushes = [_Break(float(one.time + by * w), half=float(w)) for w in halves for by in shifts]
         best = min((_with(out, k, push) for push in pushes), key=lambda some: _left(tracks, some))
         if best[k].half < halves[-1]:
             out = _cheapest(tracks, [out, best])
@@ -232,15 +233,10 @@ def _left(tracks: Sequence[Track], breaks: Sequence[_Break], rounded: int | None
 
 
 def _together(tracks: Sequence[Track], rests: Sequence[np.ndarray]) -> float:
-    """Squares of all readings as if all tracks left over as much: their geometric mean, times the readings.
-
-    How much is noise is every track's own, and not known: so likelihoods of their squares are multiplied, where a sum
-    would hear the loudest track alone. What is FAINT beside what all tracks brought is taken for nothing.
-    """
-    every = sum(r.size for r in rests)
-    brought = sum(t.brought for t in tracks) / every
-    logs = [r.size * np.log(float(np.mean(np.square(r))) + FAINT**2 * brought + 1e-300) for r in rests]
-    return every * float(np.exp(sum(logs) / every))
+    """Squares of all readings as if all tracks left over as much; what is FAINT beside what they brought is nothing."""
+    counts = np.array([float(r.size) for r in rests])
+    least = FAINT**2 * sum(t.brought for t in tracks) / float(counts.sum())
+    return float(counts.sum()) * common_level(np.array([float(r @ r) for r in rests]), counts, least)
 
 
 def _smooth(tracks: Sequence[Track], count: int) -> float:
@@ -295,8 +291,17 @@ def _moment(tracks: Sequence[Track], breaks: Sequence[_Break], which: int) -> Mo
 def _interval(tracks: Sequence[Track], sets: Sequence[list[_Break]], values: np.ndarray) -> tuple[float, float, float]:
     """Ends and middle of the 95 % interval of a value, evenly spaced, by what the breaks with each leave over."""
     squares = np.array([_left(tracks, some) for some in sets])
-    best = int(np.argmin(squares))
-    share = max(float(squares[best]), 1e-300) / np.maximum(squares, 1e-300)
-    weight = share ** (0.5 * _independent(tracks, sets[best]))
+    return likely(squares, _independent(tracks, sets[int(np.argmin(squares))]), values)
+
+
+def likely(squares: np.ndarray, independent: float, values: np.ndarray) -> tuple[float, float, float]:
+    """Ends and middle of the 95 % interval of a value, each counted by its likelihood.
+
+    Args:
+        squares: what is left over with each value, shape (M,).
+        independent: readings.
+        values: evenly spaced, shape (M,).
+    """
+    weight = (max(float(squares.min()), 1e-300) / np.maximum(squares, 1e-300)) ** (0.5 * independent)
     low, middle, high = np.interp(LEVEL, np.cumsum(weight) / weight.sum(), values)
     return float(low), float(middle), float(high)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from spacerobot.diagnosis.fitting.noise import correlation_time
+from spacerobot.diagnosis.locate.kinks import likely
 from spacerobot.diagnosis.machines.touch import Moment
 
 SIDE = 0.5
@@ -86,8 +87,5 @@ def _begin(t: np.ndarray, y: np.ndarray, at: int, ramp: int, side: int) -> Momen
                     rest = left
                 best[k] = square
     independent = max(value.size / correlation_time(rest), 5.0)
-    # several moments may do nearly as well: each counts by its likelihood
-    weight = (best.min() / best) ** (0.5 * independent)
-    share = np.cumsum(weight) / weight.sum()
-    low, middle, high = np.interp([0.025, 0.5, 0.975], share, begins + 0.5 * FINE)
+    low, middle, high = likely(best, independent, begins + 0.5 * FINE)
     return Moment(float(t[at] + middle), float(t[at] + low - 0.5 * FINE), float(t[at] + high + 0.5 * FINE))

@@ -6,19 +6,20 @@ import contextlib
 import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from spacerobot.diagnosis.fitting.fit_store import Kept, of_fit
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
-from spacerobot.diagnosis.fitting.noise import floor_of, reweighted, rms_of, together
+from spacerobot.diagnosis.fitting.noise import common_level, floor_of, reweighted, rms_of
 from spacerobot.diagnosis.fitting.screen import FAINT, Screen, Screened, Screener, faint
 from spacerobot.diagnosis.fitting.starts import fit_near
 from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.selection.held_out import MOST, HeldOut, folds, predict_held_out
 from spacerobot.diagnosis.selection.nameable import implausible, reached
-from spacerobot.diagnosis.terms.data import TrialData
+from spacerobot.diagnosis.terms.data import TrialData, ends_of
 from spacerobot.diagnosis.terms.hypothesis import Site, hypothesis
 from spacerobot.support.errors import InputError, SimulationError
 
@@ -126,15 +127,25 @@ class Bench:
 
     def _left(self, residual: np.ndarray) -> float:
         """The same of all trials' residuals in a row, shape (S,)."""
-        names = [c for t in self.trials for c in t.channels]
-        known, which = np.unique(names, return_inverse=True)
-        starts = np.cumsum([0, *(b.time.size for t in self.trials for b in t.blocks for _ in b.channels)])[:-1]
-        valid = np.concatenate([t.valid for t in self.trials])
-        squares, counts = (
-            np.bincount(which, np.add.reduceat(some, starts), known.size)
-            for some in (np.square(residual), valid.astype(float))
-        )
-        return together(squares, counts)
+        counts = self._by_channel(self._valid)
+        return float(counts.sum()) * common_level(self._by_channel(np.square(residual)), counts)
+
+    @cached_property
+    def _valid(self) -> np.ndarray:
+        """Which of all trials' samples in a row are, shape (S,), 0 or 1; whatever they weigh."""
+        return np.concatenate([t.valid for t in self.model.trials]).astype(float)
+
+    @cached_property
+    def _pieces(self) -> tuple[np.ndarray, np.ndarray]:
+        """Where each channel of each trial begins in such a row, and which channel it is."""
+        trials = self.model.trials
+        which = np.unique([c for t in trials for c in t.channels], return_inverse=True)[1]
+        return ends_of(trials)[:-1], which
+
+    def _by_channel(self, row: np.ndarray) -> np.ndarray:
+        """Sums of all trials' samples by channel, shape (S,) to (C,)."""
+        starts, which = self._pieces
+        return np.bincount(which, np.add.reduceat(row, starts))
 
     def promises(self, fit: Fit, sites: Sequence[Site]) -> list[Promise]:
         """What each further effect promises, by its sensitivities at a fit."""
@@ -174,7 +185,7 @@ class Bench:
 
     def _readings(self, column: np.ndarray) -> np.ndarray:
         """Of a screened column, without what the free parameters' priors say."""
-        return column[: sum(t.valid.size for t in self.trials)]
+        return column[: self._valid.size]
 
     def _screen(self, fit: Fit, sites: Sequence[Site]) -> Screen:
         """Every reading counts as it does in the costs and held-out errors that a promise is measured by.

@@ -9,7 +9,7 @@ from operator import attrgetter
 import numpy as np
 
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
-from spacerobot.diagnosis.fitting.noise import squares_of, together
+from spacerobot.diagnosis.fitting.noise import common_level, squares_of
 from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.machines.windows import FOLDS
 from spacerobot.diagnosis.terms.data import TrialData, recorded_id
@@ -104,13 +104,16 @@ class HeldOut:
     def together(self) -> float:
         """Root of the channels' mean squares, of all as if each were told as well: their geometric mean."""
         rows: dict[int, list[tuple[float, int]]] = {}
-        for trial, residual in self.residual.items():
-            cuts = self.cuts.get(trial, ())
-            pieces = zip(np.split(residual, cuts), np.split(self.counted[trial], cuts), strict=True)
-            for k, (piece, counted) in enumerate(pieces):
+        for trial in self.residual:
+            for k, (piece, counted) in enumerate(self.pieces(trial)):
                 rows.setdefault(k, []).append((float(piece @ piece), int(counted.sum())))
         squares, counts = np.array([np.sum(some, axis=0) for some in rows.values()]).reshape(-1, 2).T
-        return float(np.sqrt(together(squares, counts) / max(float(counts.sum()), 1.0)))
+        return float(np.sqrt(common_level(squares, counts)))
+
+    def pieces(self, trial: str) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Residual of each channel of a trial, and which of its samples count, shape (T,) each."""
+        cuts = self.cuts.get(trial, ())
+        return list(zip(np.split(self.residual[trial], cuts), np.split(self.counted[trial], cuts), strict=True))
 
     def of(self, trials: Sequence[str]) -> HeldOut:
         """Of some of the trials alone."""

@@ -91,10 +91,9 @@ def told(one: Candidate, other: Candidate) -> Told | None:
     if one.held_out is None or other.held_out is None:
         return None
     rows, trials = [], []
-    for name, new in one.held_out.residual.items():
-        cuts, both = one.held_out.cuts.get(name, ()), (new, other.held_out.residual[name])
-        seen = np.split(one.held_out.counted[name], cuts)
-        for a, b, counted in zip(*(np.split(r, cuts) for r in both), seen, strict=True):
+    for name in one.held_out.residual:
+        both = zip(one.held_out.pieces(name), other.held_out.pieces(name), strict=True)
+        for (a, counted), (b, _) in both:
             n = max(int(counted.sum()), 1)
             rows.append((a @ a / n, b @ b / n, (a - b) @ (a - b) / n, n))
             trials.append(name)

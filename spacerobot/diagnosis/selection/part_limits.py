@@ -24,6 +24,7 @@ from spacerobot.diagnosis.selection.growth import Growth
 from spacerobot.diagnosis.selection.limits import LARGEST, NEAR, Column, Label, Limit, Limits
 from spacerobot.diagnosis.selection.model_choice import Told, groups, slack
 from spacerobot.diagnosis.terms.candidates import refines
+from spacerobot.diagnosis.terms.data import ends_of
 from spacerobot.diagnosis.terms.decision import TIE, TWICE
 
 DRAWN = 400
@@ -54,8 +55,7 @@ class PartLimits(Limits):
         super().__init__(bench.fitter(), bench.model.believed, growth.after.fit, 1.0)
         trials = [t for t in bench.trials for _ in t.channels]  # whose channels the cuts are
         every, held = [t.id for t in bench.trials], tried(growth.after)
-        ends = np.cumsum([0, *(b.time.size for t in bench.trials for b in t.blocks for _ in b.channels)])
-        self.cuts = [slice(int(a), int(b)) for a, b in itertools.pairwise(ends)]
+        self.cuts = [slice(int(a), int(b)) for a, b in itertools.pairwise(ends_of(bench.trials))]
         fold = np.array([[t.id in out for _, out in bench.left_out] for t in trials], dtype=float)
         self.training = 1.0 - fold @ fold.T  # (K, K) what the fold of each is fitted to
         self.group = groups(trials)

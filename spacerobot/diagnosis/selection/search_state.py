@@ -85,8 +85,8 @@ class Found:
 
     @property
     def in_play(self) -> Fit:
-        """The fit of least cost, or a part of it that is preferred, leaves nothing but noise, and lacks less than
-        a further effect must earn: then, however the larger set is varied, it is not what is said.
+        """The fit of least cost; a preferred part of it instead, where that leaves nothing but noise and lacks less
+        than a further effect must earn: however the larger set is varied then, it is not what is said.
         """
         chosen, best = self.preferred([self.baseline, *self.fits.values()]), self.best
         if not (self.explains(chosen) and contains(best.hypothesis.label, chosen.hypothesis.label)):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import re
-from collections.abc import Container, Mapping
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -67,8 +67,7 @@ class TrialData:
     @functools.cached_property
     def cuts(self) -> tuple[int, ...]:
         """Where one channel's samples end in such a row and the next one's begin."""
-        ends = np.cumsum([b.time.size for b in self.blocks for _ in b.channels])
-        return tuple(ends[:-1].tolist())
+        return tuple(ends_of([self])[1:-1].tolist())
 
     @property
     def samples(self) -> int:
@@ -83,6 +82,11 @@ class TrialData:
                 good = block.weight[i] > 0.0
                 return block.time[good], block.value[i][good], block.weight[i][good]
         raise KeyError(name)
+
+
+def ends_of(trials: Sequence[TrialData]) -> np.ndarray:
+    """Where the channels' samples begin and end where those of all trials stand in a row, from 0 on."""
+    return np.cumsum([0, *(b.time.size for t in trials for b in t.blocks for _ in b.channels)])
 
 
 def trial_data(study: Study, shown: Container[str] | None = None) -> tuple[TrialData, ...]:

@@ -54,26 +54,22 @@ def in_plane(
     time = np.linspace(0.0, SECONDS, READINGS)
     inertia = np.array([MASS, MASS, INERTIA])
 
-    def rate(t: float, y: np.ndarray) -> np.ndarray:
-        return np.concatenate([y[3:], [*(force(y[3:5]) / MASS), 0.0] + pull(y) / inertia])
+    def rate(t: float, y: np.ndarray, push: np.ndarray) -> np.ndarray:
+        return np.concatenate([y[3:], (np.append(force(y[3:5]), 0.0) + pull(y) + push) / inertia])
 
     for number, start in enumerate(STARTS):
         when, impulse = (knocks or {}).get(number, (SECONDS, (0.0, 0.0, 0.0)))
         shown = np.zeros((3, READINGS))
         state, begin = np.array([0.0, 0.0, 0.0, *start]), 0.0
-        for end, force_now in ((when, 0.0), (when + lasting, 1.0), (SECONDS + 1e-9, 0.0)):
-            if end > begin:
-                push = np.concatenate([np.zeros(3), force_now * np.array(impulse) / max(lasting, 1e-9) / inertia])
-
-                def pushed(t: float, y: np.ndarray, push: np.ndarray = push) -> np.ndarray:
-                    return rate(t, y) + push
-
-                run = solve_ivp(pushed, (begin, end), state, rtol=1e-8, atol=1e-9, dense_output=True)
-                here = (time >= begin) & (time <= end)
-                shown[:, here] = run.sol(time[here])[:3]
-                state, begin = run.y[:, -1], end
-            if force_now and not lasting:
-                state = state + np.concatenate([np.zeros(3), np.array(impulse) / inertia])
+        given = np.array(impulse)
+        pushed = [(when + lasting, given / lasting)] if lasting and when < SECONDS else []
+        for end, push in ((when, np.zeros(3)), *pushed, (SECONDS + 1e-9, np.zeros(3))):
+            run = solve_ivp(rate, (begin, end), state, args=(push,), rtol=1e-8, atol=1e-9, dense_output=True)
+            here = (time >= begin) & (time <= end)
+            shown[:, here] = run.sol(time[here])[:3]
+            state, begin = run.y[:, -1].copy(), end
+            if end == when and not lasting:
+                state[3:] += given / inertia
         shown = shown + NOISE * random.standard_normal(shown.shape)
         rows = "".join(f"{t:.6f},{x:.7f},{y:.7f},{a:.7f}\n" for t, (x, y, a) in zip(time, shown.T, strict=True))
         (folder / f"{number}.csv").write_text("t,x,y,yaw\n" + rows)
