@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
@@ -77,21 +78,22 @@ class Series(Brief):
         return self.time[self.valid], self.value[self.valid]
 
 
-def estimate_noise(value: Floats) -> float:
-    """One standard deviation of white noise on a smooth signal, from third differences.
+def estimate_noise(value: Floats, order: int = 3) -> float:
+    """One standard deviation of white noise on a smooth signal, from its differences.
 
     The third difference of noise alone has variance 20 sigma^2 (sum of squared binomials 1, 3, 3, 1) and
     takes a quadratic trend away; the median absolute value (over 0.6745) does not see impacts.
 
     Args:
         value: (n,) samples at an even rate, NaN left out.
+        order: of the differences; higher ones leave less of a motion that is quick beside the rate.
 
     Returns:
-        The estimate, in the unit of `value`; NaN for fewer than 8 samples.
+        The estimate, in the unit of `value`; NaN for fewer than `order` + 5 samples.
     """
     value = value[np.isfinite(value)]
-    if len(value) < 8:
+    if len(value) < order + 5:
         return float("nan")
-    difference = np.abs(np.diff(value, 3)) / np.sqrt(20.0)
+    difference = np.abs(np.diff(value, order)) / math.sqrt(math.comb(2 * order, order))
     estimate = float(np.median(difference) / 0.6744897501960817)
     return estimate if estimate > 0 else float(np.linalg.norm(difference) / np.sqrt(len(difference)))

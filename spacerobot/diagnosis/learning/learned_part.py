@@ -16,7 +16,7 @@ from spacerobot.diagnosis.selection.model_choice import agreeing, pays
 from spacerobot.diagnosis.selection.part_result import NotLearned, Part
 from spacerobot.diagnosis.selection.search_state import Report
 from spacerobot.diagnosis.terms.decision import AS_GOOD, CROWD, DOUBT, TIE
-from spacerobot.diagnosis.terms.kinds import AMBIGUOUS, LEARNED, NAMED, UNKNOWN, Kind
+from spacerobot.diagnosis.terms.kinds import AMBIGUOUS, LEARNED, NAMED, NOTHING_MISSING, UNKNOWN, WRONG_PARAMETER, Kind
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,9 +50,13 @@ def room_for_a_law(part: Part) -> bool:
     """Whether what is said of a part may be one law that has no name.
 
     Nothing of the catalogue explains it; or, where the noise is stated, what is named of it leaves more, or is a crowd.
+    Where nothing is said to be missing and no noise is stated, a law that predicts better is what tells.
     """
     said, bench = part.verdict, part.growth.bench
-    if said not in (NAMED, AMBIGUOUS) or not noise(bench, part.fit):
+    stated = bool(noise(bench, part.fit))
+    if said in (NOTHING_MISSING, WRONG_PARAMETER):
+        return not stated and part.shown
+    if said not in (NAMED, AMBIGUOUS) or not stated:
         return said == UNKNOWN
     count = sum(s.effect.kind != "sensor" for s in part.fit.hypothesis.sites)
     return louder(bench, part.fit) > 0.0 or count >= CROWD - (said == AMBIGUOUS)

@@ -121,7 +121,8 @@ def balances(study: Study, trials: list[Trial], joints: tuple[str, ...]) -> list
         for t in trials
     }
     first = next((j for j in joints if j not in idle), None)
-    stream = "" if first is None else study.recording(trials[0])[f"joint.{first}.torque"].stream
+    logged = None if first is None else study.recording(trials[0])
+    stream, encoders = ("" if logged is None else logged[f"joint.{first}.{w}"].stream for w in ("torque", "position"))
     values = {mass_name(n): v for n, v in study.values().items() if n.startswith("joint.")}
     logs = [study.recording(t)[c] for t in trials for c in channels]
     doubts = doubted(study, trials, channels)
@@ -141,6 +142,7 @@ def balances(study: Study, trials: list[Trial], joints: tuple[str, ...]) -> list
                 sigma={mass_name(n): v for n, v in study.sigma.items() if _felt(n, joint)},
                 absolute={n: v for n, v in study.absolute.items() if _felt(n, joint)},
                 sensor=stream,
+                motion_sensor=encoders if encoders != stream else "",
                 noise=noise,
                 idle=tuple(idle),
                 doubted=doubts,

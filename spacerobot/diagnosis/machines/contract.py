@@ -15,7 +15,9 @@ import numpy as np
 from spacerobot.diagnosis.machines.doubted import NONE, Doubted, beyond
 from spacerobot.diagnosis.machines.sizes import scaled
 from spacerobot.diagnosis.machines.touch import Moment
+from spacerobot.diagnosis.terms.candidates import late
 from spacerobot.diagnosis.terms.data import TrialData
+from spacerobot.diagnosis.terms.decision import MOVED
 from spacerobot.diagnosis.terms.hypothesis import Believed, Hypothesis, Site
 from spacerobot.diagnosis.terms.parameters import zero_key
 from spacerobot.diagnosis.terms.reach import started_there
@@ -208,31 +210,38 @@ class Machine(ABC):
         """Every effect at every place where it could sit, its parameters scaled to what is typical there.
 
         But for what strikes once: nothing that is kept aside foretells it. It is found by the moment itself
-        (`selection/stretches.py`).
+        (`selection/stretches.py`). Of two clocks only the difference shows: each may be late. Where the inputs' moment
+        is free none may: two offsets that nearly cancel would explain what neither is.
         """
         plain = self.plain()
         found = []
+        timed = any(name.endswith(".delay") for name in self.believed.within)
         for effect in all_effects().values() if effects is None else effects:
-            if effect.once:
+            if effect.once or (effect.relative and timed):
                 continue
             for where in dict.fromkeys(effect.places(plain)):
                 found.append(self.site(effect, where))
                 if any(p.reach for p in effect.parameters):  # from where on it acts, and to which side, is the place's
                     forms = effect.forms_at(self.visited(where))
                     found += [self.site(effect.in_form(form), where) for form in forms]
-        return found
+        clocks = [s.where for s in found if s.effect.relative]
+        return [late(s) if s.effect.relative and len(clocks) > 1 else s for s in found]
 
     def site(self, effect: Effect, where: str, trials: tuple[str, ...] = ()) -> Site:
         """An effect at a place, in all trials or in some, its parameters scaled to what is typical there."""
         return Site(started_there(scaled(effect, self.size_at(where)), self.visited(where)), where, trials)
 
     def moment_free(self) -> Self | None:
-        """The same with its inputs' moment free within a sample; None where it has none."""
+        """The same with its inputs' moment free within a sample; None where it has none.
+
+        No further, whatever that explains: later than that is an effect, with a price and a name.
+        """
         if not self.moment:
             return None
         other = copy(self)
         other.moment = MappingProxyType({})
-        other.believed = replace(self.believed, absolute={**self.believed.absolute, **self.moment})
+        within = {name: MOVED * size for name, size in self.moment.items()}
+        other.believed = replace(self.believed, absolute={**self.believed.absolute, **self.moment}, within=within)
         return other
 
     @property

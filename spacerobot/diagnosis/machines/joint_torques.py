@@ -14,6 +14,7 @@ from functools import partial
 import numpy as np
 
 from spacerobot.diagnosis.machines import torque_log
+from spacerobot.diagnosis.machines.clear_width import clear_width
 from spacerobot.diagnosis.machines.contract import FACTORS, FIRST_NOISE, Machine, Predicted, Variant, conditions_of
 from spacerobot.diagnosis.machines.doubted import NONE, Doubted, beyond
 from spacerobot.diagnosis.machines.grid import Grid
@@ -44,8 +45,9 @@ SHARP = 5
 POINTS = 20
 """Points to either side at which a balance's test function is evaluated; faster logs are smoothed and thinned."""
 
-WIDTH = 0.1
-"""Half width of the balance's test functions, as a share of the motion's own time (its length over its speed)."""
+WIDTH, WIDEST = 0.1, 0.35
+"""Half width of the balance's test functions, as a share of the motion's own time (its length over its speed): at
+least, and at most where the motion's noise asks for more. A sine of that time passes the widest by 99 %."""
 
 FEWEST = 4
 """Half widths of a test function that a piece holds at least."""
@@ -84,6 +86,7 @@ class InverseDynamics(Machine):
         sigma: Mapping[str, float] | None = None,
         absolute: Mapping[str, float] | None = None,
         sensor: str = "torques",
+        motion_sensor: str = "",
         noise: Mapping[str, float] | None = None,
         idle: Sequence[str] = (),
         doubted: Doubted = NONE,
@@ -105,6 +108,8 @@ class InverseDynamics(Machine):
             absolute: deviations of values that are believed to be zero. "joint.NAME.zero" is what an encoder reads
                 where the model has its zero.
             sensor: what verdicts call the torque sensors.
+            motion_sensor: what they call the encoders, where these are a stream of their own. Of two clocks only the
+                difference shows: torques that come early are positions that come late.
             noise: standard deviations by channel, of the torques and of what the motion is taken from, where the study
                 states them all; see `Part.loudness`.
             idle: joints whose torque was not logged but is stated (zero, where nothing drives them): no sensor shows
@@ -114,7 +119,7 @@ class InverseDynamics(Machine):
         self.joints = tuple(joints)
         self.compared = tuple(joints if compared is None else compared)
         self.name = self.compared[0] if len(self.compared) == 1 else "joints"
-        self.sensor = sensor
+        self.sensor, self._encoders = sensor, motion_sensor
         motion = {c for grid, _, _ in grids.values() for c in grid.value}
         self.given = frozenset(motion - {f"joint.{j}.torque" for j in self.joints})
         self.driven = not any(j in idle for j in self.compared)
@@ -146,7 +151,7 @@ class InverseDynamics(Machine):
         self._followed = {c: Readout(c, "position", f"joint.{j}") for j in alone for c in [f"joint.{j}.position"]}
         self._motion: dict[str, Motion] = {}
         self._bump: dict[str, Bump] = {}
-        pace = WIDTH * min(own[j].time for j in self.compared)
+        pace = self._pace([g for g, _, _ in grids.values()], values or {}, unknown)
         trials: list[TrialData] = []
         lenses: list[Lens] = []
         for key, (grid, condition, overrides) in grids.items():
@@ -190,6 +195,21 @@ class InverseDynamics(Machine):
         zeros = self.doubted.sigma
         self.believed = Believed(self.base, sigma, {}, conditions_of(trials), centres, absolute=around, zeros=zeros)
         self.not_measured = self._silence(unknown)
+
+    def _pace(self, grids: Sequence[Grid], values: Mapping[str, float], unknown: Sequence[str]) -> float:
+        """Half width of the balance's test functions [s]."""
+        inertia = self._arm.inertia(np.concatenate([log.position for log in self._raw.values()]))
+        wide = 0.0
+        for joint in self.compared:
+            name, k = f"joint.{joint}", self.joints.index(joint)
+            row = dict(zip(self.joints, inertia[k].tolist(), strict=True))
+            row[joint] = values.get(f"{name}.mass", row[joint]) + values.get(f"{name}.armature", 0.0)
+            if f"{name}.mass" in unknown:
+                row[joint] = self.sizes[name].of("kg")
+            if joint not in self._idle:
+                wide = max(wide, clear_width(grids, joint, row))
+        time = min(self.sizes[f"joint.{j}"].time for j in self.compared)
+        return float(np.clip(wide, WIDTH * time, WIDEST * time))
 
     def _silence(self, unknown: Sequence[str]) -> str:
         """Why the logged torque tells nothing of the one joint compared; empty where it does, or may.
@@ -286,6 +306,7 @@ class InverseDynamics(Machine):
         felt = {f"joint.{j}" for j in self.compared}
         fitted = {*self.believed.sigma, *self.believed.absolute, *self.believed.unknown}
         every = [s for s in super().sites(effects) if s.where not in felt or not stood_for(s.effect, s.where, fitted)]
+        every = [s for s in every if s.where != self._encoders or s.effect.relative]
         if len(self.compared) == len(self.joints):
             return every
         return [s for s in every if s.where in felt or "ports" in self.touched(s)]
@@ -315,8 +336,15 @@ class InverseDynamics(Machine):
                 *(m for j in self.compared for m in torque_log.logged(values, j)),
                 *(ChannelMap(_position(n), "offset", values[n] - self.base[n]) for n in self._zeros),
             ),
-            sensors={self.sensor: tuple(f"joint.{j}.torque" for j in self.compared)} if self.driven else {},
+            sensors=self._sensors(),
         )
+
+    def _sensors(self) -> dict[str, tuple[str, ...]]:
+        """Those whose readings a torque that was logged is compared by."""
+        if not self.driven:
+            return {}
+        found = {self.sensor: tuple(f"joint.{j}.torque" for j in self.compared)}
+        return found | ({self._encoders: tuple(f"joint.{j}.position" for j in self.compared)} if self._encoders else {})
 
     def shocks(self) -> dict[str, Moment]:
         """Of all joints together, at the logs' full rate; none where nothing drives: a free swing is let go of."""
@@ -394,7 +422,8 @@ class InverseDynamics(Machine):
         out = {}
         for i, joint in enumerate(self.joints):
             if joint not in self._idle:
-                drive = torque_log.inverse(mechanism.maps, f"joint.{joint}", motion.torque[:, i], motion.step)
+                maps = torque_log.beside_motion(mechanism.maps, f"joint.{joint}")
+                drive = torque_log.inverse(maps, f"joint.{joint}", motion.torque[:, i], motion.step)
                 out[f"joint.{joint}"] = asked[:, i] - drive, float(motion.slow[i])
         return out
 
@@ -437,7 +466,7 @@ class InverseDynamics(Machine):
             torque = asked[:, names.index(name)]
             for port, force in acting.items():  # drives that see two joints act at both
                 torque = torque - mechanism.ports[port].get(name, 0.0) * force
-            maps = tuple(m for m in mechanism.maps if m.channel == f"{name}.torque")
+            maps = torque_log.beside_motion(mechanism.maps, name)
             log = None if motion.torque is None else motion.torque[:, names.index(name)]
             shown = torque_log.seen(maps, torque, log, bump)
             for key, own in read.beside.items():

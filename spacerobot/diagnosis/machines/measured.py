@@ -127,12 +127,18 @@ def port_forces(
 
 
 def _filtered(m: ChannelMap, value: np.ndarray, step: float) -> np.ndarray:
-    """A channel, shape (T,), through a low-pass filter that had settled at its first reading."""
+    """A channel, shape (T,), through a low-pass filter that had settled at its first reading.
+
+    As it answers lines between the samples, exactly: steps would be early or late by half of one.
+    """
     from scipy.signal import lfilter
 
     def respond(rate: complex | float) -> np.ndarray:
-        decay = np.exp(-2.0 * np.pi * m.value * step * rate)
-        return np.asarray(lfilter([1.0 - decay], [1.0, -decay], value, zi=[decay * value[0]])[0])
+        times = 2.0 * np.pi * m.value * step * rate
+        decay = np.exp(-times)
+        mean = (1.0 - decay) / times
+        settled = [mean * value[0]]
+        return np.asarray(lfilter([1.0 - mean, mean - decay], [1.0, -decay], value, zi=settled)[0])
 
     return summed(m.form, respond)
 

@@ -153,14 +153,8 @@ class Platform(Machine):
         return {n: v for n, v in zip(TRACK, (*pushed.tolist(), turned), strict=True) if n in rates}
 
     def sites(self, effects: Iterable[Effect] | None = None) -> list[Site]:
-        """As everywhere, less what nothing tells apart: a payload is the platform's mass, and of two clocks only
-        the difference shows, which is called the arm's.
-        """
-        return [
-            s
-            for s in super().sites(effects)
-            if "mass" not in s.effect.same_as and not (s.effect.relative and s.where != ARM)
-        ]
+        """As everywhere, less what nothing tells apart: a payload is the platform's mass."""
+        return [s for s in super().sites(effects) if "mass" not in s.effect.same_as]
 
     def mechanism(self, values: Mapping[str, float], trial: TrialData) -> Mechanism:
         """The platform's three coordinates, its sensor, and the arm's motion as something that is read."""

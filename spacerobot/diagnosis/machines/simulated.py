@@ -13,7 +13,7 @@ import numpy as np
 from spacerobot.diagnosis.machines.contract import FACTORS, Machine, Nuisance, Predicted, Variant
 from spacerobot.diagnosis.machines.doubted import NONE, Doubted, beyond
 from spacerobot.diagnosis.machines.touch import Moment
-from spacerobot.diagnosis.machines.windows import CHANGED, FOLDS, Drive, Local, cut, local, spread_over
+from spacerobot.diagnosis.machines.windows import CHANGED, FOLDS, Drive, Local, beside, cut, local, spread_over
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed, Site
 from spacerobot.effects.effect import Effect
@@ -130,7 +130,8 @@ class Simulated(Machine):
         other = copy(self)
         other._cuts = {t: (*self.met.get(t, ()), *moments.get(t, ())) for t in (*self.met, *moments)}
         windows = [w for t in self.recorded.values() for w in cut(t, self._window, other._cuts.get(t.id, ()))]
-        other.trials, other._starts = tuple(spread_over(windows, self._budget)), {}
+        other.trials = tuple(spread_over(windows, self._budget, beside(windows, moments)))
+        other._starts = {}
         return other
 
     def steady(self, trial: TrialData, start: float, end: float) -> bool:

@@ -46,11 +46,23 @@ def logged(values: Mapping[str, float], joint: str) -> tuple[ChannelMap, ...]:
     return tuple(m for m, said in maps if said)
 
 
+def beside_motion(maps: Sequence[ChannelMap], joint: str) -> tuple[ChannelMap, ...]:
+    """How a joint's torque is logged beside its motion: where its encoder is late, the torque is early.
+
+    Args:
+        maps: of all sensors.
+        joint: "joint.NAME".
+    """
+    own = [m for m in maps if m.channel == f"{joint}.torque"]
+    encoder = [m for m in maps if m.channel == f"{joint}.position" and m.kind == "delay"]
+    return (*own, *(ChannelMap(f"{joint}.torque", "delay", -m.value) for m in encoder))
+
+
 def inverse(maps: Sequence[ChannelMap], joint: str, reading: np.ndarray, step: float) -> np.ndarray:
     """A joint's torque from what is logged of it on an even grid, shape (T,) both: its scale, zero and delay undone.
 
     Args:
-        maps: of all sensors.
+        maps: of this joint's torque, as `beside_motion` has them.
         joint: "joint.NAME".
         reading: the log.
         step: of the grid [s].

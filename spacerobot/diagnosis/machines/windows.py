@@ -12,6 +12,7 @@ import numpy as np
 from spacerobot.diagnosis.machines.measured import through_sensor
 from spacerobot.diagnosis.machines.touch import Moment
 from spacerobot.diagnosis.terms.data import Block, TrialData, piece_id
+from spacerobot.diagnosis.terms.decision import MOVED
 from spacerobot.effects.primitives import ChannelMap
 
 PIECES = 8
@@ -131,9 +132,9 @@ EDGE = 1e-6
 """Time [s] that a command takes to change."""
 
 
-WITHIN = 3.0**-0.5
-"""Standard deviation of a moment that lies anywhere within one sample to either side, in samples: whether an input was
-logged before its motion or after, or held until the next one, no log says."""
+WITHIN = 1.0 / MOVED
+"""Standard deviation of a moment that lies within one sample to either side, in samples: whether an input was logged
+before its motion or after, or held until the next one, no log says. What comes later than that is late."""
 
 
 def moment(name: str, known: Collection[str], steps: Iterable[float]) -> dict[str, float]:
@@ -231,12 +232,23 @@ def _within(block: Block, begin: float, end: float) -> Block:
     return replace(block, time=block.time[index], value=block.value[:, index], weight=block.weight[:, index])
 
 
-def spread_over(trials: list[TrialData], samples: int) -> list[TrialData]:
-    """So many of the windows, evenly over all of them, that they hold about this many readings."""
+def spread_over(trials: list[TrialData], samples: int, kept: Collection[str] = ()) -> list[TrialData]:
+    """So many of the windows, evenly over all of them, that they hold about this many readings; and those kept."""
     total = sum(t.samples for t in trials)
     keep = max(2, int(len(trials) * min(1.0, samples / max(total, 1))))
     index = np.unique(np.linspace(0, len(trials) - 1, keep).round().astype(int))
-    return [trials[i] for i in index]
+    return [t for i, t in enumerate(trials) if i in index or t.id in kept]
+
+
+def beside(trials: Sequence[TrialData], moments: Mapping[str, Sequence[Moment]]) -> set[str]:
+    """Of windows, those that end and begin next to one of a trial's moments."""
+    out: set[str] = set()
+    for recorded, some in moments.items():
+        own = sorted((t for t in trials if t.recorded == recorded), key=lambda t: t.start)
+        for moment in some:
+            out |= {t.id for t in [t for t in own if t.start < moment.time][-1:]}
+            out |= {t.id for t in [t for t in own if t.start >= moment.time][:1]}
+    return out
 
 
 @dataclass(frozen=True)

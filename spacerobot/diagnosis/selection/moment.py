@@ -18,7 +18,6 @@ from spacerobot.diagnosis.selection.candidate import Candidate
 from spacerobot.diagnosis.selection.growth import Growth
 from spacerobot.diagnosis.selection.model_choice import as_good, pays
 from spacerobot.diagnosis.selection.nested_laws import level_of, special_sites
-from spacerobot.diagnosis.terms.decision import MOVED
 from spacerobot.diagnosis.terms.hypothesis import Site
 
 
@@ -40,8 +39,10 @@ def with_free_moment(growth: Growth, kept: Kept) -> Machine | None:
     bench.weights = growth.bench.weights
 
     def tried(sites: Sequence[Site], start: Mapping[str, float] = MappingProxyType({})) -> Candidate | None:
+        if any(s.effect.relative for s in sites):
+            return None  # its clock's offset holds the moment
         fit = bench.fitted_as(chosen.fit, sites, start)
-        if fit is None or any(abs(fit.values()[n]) > MOVED * size for n, size in model.moment.items()):
+        if fit is None or any(abs(fit.values()[n]) >= most for n, most in free.believed.within.items()):
             return None  # later than that a sensor is late
         return Candidate(fit, bench.held_out(fit))
 

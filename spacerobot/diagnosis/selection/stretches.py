@@ -7,21 +7,25 @@ sought again; what lies between the end of one stretch and the start of the next
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from spacerobot.diagnosis.fitting.fitted import Fit
-from spacerobot.diagnosis.fitting.noise import correlation_time, split
+from spacerobot.diagnosis.fitting.gauss_newton import Fitter
+from spacerobot.diagnosis.fitting.noise import correlation_time, reweighted, split
 from spacerobot.diagnosis.fitting.profile import LEVEL_95
-from spacerobot.diagnosis.locate.kinks import MARGIN, MOMENTS, ROUND, Track, kinks
+from spacerobot.diagnosis.locate.kinks import MARGIN, MOMENTS, Track, kinks
 from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.machines.touch import Moment
 from spacerobot.diagnosis.selection.growth import Growth
+from spacerobot.diagnosis.selection.held_out import start_of
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.effects.effect import Effect
 from spacerobot.effects.primitives import Readout
+from spacerobot.support.errors import SimulationError
 
 FEW = 8
 """Predictions next to the end of a stretch by whose parabola its rate there is told: they are smooth."""
@@ -31,6 +35,12 @@ TRIFLE = 0.1
 
 CLEAR = 3.0
 """Standard errors from nothing at which a coordinate was struck: of several a few lie beyond two of them by chance."""
+
+AFTER = 3.0
+"""Uncertainties of a bend's moment within which a drive that changed may have made it."""
+
+FREELY = 1e-3
+"""How much the readings at a window's start count beside all its readings, in telling how it begins."""
 
 NEAR = 1e-3
 """Share of a stretch that may lie between it and the next."""
@@ -69,16 +79,37 @@ def bends(growth: Growth, places: Mapping[str, Effect]) -> dict[str, list[Moment
     reason against it.
     """
     bench, fit = growth.bench, growth.after.fit
-    tracks = {t.id: [k for k, r in _tracks(bench.model, fit, t) if r.of in places] for t in bench.trials}
+    rest = _left(growth)
+    tracks = {t.id: [k for k, r in _tracks(bench.model, fit, t, left) if r.of in places] for t, left in rest}
     squares = {name: _mean_square(some) for name, some in tracks.items() if some}
     least = TRIFLE**2 * float(np.mean(list(squares.values()))) if squares else 0.0
     out: dict[str, list[Moment]] = {}
-    for trial in bench.trials:
+    for trial, _ in rest:
         if squares.get(trial.id, 0.0) > least:
             length = trial.end - trial.start
-            found = [m for m in kinks(tracks[trial.id]) if bench.model.steady(trial, m.low - ROUND * length, m.low)]
+            found = [m for m in kinks(tracks[trial.id]) if not _driven(bench.model, trial, m)]
             out[trial.recorded] = _told_apart([*out.get(trial.recorded, []), *found], 2.0 * MARGIN * length)
     return {name: some for name, some in out.items() if some}
+
+
+def _driven(model: Machine, trial: TrialData, moment: Moment) -> bool:
+    """Whether a recorded drive changed when the track is bent, as well as that is told."""
+    return not model.steady(trial, moment.low - AFTER * (moment.high - moment.low), moment.high)
+
+
+def _left(growth: Growth) -> list[tuple[TrialData, np.ndarray]]:
+    """What the choice leaves over of every window, shape (S,) each; those that no fit looked at begin as they show."""
+    bench, fit = growth.bench, growth.after.fit
+    out = [(t, fit.trials[t.id].residual) for t in bench.trials]
+    every = bench.model.everything()
+    others = [t for t in every.trials if t.id not in fit.trials]
+    fitter = Fitter(every, reweighted(others, bench.weights))
+    for trial in fitter.trials:
+        with contextlib.suppress(SimulationError):
+            start = start_of(fitter, every, fit.hypothesis, fit.z, trial, head=1.0, trust=FREELY)
+            residual, keep = fitter.residual(fit.hypothesis, fit.z, trial, start)
+            out.append((trial, np.where(keep, residual, 0.0)))
+    return sorted(out, key=lambda one: (one[0].recorded, one[0].start))
 
 
 def _mean_square(tracks: Sequence[Track]) -> float:
@@ -98,10 +129,10 @@ def _told_apart(moments: Sequence[Moment], least: float) -> list[Moment]:
     return out
 
 
-def _tracks(model: Machine, fit: Fit, trial: TrialData) -> list[tuple[Track, Readout]]:
-    """What a fit leaves over of each channel that shows a coordinate itself."""
+def _tracks(model: Machine, fit: Fit, trial: TrialData, left: np.ndarray) -> list[tuple[Track, Readout]]:
+    """What a fit leaves over, shape (S,), of each channel that shows a coordinate itself."""
     mechanism = model.trial_mechanism(fit.hypothesis, fit.z, trial)
-    rest, out = split(fit.trials[trial.id].residual, trial), []
+    rest, out = split(left, trial), []
     for channel, residual in rest.items():
         readout = mechanism.readouts.get(channel)
         if readout is None or readout.kind not in ("position", "velocity"):
@@ -173,7 +204,7 @@ def _rates(model: Machine, fit: Fit, trial: TrialData, at: float) -> dict[str, t
     That is how well a line through the stretch's readings is known, where neighbours err alike.
     """
     out: dict[str, tuple[float, float]] = {}
-    for track, readout in _tracks(model, fit, trial):
+    for track, readout in _tracks(model, fit, trial, fit.trials[trial.id].residual):
         time, value, weight = trial.channel(readout.channel)
         rest = track.rest / weight
         shown = readout.sign * (value + rest)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Container, Iterable, Mapping, Sequence
+from dataclasses import replace
 
 from spacerobot.diagnosis.terms.hypothesis import Believed, Site
 from spacerobot.effects.effect import FORM, Effect, said_name
@@ -100,6 +101,13 @@ def simpler(label: Sequence[tuple[str, str]]) -> list[tuple[tuple[str, str], ...
         if rest:
             out.append(tuple(sorted(rest)))
     return out
+
+
+def late(site: Site) -> Site:
+    """A relative effect of a sensor beside another one that has it too: what is early here is late there."""
+    strength = site.effect.strength
+    own = replace(strength, lower=strength.null, starts=tuple(s for s in strength.starts if s > strength.null))
+    return replace(site, effect=site.effect.with_parameters((own,)))
 
 
 def means(sites: Sequence[tuple[str, str]], values: Mapping[str, float]) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -68,6 +69,7 @@ class Believed:
             offset, stands for its lateness.
         unheld: of the absorbing ones, those that nothing holds -> the least that each may be.
         absolute: values that are believed to be zero -> standard deviation [their own unit].
+        within: of these, those that are no further from it than this, whatever a fit would gain [their own unit].
         zeros: channels whose zero is known no better than this standard deviation [the channel's unit]; and of
             "CHANNEL|COLUMN" the factor of a column in one (`machines/doubted.py`).
     """
@@ -83,6 +85,7 @@ class Believed:
     unheld: Mapping[str, float] = field(default_factory=dict)
     zeros: Mapping[str, float] = field(default_factory=dict)
     absolute: Mapping[str, float] = field(default_factory=dict)
+    within: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def fitted(self) -> tuple[str, ...]:
@@ -239,7 +242,9 @@ def hypothesis(believed: Believed, sites: Sequence[Site], starts: Mapping[str, f
             free.append(parameters.absorbing(name, value, sigma))
         else:
             free.append(parameters.believed(name, value, sigma))
-    free += [parameters.around_zero(n, s, least_of(n)) for n, s in believed.absolute.items()]
+    for name, sigma in believed.absolute.items():
+        most = believed.within.get(name, math.inf)
+        free.append(parameters.around_zero(name, sigma, max(least_of(name), -most), most))
     free += [parameters.absorbing(n, believed.values[n], lower=least) for n, least in believed.unheld.items()]
     free += [parameters.zero(channel, sigma) for channel, sigma in believed.zeros.items()]
     free += [parameters.unknown(n, c) for n, c in believed.unknown.items() if n not in removed]

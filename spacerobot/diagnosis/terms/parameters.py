@@ -74,9 +74,9 @@ def believed(name: str, value: float | None, sigma: float) -> Free:
     return Free(name, "believed", centre, abs(centre) * sigma, prior=True, lower=lower, stated=value is not None)
 
 
-def around_zero(name: str, sigma: float, lower: float = -math.inf) -> Free:
+def around_zero(name: str, sigma: float, lower: float = -math.inf, upper: float = math.inf) -> Free:
     """A value believed to be zero, with its standard deviation in its own unit."""
-    return Free(name, "believed", 0.0, sigma, prior=True, lower=lower)
+    return Free(name, "believed", 0.0, sigma, prior=True, lower=lower, upper=upper)
 
 
 def absorbing(name: str, value: float, sigma: float = UNHELD, lower: float = 0.0) -> Free:

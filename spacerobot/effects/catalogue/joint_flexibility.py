@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 from spacerobot.effects.divided import divided
 from spacerobot.effects.effect import Effect, Parameter
 from spacerobot.effects.mechanism import Mechanism
+from spacerobot.effects.sizes import Sizes
 from spacerobot.support.errors import InputError
 
 
@@ -50,3 +52,8 @@ class JointFlexibility(Effect):
             mechanism, where, "link", share, stiffness=values["stiffness_N_m"], damping=values["damping_Ns_m"]
         )
         return edited
+
+    def implausible(self, values: Mapping[str, float], sizes: Sizes) -> str:
+        """Past critical damping nothing swings: such a link only lags, as a filter of the motion's noise does."""
+        critical = 2.0 * math.sqrt(values["stiffness_N_m"] * values["link_inertia_kg_m2"])
+        return "" if values["damping_Ns_m"] <= critical else "a link that is damped past swinging only lags"

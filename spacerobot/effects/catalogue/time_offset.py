@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 from spacerobot.effects.effect import Parameter
 from spacerobot.effects.sensor_effect import SensorEffect
-from spacerobot.effects.sizes import Sizes
 
 
 class TimeOffset(SensorEffect):
@@ -21,7 +18,3 @@ class TimeOffset(SensorEffect):
     parameters = (Parameter("delay_s", "s", 0.0, 5e-4, -1.0, 1.0, (0.002, -0.002, 0.01)),)
     relative = True
     same_as = ("clock",)
-
-    def implausible(self, values: Mapping[str, float], sizes: Sizes) -> str:
-        """Nothing is read before it happens; where one of two streams is early, the other one is late."""
-        return "" if values["delay_s"] > 0.0 else "nothing is read before it happens"

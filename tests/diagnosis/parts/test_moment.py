@@ -8,43 +8,8 @@ import numpy as np
 import pytest
 
 from spacerobot.diagnosis.diagnose import diagnose
-from spacerobot.recordings.study import Study, load_study
-from tests.diagnosis.parts.helpers_axis import HEAD, axis_urdf
-
-MASS, STEP, FINE = 2.0, 0.01, 20
-
-
-def followed(folder: Path, *, dry: float = 0.0, viscous: float = 0.0, late: int = 0, sluggish: float = 0.0) -> Study:
-    """An axis under a controller that holds its command over a sample; its log of the command `late` samples late, or
-    through a filter of a time constant [s]. Friction is set-valued: it sticks."""
-    random, text = np.random.default_rng(2), HEAD
-    for n in range(4):
-        wish = 2.0 + 0.4 * n
-        place, rate, rows = 0.0, 0.0, []
-        for k in range(900):
-            t = k * STEP
-            aim = 0.2 * np.sin(wish * t) + 0.08 * np.sin(2.7 * wish * t)
-            speed = 0.2 * wish * np.cos(wish * t) + 0.08 * 2.7 * wish * np.cos(2.7 * wish * t)
-            command = MASS * (400.0 * (aim - place) + 32.0 * (speed - rate))
-            rows.append([t, round(place + 1e-5 * random.standard_normal(), 6), command])
-            for _ in range(FINE):
-                rate += STEP / FINE * (command - viscous * rate) / MASS
-                rubs = STEP / FINE * dry / MASS
-                rate = float(np.sign(rate)) * max(abs(rate) - rubs, 0.0)
-                place += STEP / FINE * rate
-        log = np.array(rows)
-        shown = log[:, 2].copy()
-        if sluggish:
-            for k in range(1, shown.size):
-                shown[k] = shown[k - 1] + (1.0 - np.exp(-STEP / sluggish)) * (log[k, 2] - shown[k - 1])
-        log[late:, 2] = shown[: shown.size - late] if late else shown
-        log = log[late:]
-        log[:, 2] += 0.02 * random.standard_normal(len(log))
-        np.savetxt(folder / f"{n}.csv", log, delimiter=",", header="t,q,u", comments="")
-        text += f'[[trials]]\nid = "{n}"\ncondition = "{n}"\nlog = "{n}.csv"\n'
-    (folder / "axis.urdf").write_text(axis_urdf(MASS))
-    (folder / "study.toml").write_text(text)
-    return load_study(folder)
+from spacerobot.recordings.study import Study
+from tests.diagnosis.parts.helpers_axis import STEP, followed
 
 
 def found(study: Study) -> tuple[dict[tuple[str, str], list[float]], float]:

@@ -1,0 +1,49 @@
+"""How wide a torque balance's test function must be for the motion's noise not to drown the torque's.
+
+An acceleration is taken from positions, and inertia makes a torque of its noise. Where that is what a balance leaves,
+whatever smooths the motion predicts better, be it a link on a spring that the machine does not have.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+
+from spacerobot.diagnosis.machines.grid import Grid
+from spacerobot.diagnosis.machines.test_functions import Bump
+from spacerobot.recordings.series import estimate_noise
+
+ORDER = 6
+"""Of the differences that show noise: a motion of a fifteenth of the log's rate leaves 0.02 % of itself in them."""
+
+LITTLE = 0.005
+"""Share of a torque's rms that its balance is not trusted to anyway: models of arms are off by more."""
+
+FINE = Bump.of(200, 1.0)
+"""A test function of which sums are integrals."""
+
+
+def clear_width(grids: Iterable[Grid], joint: str, inertia: Mapping[str, float]) -> float:
+    """Least half width [s] at which the motion's noise asks for little torque, or no more than is that of its own log.
+
+    Args:
+        grids: of the trials.
+        joint: whose balance it is; its torque was logged.
+        inertia: joint -> torque at this one by its acceleration [kg m^2 or kg].
+    """
+    every = list(grids)
+    rates = all(f"joint.{j}.velocity" in g.value for j in inertia for g in every)
+    kernel, power, read = (FINE.slope, 1, "velocity") if rates else (FINE.curve, 2, "position")
+    shaken = float(np.sqrt(sum((m * _noise(every, f"joint.{j}.{read}")) ** 2 for j, m in inertia.items())))
+    torque = f"joint.{joint}.torque"
+    shown, whole = _noise(every, torque), np.concatenate([g.value[torque] for g in every])
+    # white noise passes a kernel by its norm, which goes as a power of its width
+    bent, seen = (float(np.linalg.norm(k)) * FINE.half**p for k, p in ((kernel, power + 0.5), (FINE.weight, 0.5)))
+    step, little = every[0].step, LITTLE * float(np.sqrt(np.mean(whole**2)))
+    ends = ((shaken * bent, shown * seen, power), (shaken * bent * step**0.5, little, power + 0.5))
+    return min((asked / told) ** (1.0 / p) if told > 0.0 else float("inf") for asked, told, p in ends)
+
+
+def _noise(grids: Iterable[Grid], channel: str) -> float:
+    return float(np.median([estimate_noise(g.value[channel][g.good], ORDER) for g in grids]))
