@@ -130,7 +130,7 @@ def take(growth: Growth, report: Report) -> Taken | NotLearned:
     if not tried:
         return NotLearned("no curve could be fitted")
     least = min(tried, key=lambda one: one[2].error)
-    near = [one for one in tried if ratio(one[2], least[2]) <= 1.0 + TIE]
+    near = [o for o in tried if ratio(o[2], least[2]) <= 1.0 + TIE or not surely(least[2], o[2], bench.trials)]
     law, curve, after = min(near, key=lambda one: one[1].determined())
     others = [one for one in tried if one[0] is not law]
     lead = min((curve.evidence - one[1].evidence for one in others), default=float("inf"))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -12,7 +11,7 @@ from spacerobot.diagnosis.machines.contract import FIRST_NOISE, conditions_of
 from spacerobot.diagnosis.machines.doubted import doubted
 from spacerobot.diagnosis.machines.simulated import Build, Simulated
 from spacerobot.diagnosis.machines.sizes import sizes_of
-from spacerobot.diagnosis.machines.windows import FOLDS, Turned, commanded, moment
+from spacerobot.diagnosis.machines.windows import FOLDS, Drive, Turned, commanded, moment
 from spacerobot.diagnosis.terms.candidates import stood_for
 from spacerobot.diagnosis.terms.data import Block, TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed
@@ -21,6 +20,7 @@ from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import ChannelMap, Coordinate, Field, Force, Input, Readout
 from spacerobot.effects.registry import all_effects
 from spacerobot.effects.sizes import Sizes
+from spacerobot.recordings.recording import Recording
 from spacerobot.recordings.study import Study
 from spacerobot.recordings.trial import Trial
 from spacerobot.recordings.values import yawing
@@ -178,6 +178,10 @@ def body(
     return build
 
 
+Log = tuple[np.ndarray, np.ndarray]
+"""Times and values, shape (T,) each."""
+
+
 def body_models(study: Study, trials: Sequence[Trial], group: str = "body") -> list[Simulated]:
     """Models of the free body of a study: one, or one a condition where the conditions are different bodies."""
     different = any(n.startswith(f"{group}.") for t in trials for n in t.overrides)
@@ -216,12 +220,7 @@ def _model(study: Study, trials: Sequence[Trial], group: str, name: str) -> Simu
         whole.append(TrialData(trial.id, condition, overrides, tuple(blocks), float(start), float(end)))
         if driven:
             beside = doubts.only(driven.__contains__).columns.get(trial.id, {})
-            drives[trial.id] = commanded({c: recording[c].good() for c in driven}, beside)
-        if set(bodily) <= set(driven) and bodily:
-            turning, angle = recording[f"{group}.yaw"].good()
-            ahead, aside = bodily
-            turned = Turned(ahead, aside, turning, np.unwrap(angle))
-            drives[trial.id] = replace(drives[trial.id], turned=turned)
+            drives[trial.id] = _drive(recording, driven, bodily, beside)
     values = yawing(study.values(), group, "body")
     unknown, relative = {}, []
     for key, angular in (("body.mass", False), ("body.yaw_inertia", True)):
@@ -290,6 +289,19 @@ def _bodily(study: Study, trials: Sequence[Trial], group: str) -> tuple[str, ...
     pair = (f"{group}.force.x", f"{group}.force.y")
     told = [study.recording(t) for t in trials]
     return pair if all(c in r and r[c].frame == "body" for r in told for c in pair) else ()
+
+
+def _drive(recording: Recording, driven: Sequence[str], bodily: Sequence[str], beside: Mapping[str, Log]) -> Drive:
+    """The commands of a trial; those along the body's axes hold along these, which turn meanwhile."""
+    given = {c: recording[c].good() for c in driven}
+    if not bodily or not set(bodily) <= set(driven):
+        return commanded(given, beside)
+    ahead, aside = bodily
+    time, angle = recording[f"{ahead.split('.')[0]}.yaw"].good()
+    turned = Turned(ahead, aside, time, np.unwrap(angle))
+    when = given[ahead][0]
+    held = turned.by({c: given[c][1] for c in bodily}, when, -1.0)
+    return commanded({**given, **{c: (when, held[c]) for c in bodily}}, beside).turning(turned)
 
 
 def _pull(study: Study, free: bool) -> dict[str, float]:

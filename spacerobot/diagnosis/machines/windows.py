@@ -73,6 +73,14 @@ class Drive:
         slow = np.diff(self.time) > 2.0 * EDGE
         return any(bool(np.any(np.diff(v)[slow])) for v in self.value.values())
 
+    def turning(self, turned: Turned) -> Drive:
+        """The same where its forces are along a body's axes: in the world, they turn with the body while they hold."""
+        inside = (turned.time > self.time[0]) & (turned.time < self.time[-1])
+        time = np.unique(np.concatenate([self.time, turned.time[inside]]))
+        held = {c: np.interp(time, self.time, v) for c, v in self.value.items()}
+        beside = {c: np.interp(time, self.time, v) for c, v in self.beside.items()}
+        return Drive(time, turned.by(held, time, 1.0), self.jumps, beside, spacing=self.step, turned=turned)
+
     def times(self, factor: float) -> Drive:
         """The same inputs, so many times as strong."""
         value, beside = ({c: factor * v for c, v in of.items()} for of in (self.value, self.beside))

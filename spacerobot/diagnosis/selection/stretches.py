@@ -39,6 +39,9 @@ CLEAR = 3.0
 AFTER = 3.0
 """Uncertainties of a bend's moment within which a drive that changed may have made it."""
 
+AGAIN = 3
+"""Bends at changes of a drive that are its own doing: two may be chance."""
+
 FREELY = 1e-3
 """How much the readings at a window's start count beside all its readings, in telling how it begins."""
 
@@ -74,21 +77,22 @@ def momentary(catalogue: Iterable[Effect], model: Machine) -> dict[str, Effect]:
 def bends(growth: Growth, places: Mapping[str, Effect]) -> dict[str, list[Moment]]:
     """By recorded trial, the moments at which what the choice leaves over is bent.
 
-    Not where a stretch is predicted far better than all are: nothing that counts is missing there. Nor right after a
-    recorded drive has changed: what is wrong with a drive bends a track too. That a controller answers a knock is no
-    reason against it.
+    Not where a stretch is predicted far better than all are: nothing that counts is missing there. Nor when a recorded
+    drive changes, if that comes again or is told no better than to a while: what is wrong with a drive bends a track at
+    many of its changes. That a controller answers a knock is no reason against it.
     """
     bench, fit = growth.bench, growth.after.fit
     rest = _left(growth)
     tracks = {t.id: [k for k, r in _tracks(bench.model, fit, t, left) if r.of in places] for t, left in rest}
     squares = {name: _mean_square(some) for name, some in tracks.items() if some}
     least = TRIFLE**2 * float(np.mean(list(squares.values()))) if squares else 0.0
+    bent = [(t, m) for t, _ in rest if squares.get(t.id, 0.0) > least for m in kinks(tracks[t.id])]
+    driven = [_driven(bench.model, t, m) for t, m in bent]
     out: dict[str, list[Moment]] = {}
-    for trial, _ in rest:
-        if squares.get(trial.id, 0.0) > least:
-            length = trial.end - trial.start
-            found = [m for m in kinks(tracks[trial.id]) if not _driven(bench.model, trial, m)]
-            out[trial.recorded] = _told_apart([*out.get(trial.recorded, []), *found], 2.0 * MARGIN * length)
+    for (trial, moment), with_drive in zip(bent, driven, strict=True):
+        apart = 2.0 * MARGIN * (trial.end - trial.start)
+        if not with_drive or (sum(driven) < AGAIN and moment.high - moment.low < apart):
+            out[trial.recorded] = _told_apart([*out.get(trial.recorded, []), moment], apart)
     return {name: some for name, some in out.items() if some}
 
 
