@@ -5,9 +5,13 @@ from __future__ import annotations
 
 import re
 from collections import Counter
+from collections.abc import Iterator
 from typing import Any
 
+import pytest
 from hypothesis import settings
+
+from spacerobot.support.workers import one_thread
 
 settings.register_profile("repeatable", deadline=None, derandomize=True)
 settings.load_profile("repeatable")  # a run beside a busy core is a run like any other
@@ -26,6 +30,13 @@ WANTS = {
 
 FIRST = ("test_readme.py",)
 """Files that begin with a minute's work in one piece: at the end all other workers would wait for it."""
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _one_thread_of_linear_algebra() -> Iterator[None]:
+    """As commands have it: threads of several workers wait for each other, up to ten times as long as they work."""
+    with one_thread():
+        yield
 
 
 def pytest_collection_modifyitems(items: list[Any]) -> None:

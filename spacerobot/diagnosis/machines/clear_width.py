@@ -35,9 +35,9 @@ def clear_width(grids: Iterable[Grid], joint: str, inertia: Mapping[str, float])
     every = list(grids)
     rates = all(f"joint.{j}.velocity" in g.value for j in inertia for g in every)
     kernel, power, read = (FINE.slope, 1, "velocity") if rates else (FINE.curve, 2, "position")
-    shaken = float(np.sqrt(sum((m * _noise(every, f"joint.{j}.{read}")) ** 2 for j, m in inertia.items())))
+    shaken = float(np.sqrt(sum((m * logged_noise(every, f"joint.{j}.{read}")) ** 2 for j, m in inertia.items())))
     torque = f"joint.{joint}.torque"
-    shown, whole = _noise(every, torque), np.concatenate([g.value[torque] for g in every])
+    shown, whole = logged_noise(every, torque), np.concatenate([g.value[torque] for g in every])
     # white noise passes a kernel by its norm, which goes as a power of its width
     bent, seen = (float(np.linalg.norm(k)) * FINE.half**p for k, p in ((kernel, power + 0.5), (FINE.weight, 0.5)))
     step, little = every[0].step, LITTLE * float(np.sqrt(np.mean(whole**2)))
@@ -45,5 +45,6 @@ def clear_width(grids: Iterable[Grid], joint: str, inertia: Mapping[str, float])
     return min((asked / told) ** (1.0 / p) if told > 0.0 else float("inf") for asked, told, p in ends)
 
 
-def _noise(grids: Iterable[Grid], channel: str) -> float:
+def logged_noise(grids: Iterable[Grid], channel: str) -> float:
+    """How a channel scatters from one sample to the next, whatever moves it: one standard deviation."""
     return float(np.median([estimate_noise(g.value[channel][g.good], ORDER) for g in grids]))

@@ -176,6 +176,10 @@ class Machine(ABC):
         """
         return {}
 
+    def logged(self, values: Mapping[str, float]) -> Mapping[str, float]:
+        """The same as the logs themselves show noise, where what is compared is a balance; a lower bound of it."""
+        return {}
+
     def nuisances(self, trial: TrialData) -> tuple[Nuisance, ...]:
         """What is free in this trial alone."""
         return ()

@@ -14,7 +14,7 @@ from functools import partial
 import numpy as np
 
 from spacerobot.diagnosis.machines import torque_log
-from spacerobot.diagnosis.machines.clear_width import clear_width
+from spacerobot.diagnosis.machines.clear_width import clear_width, logged_noise
 from spacerobot.diagnosis.machines.contract import FACTORS, FIRST_NOISE, Machine, Predicted, Variant, conditions_of
 from spacerobot.diagnosis.machines.doubted import NONE, Doubted, beyond
 from spacerobot.diagnosis.machines.grid import Grid
@@ -24,7 +24,7 @@ from spacerobot.diagnosis.machines.joint_log import JointLog, Motion, kinematics
 from spacerobot.diagnosis.machines.links import carried_links, mass_of, with_masses
 from spacerobot.diagnosis.machines.measured import port_forces
 from spacerobot.diagnosis.machines.rigid import Rigid
-from spacerobot.diagnosis.machines.stated_noise import Lens, stated_noise, still_below
+from spacerobot.diagnosis.machines.stated_noise import Lens, StatedNoise, stated_noise, still_below
 from spacerobot.diagnosis.machines.test_functions import Bump
 from spacerobot.diagnosis.machines.touch import Moment, first_shock
 from spacerobot.diagnosis.machines.windows import PIECES, moment
@@ -179,6 +179,8 @@ class InverseDynamics(Machine):
         mean = arm.inertia(np.concatenate([m.position[:: m.stride] for m in self._motion.values()]))
         self._mass = {f"joint.{j}": float(x) for j, x in zip(self.joints, np.diag(mean), strict=True)}
         self._inertia, self._stated = mean, stated_noise(noise or {}, self.joints, lenses)
+        seen = {} if idle else {c: logged_noise([g for g, _, _ in grids.values()], c) for c in motion}
+        self._logged = stated_noise({**seen, **(noise or {})}, self.joints, lenses)
         self.base = dict(values or {})
         centres = {n: own[n.split(".")[1]].of(_UNITS[n.split(".")[2]]) for n in unknown}
         sigma = {n: s for n, s in sigma.items() if n not in centres}
@@ -405,14 +407,21 @@ class InverseDynamics(Machine):
 
     def expected(self, values: Mapping[str, float]) -> dict[str, float]:
         """A heavier rotor than believed makes more of the motion's noise."""
-        if self._stated is None:
+        return self._made_of(self._stated, values)
+
+    def logged(self, values: Mapping[str, float]) -> dict[str, float]:
+        """As the logs scatter from one sample to the next; none of a joint whose torque was not logged."""
+        return self._made_of(self._logged, values)
+
+    def _made_of(self, noise: StatedNoise | None, values: Mapping[str, float]) -> dict[str, float]:
+        if noise is None:
             return {}
         out = {}
         for joint in self.compared:
             k, name = self.joints.index(joint), f"joint.{joint}"
             row = self._inertia[k].copy()
             row[k] = values.get(f"{name}.mass", self._mass[name])
-            out[f"{name}.torque"] = self._stated.of(joint, row)
+            out[f"{name}.torque"] = noise.of(joint, row)
         return out
 
     def _held(self, mechanism: Mechanism, motion: Motion, asked: np.ndarray) -> dict[str, tuple[np.ndarray, float]]:

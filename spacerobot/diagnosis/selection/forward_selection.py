@@ -12,7 +12,7 @@ effects in question (`model_choice.py`).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -27,7 +27,7 @@ from spacerobot.diagnosis.selection.model_choice import as_good, choice, distinc
 from spacerobot.diagnosis.selection.nameable import not_shown
 from spacerobot.diagnosis.selection.nested_laws import by_chance, inherited, not_excluded, wordings
 from spacerobot.diagnosis.terms.candidates import contains, redundant
-from spacerobot.diagnosis.terms.decision import TIE, WORTH_OF_REST
+from spacerobot.diagnosis.terms.decision import REWORDED, TIE, WORTH_OF_REST
 from spacerobot.diagnosis.terms.hypothesis import Label, Site, label_of
 from spacerobot.effects.effect import Effect
 
@@ -172,6 +172,7 @@ class _Search:
             if size == 0:
                 self.look_at_pairs(baseline, most, ahead)
         tested += self.reworded(choice(tested, baseline, self.bench.trials), tested)
+        tested += self.exchanged(choice(tested, baseline, self.bench.trials), tested)
         return self.concluded(tested, baseline)
 
     def waiting(self, size: int, ahead: Mapping[int, Mapping[Label, Ahead]]) -> bool:
@@ -303,6 +304,38 @@ class _Search:
             if fit is not None:
                 out.append(self.tested(Candidate(fit)))
         return out
+
+    def exchanged(self, chosen: Candidate, tested: Sequence[Candidate]) -> list[Candidate]:
+        """The chosen model with an effect that stood for one of its own beside others, and predicted the same there.
+
+        More inertia and a torque that reads too much are one and the same also beside friction of which nobody knows
+        how large it is, and a beam keeps only one of the two.
+        """
+        known, out = {c.label for c in tested}, []
+        for site in chosen.sites:
+            for other, twin in self.twins(site, tested):
+                label = tuple(sorted({*chosen.label} - {site.label} | {other.label}))
+                if label in known or len(label) < len(chosen.label) or redundant(label):
+                    continue
+                known.add(label)
+                start = {k: v for k, v in {**twin.fit.values(), **chosen.fit.values()}.items() if "@" in k}
+                fit = self.bench.fitted_as(chosen.fit, [*(s for s in chosen.sites if s is not site), other], start)
+                if fit is not None:
+                    out.append(self.tested(Candidate(fit)))
+        return out
+
+    def twins(self, site: Site, tested: Sequence[Candidate]) -> Iterator[tuple[Site, Candidate]]:
+        """Effects that predicted, beside others, what this one did there, where these alone did not; with that set."""
+        by = {frozenset(c.label): c for c in tested}
+        for own in (c for c in tested if site.label in c.label):
+            rest = frozenset(own.label) - {site.label}
+            plain = by.get(rest)
+            if plain is None or ratio(own, plain) > 1.0 - TIE:
+                continue
+            for other in self.sites.values():
+                twin = by.get(rest | {other.label})
+                if other.label not in own.label and twin is not None and abs(ratio(twin, own) - 1.0) <= REWORDED:
+                    yield other, twin
 
     def look_ahead(self, one: Candidate, most: int, ahead: dict[int, dict[Label, Ahead]]) -> None:
         """What each further effect promises."""

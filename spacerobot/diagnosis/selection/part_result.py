@@ -21,7 +21,17 @@ from spacerobot.diagnosis.selection.kept_aside import Unseen
 from spacerobot.diagnosis.selection.model_choice import agreeing, ratio, surely
 from spacerobot.diagnosis.selection.stretches import Knock
 from spacerobot.diagnosis.terms.data import TrialData
-from spacerobot.diagnosis.terms.decision import DOUBT, LOCATED, LOUD, REWORDED, SIGNIFICANT, STRIKING, TIE
+from spacerobot.diagnosis.terms.decision import (
+    DOUBT,
+    GOOD_PART,
+    LOCATED,
+    LOUD,
+    QUIET,
+    REWORDED,
+    SIGNIFICANT,
+    STRIKING,
+    TIE,
+)
 from spacerobot.diagnosis.terms.kinds import (
     AMBIGUOUS,
     NAMED,
@@ -163,6 +173,17 @@ class Part:
         return {c: float(np.sqrt(sums[c][0] / max(sums[c][1], 1))) / noise for c, noise in expected.items()}
 
     @property
+    def unexplained(self) -> bool:
+        """Whether a balance leaves a good part of what is read, though its logs are quiet and what is left goes on."""
+        quiet, found = self.model.logged(self.fit.values()), False
+        sums = squares_of(self.fit.residuals(), self.trials)
+        for channel, noise in quiet.items():
+            read = np.concatenate([t.channel(channel)[1][t.channel(channel)[2] > 0.0] for t in self.trials])
+            left = float(np.sqrt(sums[channel][0] / max(sums[channel][1], 1)))
+            found |= left > QUIET * noise and left > GOOD_PART * float(np.std(read))
+        return found and self.shown
+
+    @property
     def verdict(self) -> Kind:
         """As in verdict.json, of this part alone."""
         if self.model.not_measured or not all(c.passed for c in self.checks):
@@ -173,7 +194,7 @@ class Part:
             return AMBIGUOUS if self.rivals else NAMED
         if self.knocks:
             return NAMED
-        if self.borne_out:
+        if self.borne_out or self.unexplained:
             return UNKNOWN
         return WRONG_PARAMETER if self.moved else NOTHING_MISSING
 

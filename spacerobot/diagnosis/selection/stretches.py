@@ -42,6 +42,9 @@ AFTER = 3.0
 AGAIN = 3
 """Bends at changes of a drive that are its own doing: two may be chance."""
 
+SPLIT = 2.0
+"""Times the mean square of two windows that one over their common end leaves, where something happened there."""
+
 FREELY = 1e-3
 """How much the readings at a window's start count beside all its readings, in telling how it begins."""
 
@@ -81,12 +84,18 @@ def bends(growth: Growth, places: Mapping[str, Effect]) -> dict[str, list[Moment
     drive changes, if that comes again or is told no better than to a while: what is wrong with a drive bends a track at
     many of its changes. That a controller answers a knock is no reason against it.
     """
-    bench, fit = growth.bench, growth.after.fit
-    rest = _left(growth)
-    tracks = {t.id: [k for k, r in _tracks(bench.model, fit, t, left) if r.of in places] for t, left in rest}
-    squares = {name: _mean_square(some) for name, some in tracks.items() if some}
-    least = TRIFLE**2 * float(np.mean(list(squares.values()))) if squares else 0.0
-    bent = [(t, m) for t, _ in rest if squares.get(t.id, 0.0) > least for m in kinks(tracks[t.id])]
+    bench = growth.bench
+    windows = _left(growth)
+    own = _tracked(growth, windows, places)
+    least = TRIFLE**2 * float(np.mean([_mean_square(some) for _, some in own])) if own else 0.0
+    bent = _kinks(own, least)
+    # a corner at a window's end is told by one that goes on there, and leaves more than either
+    for shifted in _tracked(growth, _left(growth, _between([t for t, _ in windows])), places):
+        sides = [(t, _mean_square(some)) for t, some in own if _overlap(t, shifted[0])]
+        most = max((square for _, square in sides), default=0.0)
+        ends = [(t.end, 2.0 * MARGIN * (t.end - t.start)) for t, _ in sides]
+        found = _kinks([shifted], max(least, SPLIT * most))
+        bent += [(t, m) for t, m in found if any(abs(m.time - at) < near for at, near in ends)]
     driven = [_driven(bench.model, t, m) for t, m in bent]
     out: dict[str, list[Moment]] = {}
     for (trial, moment), with_drive in zip(bent, driven, strict=True):
@@ -96,17 +105,53 @@ def bends(growth: Growth, places: Mapping[str, Effect]) -> dict[str, list[Moment
     return {name: some for name, some in out.items() if some}
 
 
+def _overlap(one: TrialData, other: TrialData) -> bool:
+    return one.recorded == other.recorded and one.start < other.end and other.start < one.end
+
+
+def _tracked(
+    growth: Growth, rest: Iterable[tuple[TrialData, np.ndarray]], places: Mapping[str, Effect]
+) -> list[tuple[TrialData, list[Track]]]:
+    """Of windows with what is left over of them, the tracks of what may be struck."""
+    model, fit = growth.bench.model, growth.after.fit
+    both = ((t, [k for k, r in _tracks(model, fit, t, left) if r.of in places]) for t, left in rest)
+    return [(t, tracks) for t, tracks in both if tracks]
+
+
+def _kinks(tracked: Iterable[tuple[TrialData, list[Track]]], least: float) -> list[tuple[TrialData, Moment]]:
+    """Where they are bent, of those of which more than this mean square is left over."""
+    return [(t, m) for t, tracks in tracked if _mean_square(tracks) > least for m in kinks(tracks)]
+
+
 def _driven(model: Machine, trial: TrialData, moment: Moment) -> bool:
     """Whether a recorded drive changed when the track is bent, as well as that is told."""
     return not model.steady(trial, moment.low - AFTER * (moment.high - moment.low), moment.high)
 
 
-def _left(growth: Growth) -> list[tuple[TrialData, np.ndarray]]:
-    """What the choice leaves over of every window, shape (S,) each; those that no fit looked at begin as they show."""
+def _between(windows: Sequence[TrialData]) -> dict[str, list[Moment]]:
+    """By trial that is cut into windows, the middles of these: no corner can be told from a window's own start."""
+    middles: dict[str, list[Moment]] = {}
+    for t in windows:
+        middle = 0.5 * (t.start + t.end)
+        middles.setdefault(t.recorded, []).append(Moment(middle, middle, middle))
+    return {name: some for name, some in middles.items() if len(some) > 1}
+
+
+def _left(growth: Growth, cuts: Mapping[str, Sequence[Moment]] | None = None) -> list[tuple[TrialData, np.ndarray]]:
+    """What the choice leaves over of every window, shape (S,) each; those that no fit looked at begin as they show.
+
+    Args:
+        growth: that led to the choice.
+        cuts: by trial, where its windows end instead; of other trials none is looked at.
+    """
     bench, fit = growth.bench, growth.after.fit
-    out = [(t, fit.trials[t.id].residual) for t in bench.trials]
-    every = bench.model.everything()
-    others = [t for t in every.trials if t.id not in fit.trials]
+    if cuts is None:
+        out = [(t, fit.trials[t.id].residual) for t in bench.trials]
+        every = bench.model.everything()
+        others = [t for t in every.trials if t.id not in fit.trials]
+    else:
+        out, every = [], bench.model.cut_at(cuts).everything()
+        others = [t for t in every.trials if t.recorded in cuts]
     fitter = Fitter(every, reweighted(others, bench.weights))
     for trial in fitter.trials:
         with contextlib.suppress(SimulationError):

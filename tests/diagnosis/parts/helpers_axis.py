@@ -50,6 +50,7 @@ def followed(
     sluggish: float = 0.0,
     noise: float = 1e-5,
     apart: bool = False,
+    reads: float = 1.0,
     mass: str = "",
 ) -> Study:
     """An axis under a controller that holds its command over a sample. Friction is set-valued: it sticks.
@@ -62,6 +63,7 @@ def followed(
         sluggish: time constant [s] of a filter in the log of the command.
         noise: of the log of the place [m].
         apart: whether the command's log is a stream of its own, "drive".
+        reads: what the log of the command shows of one newton.
         mass: what the study says of the carriage's; that of its URDF where empty.
     """
     random = np.random.default_rng(2)
@@ -94,6 +96,7 @@ def followed(
         else:
             log[-late:, 1] = log[:late, 1].copy()
             log = log[-late:]
+        log[:, 2] *= reads
         log[:, 2] += 0.02 * random.standard_normal(len(log))
         np.savetxt(folder / f"{n}.csv", log, delimiter=",", header="t,q,u", comments="")
         text += f'[[trials]]\nid = "{n}"\ncondition = "{n}"\nlog = "{n}.csv"\n'

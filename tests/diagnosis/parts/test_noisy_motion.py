@@ -17,8 +17,10 @@ from spacerobot.diagnosis.machines.grid import Grid
 from spacerobot.diagnosis.machines.test_functions import Bump
 from spacerobot.diagnosis.selection.candidate import Candidate
 from spacerobot.diagnosis.selection.forward_selection import grow
+from spacerobot.diagnosis.selection.part_result import Part
 from spacerobot.diagnosis.terms.decision import MOVED
 from spacerobot.diagnosis.terms.hypothesis import hypothesis
+from spacerobot.diagnosis.terms.kinds import NOTHING_MISSING, UNKNOWN
 from spacerobot.effects.registry import effect
 from spacerobot.effects.sizes import Sizes
 from spacerobot.recordings.study import Study
@@ -99,6 +101,25 @@ def test_a_moment_stays_within_its_sample_whatever_it_explains(tmp_path: Path) -
     (own,) = (f for f in hypothesis(free.believed, ()).free if f.key == name)
     assert (own.value(-1e6), own.value(1e6)) == (-most, most)
     assert not hypothesis(replace(free.believed, absolute={}), ()).free
+
+
+def test_more_inertia_and_a_torque_that_reads_too_much_are_both_said_beside_friction(tmp_path: Path) -> None:
+    """Of friction nobody knows the level: one and the same, whatever a beam kept."""
+    (model,) = models_for(followed(tmp_path, dry=1.5, viscous=4.0, reads=1.2))
+    offered = ("coulomb_friction", "viscous_friction", "payload", "scale")
+    growth = grow(model, effects=[effect(n) for n in offered])
+    found = {frozenset(c.label) for c in (growth.after, *growth.rivals)}
+    friction = {("coulomb_friction", "joint.j"), ("viscous_friction", "joint.j")}
+    assert {frozenset(friction | {one}) for one in (("payload", "joint.j"), ("scale", "log"))} <= found
+
+
+@pytest.mark.parametrize(("ripple", "said"), [(1.5, UNKNOWN), (0.0, NOTHING_MISSING)])
+def test_quiet_logs_of_which_a_good_part_is_left_are_not_explained(ripple: float, said: str, tmp_path: Path) -> None:
+    """Where no noise is stated the logs' own scatter is what a right model may leave."""
+    (model,) = models_for(followed(tmp_path, ripple=ripple))
+    free = model.moment_free()
+    assert free is not None
+    assert Part(grow(free, effects=[effect("coulomb_friction")])).verdict == said
 
 
 @pytest.mark.slow
