@@ -90,6 +90,15 @@ def test_a_filter_lags_and_weakens_a_wave_as_its_transfer_function(cutoff: float
     assert abs(response - 1.0 / (1.0 + 1j * frequency / cutoff)) < 0.02
 
 
+@pytest.mark.parametrize("step", [0.5, 0.05])
+def test_a_filter_answers_a_ramp_as_its_equation_does_whatever_the_step(step: float) -> None:
+    """y = t - tau (1 - exp(-t / tau)): a filter that took a line for steps would be early or late by half of one."""
+    time, cutoff = np.arange(0.0, 5.0, step), 0.4
+    tau = 1.0 / (2.0 * np.pi * cutoff)
+    found = through_sensor((ChannelMap("x", "low_pass", cutoff),), time, step)
+    np.testing.assert_allclose(found, time - tau * (1.0 - np.exp(-time / tau)), atol=1e-12)
+
+
 @pytest.mark.parametrize("delay", [0.05, -0.02])
 def test_measured_motion_is_late_in_the_same_sense(delay: float) -> None:
     time = np.arange(0.0, 2.0, 1e-3)

@@ -100,6 +100,17 @@ def test_a_knock_is_found_while_thrusters_switch_and_when_one_does(knock: float,
     assert moment.low - CAMERA < knock < moment.high + CAMERA
 
 
+def test_a_knock_at_a_window_s_end_is_found_as_any_other(tmp_path: Path) -> None:
+    """No corner can be told from the start of the window that it lies in."""
+    turning(tmp_path, 6.1)
+    text = (tmp_path / "study.toml").read_text()
+    (tmp_path / "study.toml").write_text(text.replace("[baseline]", "horizon = 6.0\n[baseline]", 1))
+    bench, growth = baseline(load_study(tmp_path))
+    assert any(t.start == pytest.approx(6.0, abs=0.1) for t in bench.model.everything().trials)
+    found = bends(growth, momentary(all_effects().values(), bench.model))
+    assert [round(m.time, 1) for m in found["r1"]] == [6.1]
+
+
 def test_where_thrusters_are_weak_every_change_bends_the_track_and_none_is_a_knock(tmp_path: Path) -> None:
     folder = tmp_path / "weak"
     folder.mkdir()
