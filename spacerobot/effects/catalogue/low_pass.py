@@ -10,6 +10,9 @@ from spacerobot.effects.filters import KINDS, ORDERS, HigherOrder
 from spacerobot.effects.sensor_effect import SensorEffect
 from spacerobot.effects.sizes import Sizes
 
+NONE = 1e4
+"""Times a filter's time constant that the motion's own time is, from which on no fit sees it."""
+
 QUICK = 0.5
 """A filter's time constant is at most this share of the motion's own time: a slower one shows another motion."""
 
@@ -33,7 +36,10 @@ class LowPass(SensorEffect):
         return HigherOrder(self, form)
 
     def implausible(self, values: Mapping[str, float], sizes: Sizes) -> str:
-        """A sensor that needs longer to settle than this would blur the motion itself."""
+        """A sensor that needs longer to settle than this would blur the motion itself; one that needs next to no time
+        shows it as it is."""
         cutoff = values["cutoff_Hz"]
-        quick = 2.0 * math.pi * cutoff * QUICK * sizes.time > 1.0
-        return "" if quick else f"a filter at {cutoff:.3g} Hz would blur the motion itself"
+        times = 2.0 * math.pi * cutoff * sizes.time  # the motion's own time over the filter's
+        if times * QUICK <= 1.0:
+            return f"a filter at {cutoff:.3g} Hz would blur the motion itself"
+        return "" if times < NONE else f"a filter at {cutoff:.3g} Hz changes nothing that is read"
