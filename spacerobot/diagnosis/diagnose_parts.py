@@ -21,7 +21,7 @@ from spacerobot.diagnosis.machines.choose import some_models_for
 from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.machines.touch import Moment
 from spacerobot.diagnosis.selection.checks import checks_of_part
-from spacerobot.diagnosis.selection.forward_selection import MOST, grow
+from spacerobot.diagnosis.selection.forward_selection import MOST, grow, retained
 from spacerobot.diagnosis.selection.meetings import meetings
 from spacerobot.diagnosis.selection.moment import with_free_moment
 from spacerobot.diagnosis.selection.part_fold import keep_aside
@@ -111,9 +111,12 @@ def _searched(
     def between(moments: Mapping[str, Sequence[Moment]], what: str) -> Part:
         cut = model.cut_at(moments)
         again = grow(cut, effects=catalogue, threads=threads, reached=reached, kept=kept.within(what))
+        again = retained(again, growth.after)
         return Part(again, knocks=tuple(struck(again, moments, places)), uncut=growth)
 
     part = between(found, "between knocks")
+    if not part.knocks:
+        return Part(growth)
     if not (repeated := foretold(part.knocks, part.growth.bench.trials)):
         return part
     rest = {trial: [m for m in some if m.time not in repeated.get(trial, ())] for trial, some in found.items()}

@@ -61,6 +61,29 @@ def unshown(fit: Fit) -> str:
     return ""
 
 
+def retained(growth: Growth, whole: Candidate) -> Growth:
+    """Where nothing was worth naming between knocks, what whole trials had shown, if it predicts the pieces better too.
+
+    A fall that was cut in two tells less of drag than a whole one, and nothing against it.
+
+    Args:
+        growth: of the pieces.
+        whole: the choice before they were cut.
+    """
+    found = next((c for c in growth.considered if c.label == whole.label), None)
+    if growth.after.sites or found is None or ratio(found, growth.considered_baseline) > 1.0 - WORTH_OF_REST:
+        return growth
+    bench = growth.bench
+    weights = bench.weights
+    bench.weigh(bench.again(found.fit))
+    fits = [bench.again(c.fit) for c in (growth.considered_baseline, found)]
+    before, after = (Candidate(fit, bench.held_out(fit)) for fit in fits)
+    if unshown(after.fit):
+        bench.weights = weights
+        return growth
+    return replace(growth, before=before, after=after)
+
+
 @dataclass(frozen=True, eq=False)
 class Ahead:
     """A candidate before it is fitted: what it grows from, and what one effect more promises, or two at once."""
