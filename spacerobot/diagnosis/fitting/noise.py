@@ -131,6 +131,15 @@ def squares_of(
     return out
 
 
+def level_of(
+    residuals: Mapping[str, np.ndarray],
+    trials: Sequence[TrialData],
+    counted: Mapping[str, np.ndarray] | None = None,
+) -> dict[str, float]:
+    """Root mean square of the same by channel, in the channel's unit."""
+    return {c: float(np.sqrt(s / max(n, 1))) for c, (s, n) in squares_of(residuals, trials, counted).items()}
+
+
 def reweighted(trials: Sequence[TrialData], factor: Mapping[str, float]) -> tuple[TrialData, ...]:
     """The trials with each channel's weights divided by its factor; a factor of zero changes nothing."""
     out = []

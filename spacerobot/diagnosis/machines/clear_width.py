@@ -12,10 +12,6 @@ import numpy as np
 
 from spacerobot.diagnosis.machines.grid import Grid
 from spacerobot.diagnosis.machines.test_functions import Bump
-from spacerobot.recordings.series import estimate_noise
-
-ORDER = 6
-"""Of the differences that show noise: a motion of a fifteenth of the log's rate leaves 0.02 % of itself in them."""
 
 LITTLE = 0.005
 """Share of a torque's rms that its balance is not trusted to anyway: models of arms are off by more."""
@@ -46,5 +42,5 @@ def clear_width(grids: Iterable[Grid], joint: str, inertia: Mapping[str, float])
 
 
 def logged_noise(grids: Iterable[Grid], channel: str) -> float:
-    """How a channel scatters from one sample to the next, whatever moves it: one standard deviation."""
-    return float(np.median([estimate_noise(g.value[channel][g.good], ORDER) for g in grids]))
+    """How a channel scatters in the middle one of some trials."""
+    return float(np.median([g.scatter[channel] for g in grids]))

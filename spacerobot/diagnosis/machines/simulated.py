@@ -13,7 +13,7 @@ import numpy as np
 from spacerobot.diagnosis.machines.contract import FACTORS, Machine, Nuisance, Predicted, Variant
 from spacerobot.diagnosis.machines.doubted import NONE, Doubted, beyond
 from spacerobot.diagnosis.machines.touch import Moment
-from spacerobot.diagnosis.machines.windows import CHANGED, FOLDS, Drive, Local, beside, cut, local, spread_over
+from spacerobot.diagnosis.machines.windows import CHANGED, FOLDS, Drive, Local, beside, cut, local, overlap, spread_over
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed, Site
 from spacerobot.effects.effect import Effect
@@ -121,7 +121,7 @@ class Simulated(Machine):
         """The same recordings in windows of another length [s], all of them."""
         other = copy(self)
         windows = (w for t in self.recorded.values() for w in cut(t, length, self._cuts.get(t.id, ())))
-        other.trials = tuple(w for w in windows if not any(_overlap(w, h) for h in self._hidden))
+        other.trials = tuple(w for w in windows if not any(overlap(w, h) for h in self._hidden))
         other._starts = {}
         return other
 
@@ -289,10 +289,6 @@ class Simulated(Machine):
             max_step=step,
             scale=self._absolute,
         )
-
-
-def _overlap(one: TrialData, other: TrialData) -> bool:
-    return one.recorded == other.recorded and one.start < other.end - 1e-9 and other.start < one.end - 1e-9
 
 
 def _delays(mechanism: Mechanism, trial: TrialData) -> list[float]:

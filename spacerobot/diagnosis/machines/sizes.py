@@ -55,12 +55,12 @@ def sizes_of_hits(trials: Sequence[TrialData], values: Mapping[str, float], rate
     masses = [t.overrides.get("target.mass", values.get("target.mass", 1.0)) for t in trials]
     natural = SPREAD * math.sqrt(float(np.median(masses)) / spring)
     speed = float(np.sqrt(np.mean(np.square(rates)))) if rates else 0.0
-    length = _spread(trials, "wrist.x") or _spread(trials, "contact.force") / spring or speed * natural
+    length = spread(trials, "wrist.x") or spread(trials, "contact.force") / spring or speed * natural
     time = length / speed if length > 0.0 and speed > 0.0 else natural
     return Sizes(spring * max(length, 1e-9), max(length, 1e-9), max(time, 1e-9))
 
 
-def _spread(trials: Sequence[TrialData], channel: str) -> float:
+def spread(trials: Sequence[TrialData], channel: str) -> float:
     """Standard deviation of all good readings of a channel; 0 where nothing reads it."""
     shown = [t.channel(channel) for t in trials if channel in t.channels]
     good = [value[weight > 0.0] for _, value, weight in shown]

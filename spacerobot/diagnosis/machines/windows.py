@@ -240,6 +240,11 @@ def _within(block: Block, begin: float, end: float) -> Block:
     return replace(block, time=block.time[index], value=block.value[:, index], weight=block.weight[:, index])
 
 
+def overlap(one: TrialData, other: TrialData) -> bool:
+    """Whether two windows of one recorded trial have some of it in common."""
+    return one.recorded == other.recorded and one.start < other.end - 1e-9 and other.start < one.end - 1e-9
+
+
 def spread_over(trials: list[TrialData], samples: int, kept: Collection[str] = ()) -> list[TrialData]:
     """So many of the windows, evenly over all of them, that they hold about this many readings; and those kept."""
     total = sum(t.samples for t in trials)

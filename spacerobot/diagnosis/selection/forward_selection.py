@@ -84,6 +84,10 @@ def retained(growth: Growth, whole: Candidate) -> Growth:
     return replace(growth, before=before, after=after)
 
 
+Variant = tuple[list[Site], dict[str, float]]
+"""A set of effects, and values at which its fit begins."""
+
+
 @dataclass(frozen=True, eq=False)
 class Ahead:
     """A candidate before it is fitted: what it grows from, and what one effect more promises, or two at once."""
@@ -194,8 +198,10 @@ class _Search:
                 self.look_ahead(one, most, ahead)
             if size == 0:
                 self.look_at_pairs(baseline, most, ahead)
-        tested += self.reworded(choice(tested, baseline, self.bench.trials), tested)
-        tested += self.exchanged(choice(tested, baseline, self.bench.trials), tested)
+        chosen = choice(tested, baseline, self.bench.trials)
+        tested += self.varied(chosen, tested, self.reworded(chosen))
+        chosen = choice(tested, baseline, self.bench.trials)
+        tested += self.varied(chosen, tested, self.exchanged(chosen, tested))
         return self.concluded(tested, baseline)
 
     def waiting(self, size: int, ahead: Mapping[int, Mapping[Label, Ahead]]) -> bool:
@@ -308,44 +314,41 @@ class _Search:
                             best = fit
         return one if best is one.fit else self.tested(Candidate(best))
 
-    def reworded(self, chosen: Candidate, tested: Sequence[Candidate]) -> list[Candidate]:
-        """The chosen model said with a general effect in the place of its special case and of one effect more.
-
-        Friction and a constant force may be one friction of two levels; sensitivities at one start do not see that.
-        """
-        known = {c.label for c in tested}
-        out = []
-        for wording in wordings(chosen.sites, self.sites):
-            label = tuple(sorted(s.label for s, _ in wording))
-            if label in known or redundant([s.label for s, _ in wording]):
+    def varied(self, chosen: Candidate, tested: Sequence[Candidate], variants: Iterable[Variant]) -> list[Candidate]:
+        """Of variants of the chosen model those that are new, fitted and tried on unseen trials."""
+        known, out = {c.label for c in tested}, []
+        for sites, start in variants:
+            label = label_of(sites)
+            if label in known or redundant(label):
                 continue
             known.add(label)
-            start: dict[str, float] = {}
-            for new, special in wording:
-                start |= {} if special is None else inherited(new, special, chosen.fit)
-            fit = self.bench.fitted_as(chosen.fit, [s for s, _ in wording], start)
+            fit = self.bench.fitted_as(chosen.fit, sites, start)
             if fit is not None:
                 out.append(self.tested(Candidate(fit)))
         return out
 
-    def exchanged(self, chosen: Candidate, tested: Sequence[Candidate]) -> list[Candidate]:
+    def reworded(self, chosen: Candidate) -> Iterator[Variant]:
+        """The chosen model said with a general effect in the place of its special case and of one effect more.
+
+        Friction and a constant force may be one friction of two levels; sensitivities at one start do not see that.
+        """
+        for wording in wordings(chosen.sites, self.sites):
+            start: dict[str, float] = {}
+            for new, special in wording:
+                start |= {} if special is None else inherited(new, special, chosen.fit)
+            yield [s for s, _ in wording], start
+
+    def exchanged(self, chosen: Candidate, tested: Sequence[Candidate]) -> Iterator[Variant]:
         """The chosen model with an effect that stood for one of its own beside others, and predicted the same there.
 
         More inertia and a torque that reads too much are one and the same also beside friction of which nobody knows
         how large it is, and a beam keeps only one of the two.
         """
-        known, out = {c.label for c in tested}, []
         for site in chosen.sites:
             for other, twin in self.twins(site, tested):
-                label = tuple(sorted({*chosen.label} - {site.label} | {other.label}))
-                if label in known or len(label) < len(chosen.label) or redundant(label):
-                    continue
-                known.add(label)
-                start = {k: v for k, v in {**twin.fit.values(), **chosen.fit.values()}.items() if "@" in k}
-                fit = self.bench.fitted_as(chosen.fit, [*(s for s in chosen.sites if s is not site), other], start)
-                if fit is not None:
-                    out.append(self.tested(Candidate(fit)))
-        return out
+                if other.label not in chosen.label:
+                    start = {k: v for k, v in {**twin.fit.values(), **chosen.fit.values()}.items() if "@" in k}
+                    yield [*(s for s in chosen.sites if s is not site), other], start
 
     def twins(self, site: Site, tested: Sequence[Candidate]) -> Iterator[tuple[Site, Candidate]]:
         """Effects that predicted, beside others, what this one did there, where these alone did not; with that set."""

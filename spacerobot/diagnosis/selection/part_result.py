@@ -9,9 +9,10 @@ import numpy as np
 
 from spacerobot.diagnosis.fitting.approach import lag1
 from spacerobot.diagnosis.fitting.fitted import Fit
-from spacerobot.diagnosis.fitting.noise import split, squares_of
+from spacerobot.diagnosis.fitting.noise import level_of, split, squares_of
 from spacerobot.diagnosis.locate.located import Located, Row
 from spacerobot.diagnosis.machines.contract import Machine
+from spacerobot.diagnosis.machines.sizes import spread
 from spacerobot.diagnosis.selection.candidate import Candidate, tried
 from spacerobot.diagnosis.selection.check import Check
 from spacerobot.diagnosis.selection.growth import Growth
@@ -168,20 +169,17 @@ class Part:
     @property
     def loudness(self) -> dict[str, float]:
         """By channel, rms of what the chosen model leaves over the noise that is stated; empty where none is."""
-        expected = self.model.expected(self.fit.values())
-        sums = squares_of(self.fit.residuals(), self.trials)
-        return {c: float(np.sqrt(sums[c][0] / max(sums[c][1], 1))) / noise for c, noise in expected.items()}
+        left = level_of(self.fit.residuals(), self.trials)
+        return {c: left[c] / noise for c, noise in self.model.expected(self.fit.values()).items()}
 
     @property
     def unexplained(self) -> bool:
         """Whether a balance leaves a good part of what is read, though its logs are quiet and what is left goes on."""
-        quiet, found = self.model.logged(self.fit.values()), False
-        sums = squares_of(self.fit.residuals(), self.trials)
-        for channel, noise in quiet.items():
-            read = np.concatenate([t.channel(channel)[1][t.channel(channel)[2] > 0.0] for t in self.trials])
-            left = float(np.sqrt(sums[channel][0] / max(sums[channel][1], 1)))
-            found |= left > QUIET * noise and left > GOOD_PART * float(np.std(read))
-        return found and self.shown
+        left = level_of(self.fit.residuals(), self.trials)
+        quiet = self.model.logged(self.fit.values())
+        return self.shown and any(
+            left[c] > max(QUIET * noise, GOOD_PART * spread(self.trials, c)) for c, noise in quiet.items()
+        )
 
     @property
     def verdict(self) -> Kind:

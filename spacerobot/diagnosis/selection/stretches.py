@@ -20,6 +20,7 @@ from spacerobot.diagnosis.fitting.profile import LEVEL_95
 from spacerobot.diagnosis.locate.kinks import MARGIN, MOMENTS, Track, kinks
 from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.machines.touch import Moment
+from spacerobot.diagnosis.machines.windows import overlap
 from spacerobot.diagnosis.selection.growth import Growth
 from spacerobot.diagnosis.selection.held_out import start_of
 from spacerobot.diagnosis.terms.data import TrialData
@@ -91,7 +92,7 @@ def bends(growth: Growth, places: Mapping[str, Effect]) -> dict[str, list[Moment
     bent = _kinks(own, least)
     # a corner at a window's end is told by one that goes on there, and leaves more than either
     for shifted in _tracked(growth, _left(growth, _between([t for t, _ in windows])), places):
-        sides = [(t, _mean_square(some)) for t, some in own if _overlap(t, shifted[0])]
+        sides = [(t, _mean_square(some)) for t, some in own if overlap(t, shifted[0])]
         most = max((square for _, square in sides), default=0.0)
         ends = [(t.end, 2.0 * MARGIN * (t.end - t.start)) for t, _ in sides]
         found = _kinks([shifted], max(least, SPLIT * most))
@@ -103,10 +104,6 @@ def bends(growth: Growth, places: Mapping[str, Effect]) -> dict[str, list[Moment
         if not with_drive or (sum(driven) < AGAIN and moment.high - moment.low < apart):
             out[trial.recorded] = _told_apart([*out.get(trial.recorded, []), moment], apart)
     return {name: some for name, some in out.items() if some}
-
-
-def _overlap(one: TrialData, other: TrialData) -> bool:
-    return one.recorded == other.recorded and one.start < other.end and other.start < one.end
 
 
 def _tracked(
