@@ -24,6 +24,7 @@ from spacerobot.diagnosis.selection.checks import checks_of_part
 from spacerobot.diagnosis.selection.forward_selection import MOST, grow, retained
 from spacerobot.diagnosis.selection.meetings import meetings
 from spacerobot.diagnosis.selection.moment import with_free_moment
+from spacerobot.diagnosis.selection.one_clock import not_borne_out
 from spacerobot.diagnosis.selection.part_fold import keep_aside
 from spacerobot.diagnosis.selection.part_result import Part
 from spacerobot.diagnosis.selection.search_state import Report
@@ -61,11 +62,15 @@ def diagnose_parts(
     report("reading the recordings", 0, 1)
     models = some_models_for(study)
     catalogue = [e for e in all_effects().values() if e.name not in without]
-    parts: list[Part] = []
-    for place, model in enumerate(models, 1):
-        what = f"{model.name} ({place} of {len(models)})"
-        kept = Kept(store, f"{place} {model.name}")
-        parts.append(_searched(model, catalogue, threads, partial(_tell, report, what), kept))
+
+    def searched(place: int, effects: Sequence[Effect], how: str = "") -> Part:
+        name = models[place].name
+        what, kept = f"{name} ({place + 1} of {len(models)})", Kept(store, f"{place + 1} {name}{how}")
+        return _searched(models[place], effects, threads, partial(_tell, report, what), kept)
+
+    parts = [searched(place, catalogue) for place in range(len(models))]
+    for place in not_borne_out(parts):
+        parts[place] = searched(place, [e for e in catalogue if not e.relative], " on one clock")
     done = []
     for place, part in enumerate(parts):
         report("locating and checking", place, len(parts))

@@ -138,6 +138,8 @@ class Fitter(Linearised):
 
         def one(trial: TrialData) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
             raw, keep = state.raw[trial.id], state.keep[trial.id]
+            if not state.own[trial.id].size:
+                return None
             initial = self.model.approach_start(trial, state.own[trial.id], raw)
             try:
                 new, new_keep = self.residual(hypothesis, state.z, trial, initial)

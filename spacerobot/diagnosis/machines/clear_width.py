@@ -20,23 +20,26 @@ FINE = Bump.of(200, 1.0)
 """A test function of which sums are integrals."""
 
 
-def clear_width(grids: Iterable[Grid], joint: str, inertia: Mapping[str, float]) -> float:
+def clear_width(grids: Iterable[Grid], joint: str, inertia: Mapping[str, float], level: float | None = None) -> float:
     """Least half width [s] at which the motion's noise asks for little torque, or no more than is that of its own log.
 
     Args:
         grids: of the trials.
-        joint: whose balance it is; its torque was logged.
+        joint: whose balance it is.
         inertia: joint -> torque at this one by its acceleration [kg m^2 or kg].
+        level: of what inertia and weight ask for, where nothing drives the joint [N m or N]; else its log tells.
     """
     every = list(grids)
     rates = all(f"joint.{j}.velocity" in g.value for j in inertia for g in every)
     kernel, power, read = (FINE.slope, 1, "velocity") if rates else (FINE.curve, 2, "position")
     shaken = float(np.sqrt(sum((m * logged_noise(every, f"joint.{j}.{read}")) ** 2 for j, m in inertia.items())))
     torque = f"joint.{joint}.torque"
-    shown, whole = logged_noise(every, torque), np.concatenate([g.value[torque] for g in every])
+    shown = 0.0 if level is not None else logged_noise(every, torque)
+    if level is None:
+        level = float(np.sqrt(np.mean(np.concatenate([g.value[torque] for g in every]) ** 2)))
     # white noise passes a kernel by its norm, which goes as a power of its width
     bent, seen = (float(np.linalg.norm(k)) * FINE.half**p for k, p in ((kernel, power + 0.5), (FINE.weight, 0.5)))
-    step, little = every[0].step, LITTLE * float(np.sqrt(np.mean(whole**2)))
+    step, little = every[0].step, LITTLE * level
     ends = ((shaken * bent, shown * seen, power), (shaken * bent * step**0.5, little, power + 0.5))
     return min((asked / told) ** (1.0 / p) if told > 0.0 else float("inf") for asked, told, p in ends)
 

@@ -23,6 +23,7 @@ from spacerobot.diagnosis.machines.joint_factors import Brought, asked_for, brou
 from spacerobot.diagnosis.machines.joint_log import JointLog, Motion, kinematics, shifted, stated_friction, torque_sizes
 from spacerobot.diagnosis.machines.links import carried_links, mass_of, with_masses
 from spacerobot.diagnosis.machines.measured import port_forces
+from spacerobot.diagnosis.machines.mechanism_cache import MechanismCache
 from spacerobot.diagnosis.machines.rigid import Rigid
 from spacerobot.diagnosis.machines.stated_noise import Lens, StatedNoise, stated_noise, still_below
 from spacerobot.diagnosis.machines.test_functions import Bump
@@ -30,7 +31,7 @@ from spacerobot.diagnosis.machines.touch import Moment, first_shock
 from spacerobot.diagnosis.machines.windows import PIECES, moment
 from spacerobot.diagnosis.terms.candidates import stood_for
 from spacerobot.diagnosis.terms.data import Block, TrialData, piece_id
-from spacerobot.diagnosis.terms.hypothesis import Believed, Site
+from spacerobot.diagnosis.terms.hypothesis import Believed, Hypothesis, Site
 from spacerobot.dynamics.joint_kinds import joint_axis
 from spacerobot.effects.effect import Effect
 from spacerobot.effects.laws import DAMPER, SPRING
@@ -149,6 +150,7 @@ class InverseDynamics(Machine):
         self._idle = frozenset(idle)
         alone = self.joints if len(self.joints) == 1 else ()  # of several, what one hides behind it moves with all
         self._followed = {c: Readout(c, "position", f"joint.{j}") for j in alone for c in [f"joint.{j}.position"]}
+        self._lately = MechanismCache()
         self._motion: dict[str, Motion] = {}
         self._bump: dict[str, Bump] = {}
         pace = self._pace([g for g, _, _ in grids.values()], values or {}, unknown)
@@ -176,9 +178,11 @@ class InverseDynamics(Machine):
             lenses += [Lens(narrow, self._bump[piece.id], thin) for piece in pieces]
             trials += pieces
         self.trials = tuple(trials)
-        mean = arm.inertia(np.concatenate([m.position[:: m.stride] for m in self._motion.values()]))
+        visited = np.concatenate([m.position[:: m.stride] for m in self._motion.values()])
+        mean = arm.inertia(visited)
         self._mass = {f"joint.{j}": float(x) for j, x in zip(self.joints, np.diag(mean), strict=True)}
         self._inertia, self._stated = mean, stated_noise(noise or {}, self.joints, lenses)
+        self._by_link = {n: np.diag(h.inertia(visited) - mean) for n, h in zip(self.links, heavier, strict=True)}
         seen = {} if idle else {c: logged_noise([g for g, _, _ in grids.values()], c) for c in motion}
         self._logged = stated_noise({**seen, **(noise or {})}, self.joints, lenses)
         self.base = dict(values or {})
@@ -208,8 +212,8 @@ class InverseDynamics(Machine):
             row[joint] = values.get(f"{name}.mass", row[joint]) + values.get(f"{name}.armature", 0.0)
             if f"{name}.mass" in unknown:
                 row[joint] = self.sizes[name].of("kg")
-            if joint not in self._idle:
-                wide = max(wide, clear_width(grids, joint, row))
+            level = self.sizes[name].force if joint in self._idle else None
+            wide = max(wide, clear_width(grids, joint, row, level))
         time = min(self.sizes[f"joint.{j}"].time for j in self.compared)
         return float(np.clip(wide, WIDTH * time, WIDEST * time))
 
@@ -301,17 +305,21 @@ class InverseDynamics(Machine):
         return out
 
     def sites(self, effects: Iterable[Effect] | None = None) -> list[Site]:
-        """As everywhere; of one joint among several, those at it, and drives of others that it turns too.
-
-        A sensor that it shares is no joint's own.
-        """
+        """As everywhere; of one joint among several, those at it, at its sensors, and drives of others it turns too."""
         felt = {f"joint.{j}" for j in self.compared}
         fitted = {*self.believed.sigma, *self.believed.absolute, *self.believed.unknown}
         every = [s for s in super().sites(effects) if s.where not in felt or not stood_for(s.effect, s.where, fitted)]
         every = [s for s in every if s.where != self._encoders or s.effect.relative]
         if len(self.compared) == len(self.joints):
             return every
-        return [s for s in every if s.where in felt or "ports" in self.touched(s)]
+        twins = {word for s in every if s.where in felt for word in s.effect.same_as}  # a bias is a preload
+        own = [s for s in every if s.where in felt or "ports" in self.touched(s)]
+        return own + [s for s in every if s.where in self._sensors() and s.effect.name not in twins]
+
+    def trial_mechanism(self, hypothesis: Hypothesis, z: np.ndarray, trial: TrialData) -> Mechanism:
+        """The edited mechanism of one trial, kept for the others of its condition."""
+        make = partial(super().trial_mechanism, hypothesis, z, trial)
+        return self._lately.mechanism(hypothesis, z, trial, make)
 
     def mechanism(self, values: Mapping[str, float], trial: TrialData) -> Mechanism:
         """Joints with their believed springs, dampers, inertia and torque logs; the coupling between is the rigid part.
@@ -366,9 +374,8 @@ class InverseDynamics(Machine):
         other = copy(self)
         other._motion = {}
         for name, m in self._motion.items():
-            still = self._arm.torque(m.position, np.zeros_like(m.velocity), np.zeros_like(m.velocity))
-            rigid = still + factor**2 * (m.rigid - still)
             speed, growth = factor * m.velocity, factor**2 * m.acceleration
+            rigid = self._arm.torque(m.position, speed, growth)
             other._motion[name] = replace(
                 m, velocity=speed, acceleration=growth, rigid=rigid, torque=None, run_up=factor**2 * m.run_up, beside={}
             )
@@ -444,6 +451,19 @@ class InverseDynamics(Machine):
         """A signal along that motion, shape (T, ...), as the piece's readings show it: through its test functions."""
         return self._bump[trial.id].smooth(signal)[:: self._motion[trial.id].stride]
 
+    def _outweighed(self, mechanism: Mechanism, joint: str) -> float:
+        """A joint's believed inertia over a mechanism's, 1 at what is believed.
+
+        Where nothing drives a joint its motion tells ratios of inertia, weight and friction alone. The noise of a
+        motion asks for torque in proportion to inertia: lighter links would leave less of it, whatever moves.
+        """
+        k, name = self.joints.index(joint), f"joint.{joint}"
+        believed = self.base.get(f"{name}.mass", self._mass[name]) + self.base.get(f"{name}.armature", 0.0)
+        more = mechanism.coordinates[name].mass - believed
+        for link, own in self._by_link.items():
+            more += (mechanism.coordinates[f"link.{link}"].mass / self._link_mass[link] - 1.0) * float(own[k])
+        return believed / (believed + more)
+
     def predict(self, mechanism: Mechanism, trial: TrialData, initial: np.ndarray) -> Predicted:
         """The torques that the model asks for along the measured motion, through the test functions."""
         read, bump = self._motion[trial.id], self._bump[trial.id]
@@ -480,6 +500,9 @@ class InverseDynamics(Machine):
             shown = torque_log.seen(maps, torque, log, bump)
             for key, own in read.beside.items():
                 shown = shown - beyond(mechanism, key) * bump.smooth(own.torque[:, names.index(name)])
+            if joint in self._idle:
+                stated = self.base.get(f"{name}.torque", 0.0)
+                shown = stated + self._outweighed(mechanism, joint) * (shown - stated)
             out.append(shown[:: motion.stride])
         return Predicted((np.array(out),))
 

@@ -54,6 +54,12 @@ class Bump:
         shape /= shape.sum()
         return cls(half, np.pad(shape, 2), np.convolve(shape, RATE) / step, np.convolve(shape, CURVE) / step**2, step)
 
+    @property
+    def variance(self) -> float:
+        """Its second moment [s^2]; half of it times a signal's second derivative is what smoothing adds."""
+        at = np.arange(-self.half, self.half + 1) * self.step
+        return float(self.weight @ at**2)
+
     def smooth(self, x: np.ndarray) -> np.ndarray:
         """The signal seen through the bump, shape (T - 2 n, ...) for a signal of shape (T, ...)."""
         return _apply(self.weight, x)

@@ -25,7 +25,8 @@ def with_free_moment(growth: Growth, kept: Kept) -> Machine | None:
     """The machine with its input's moment free, where that predicts better than what was chosen without; else None.
 
     It may take the place of one of the chosen effects. A sensor's is given up for it where both predict as well: what
-    a moment within a sample explains is no fault of a sensor. So is a general law for its special case.
+    a moment within a sample explains is no fault of a sensor. So is a general law for its special case, where that
+    leaves no more than the law did, however little both leave of what the baseline does.
 
     Args:
         growth: what a search with the moment held at nothing led to.
@@ -57,6 +58,6 @@ def with_free_moment(growth: Growth, kept: Kept) -> Machine | None:
             return free
         for plain in special_sites(site, {s.label: s for s in growth.sites}):
             plainer = tried([*rest, plain], level_of(plain, site, chosen.fit))
-            if plainer is not None and as_good(plainer, chosen, growth.before):
+            if plainer is not None and as_good(plainer, chosen, chosen):
                 return free
     return None

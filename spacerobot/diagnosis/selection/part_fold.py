@@ -141,11 +141,11 @@ def _as_well(own: Growth, chosen: Label) -> bool:
 
 
 def _in_play(growth: Growth, sites: Mapping[tuple[str, str], Site]) -> list[list[Site]]:
-    """Sets that were not told apart from the chosen one, and those that came nearest to it without holding it."""
-    chosen = growth.after.label
+    """Sets that were not told apart from the chosen one, and those that came nearest to it and say no more."""
+    chosen, most = growth.after.label, max(growth.after.size, 1)
     open_to = [r.label for r in growth.rivals]
-    near = [c.label for c in growth.considered if c.sites and c.label not in (chosen, *open_to, *growth.refused)]
-    near = [label for label in near if not chosen or not contains(label, chosen)]
+    near = [c.label for c in growth.considered if c.sites and c.size <= most]
+    near = [label for label in near if label not in (chosen, *open_to, *growth.refused)]
     return [[sites[one] for one in label] for label in dict.fromkeys([*open_to, *near[:RIVALS]])]
 
 

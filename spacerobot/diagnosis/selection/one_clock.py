@@ -1,0 +1,81 @@
+"""One clock has one offset: what one part takes for a late sensor, the others that read it must bear out.
+
+The joints of an arm share a log. A delay that explains one of them and none of the others is no clock's; a link on a
+spring or a filter of its own may look like one.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from spacerobot.diagnosis.fitting.fitted import Fit
+from spacerobot.diagnosis.fitting.starts import fit_near
+from spacerobot.diagnosis.selection.bench import STEPS
+from spacerobot.diagnosis.selection.part_result import Part
+from spacerobot.diagnosis.terms.decision import MOVED
+from spacerobot.diagnosis.terms.hypothesis import Site
+from spacerobot.support.errors import SimulationError
+
+Offset = tuple[float, float]
+"""An offset and its standard error [s]."""
+
+
+def not_borne_out(parts: Sequence[Part]) -> set[int]:
+    """Which of a study's parts name an offset between clocks that the others, all together, exclude."""
+    out = set()
+    for site in {s.label: s for p in parts for s in p.fit.hypothesis.sites if s.effect.relative}.values():
+        own = {k: said for k, p in enumerate(parts) if (said := _offset(p, site)) is not None}
+        named = [k for k in own if site.label in parts[k].chosen.label]
+        out |= {k for k in named if _excluded(k, own)}
+    return out
+
+
+def _excluded(k: int, own: Mapping[int, Offset]) -> bool:
+    others = np.array([said for j, said in own.items() if j != k]).reshape(-1, 2)
+    if not others.size:
+        return False
+    value, error = own[k]
+    weight = 1.0 / np.maximum(others[:, 1] ** 2, np.finfo(float).tiny)
+    apart = value - float(weight @ others[:, 0] / weight.sum())
+    return bool(abs(apart) > MOVED * np.hypot(error, weight.sum() ** -0.5))
+
+
+def _either_way(site: Site) -> Site:
+    """Early as well as late: what tells against a delay is as good as what tells for it."""
+    strength = site.effect.strength
+    return replace(site, effect=site.effect.with_parameters((replace(strength, lower=-strength.upper),)))
+
+
+def _fitted(part: Part, sites: Sequence[Site]) -> Fit | None:
+    """A fit that need not make physical sense."""
+    bench = part.growth.bench
+    with contextlib.suppress(SimulationError):
+        return fit_near(bench.fitter(), part.model.believed, sites, part.fit, {}, max_iterations=STEPS)
+    return None
+
+
+def _offset(part: Part, site: Site) -> Offset | None:
+    """What a part says of an offset, beside what it lacks; None where it does not read both clocks."""
+    known = {s.label: s for s in part.growth.sites}
+    channels = part.model.plain().sensors.get(site.where, ())
+    if part.model.not_measured or not channels:
+        return None
+    for name, most in part.model.believed.within.items():
+        if name.endswith(".delay"):  # of the log within its sample, which is later than its motion by so much
+            torque = any(c.endswith(".torque") for c in channels)
+            return part.fit.values()[name] * (1.0 if torque else -1.0), most / MOVED
+    if site.label not in known:
+        return None
+    fit: Fit | None = part.fit
+    if site.label not in part.chosen.label:
+        sites = [s for s in part.fit.hypothesis.sites if not s.effect.relative]
+        fit = _fitted(part, [*sites, _either_way(known[site.label])])
+    key = site.key(site.effect.parameters[0].name)
+    if fit is None or key not in (errors := fit.errors()):
+        return None
+    low, high = errors[key]
+    return fit.values()[key], 0.5 * abs(high - low)
