@@ -80,13 +80,15 @@ def diagnose(
     """
     refuse_draft(study)
     began = time.perf_counter()
-    admit(study)
+    report("reading the recordings", 0, 1)
+    models = admit(study)
     if not has_wrist(study):
         from spacerobot.diagnosis.diagnose_parts import diagnose_parts  # takes half a second to load
 
-        return diagnose_parts(study, report=report, threads=jobs or 1, seed=seed, without=without, store=store)
+        return diagnose_parts(
+            study, models, report=report, began=began, threads=jobs or 1, seed=seed, without=without, store=store
+        )
     jobs = jobs or os.cpu_count() or 1
-    report("reading the recordings", 0, 1)
     workshop = Workshop(study)
     if jobs > 1:
         help_compiling(workshop)

@@ -17,7 +17,6 @@ from spacerobot.diagnosis.fitting.fit_store import Kept, Store
 from spacerobot.diagnosis.learning.learned_part import LearnedPart, settle_part
 from spacerobot.diagnosis.locate.of_model import locate_model
 from spacerobot.diagnosis.locate.readings import NothingToBalance
-from spacerobot.diagnosis.machines.choose import some_models_for
 from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.machines.touch import Moment
 from spacerobot.diagnosis.selection.checks import checks_of_part
@@ -38,8 +37,10 @@ from spacerobot.support.workers import one_thread
 @one_thread()
 def diagnose_parts(
     study: Study,
+    models: Sequence[Machine],
     *,
     report: Report,
+    began: float,
     threads: int = 1,
     seed: int = 0,
     without: Sequence[str] = (),
@@ -49,24 +50,21 @@ def diagnose_parts(
 
     Args:
         study: what the lab believes and recorded.
+        models: its machines.
         report: told of progress.
+        began: when the diagnosis did, as `time.perf_counter` has it.
         threads: of the fits.
         seed: kept in the verdict; nothing hangs on it.
         without: effects to leave out of the catalogue.
         store: keeps every finished fit, so that a diagnosis that was stopped goes on where it was.
-
-    Raises:
-        InputError: nothing that was recorded can be compared with the baseline.
     """
-    began = time.perf_counter()
-    report("reading the recordings", 0, 1)
-    models = some_models_for(study)
     catalogue = [e for e in all_effects().values() if e.name not in without]
 
     def searched(place: int, effects: Sequence[Effect], how: str = "") -> Part:
-        name = models[place].name
-        what, kept = f"{name} ({place + 1} of {len(models)})", Kept(store, f"{place + 1} {name}{how}")
-        return _searched(models[place], effects, threads, partial(_tell, report, what), kept)
+        model = models[place]
+        what, kept = f"{model.name} ({place + 1} of {len(models)})", Kept(store, f"{place + 1} {model.name}{how}")
+        offered = () if model.not_measured else effects  # nothing shows where nothing was read
+        return _searched(model, offered, threads, partial(_tell, report, what), kept)
 
     parts = [searched(place, catalogue) for place in range(len(models))]
     for place in not_borne_out(parts):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -29,22 +29,27 @@ def has_wrist(study: Study) -> bool:
     return "wrist.stiffness" in study.values() or "wrist.stiffness" in study.baseline.unknown
 
 
-def admit(study: Study) -> None:
-    """Refuse a study that cannot be diagnosed.
+def admit(study: Study) -> tuple[Machine, ...]:
+    """Refuse a study that cannot be diagnosed; its machines where it can, but for a wrist's rig.
 
     Raises:
         InputError: the first reason.
     """
-    for refusal in of_study(study):
-        raise refusal
+    refusals = of_study(study)
+    try:
+        raise next(refusals)
+    except StopIteration as end:
+        machines: tuple[Machine, ...] = end.value
     ask = questions(study)
     for trial in study.trials:
         for refusal in ask(study.recording(trial)):
             raise refusal
+    return machines
 
 
-def of_study(study: Study) -> Iterator[InputError]:
-    """Why no diagnosis can be made, of what shows without the recordings of a wrist's trials."""
+def of_study(study: Study) -> Generator[InputError, None, tuple[Machine, ...]]:
+    """Why no diagnosis can be made, of what shows without the recordings of a wrist's trials; then its machines."""
+    models: tuple[Machine, ...] = ()
     if not has_wrist(study):
         from spacerobot.diagnosis.machines.choose import some_models_for  # takes half a second to load
 
@@ -66,6 +71,7 @@ def of_study(study: Study) -> Iterator[InputError]:
         yield InputError(
             "a diagnosis needs at least two trials", given=len(study.trials), valid=valid, where=str(study.path)
         )
+    return models
 
 
 def enough(study: Study, recording: Recording) -> None:
