@@ -6,7 +6,6 @@ point contact does not feel it. What joints are left over is the arm's self-moti
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -58,7 +57,7 @@ class HandAim:
         wanted = np.asarray(place, dtype=float)
         model, data = self.robot.model, self.robot.model.createData()
         columns = [self.robot.velocity_index(name) for name in self.robot.chain]
-        write = _writer(self.robot)
+        write = self.robot.writer(self.robot.chain)
         across = np.linalg.svd(self.in_world[None, :])[2][1:]
         turning = across @ np.cross(np.eye(3), self.in_world).T  # u x n is linear in u
         pose = np.array(start, dtype=float)
@@ -114,20 +113,3 @@ def chain_limits(robot: Robot) -> tuple[np.ndarray, np.ndarray]:
             if bounds[0] < bounds[1]:
                 low[i], high[i] = bounds
     return low, high
-
-
-def _writer(robot: Robot) -> Callable[[np.ndarray], np.ndarray]:
-    """Full configurations from poses, without the checks that `Robot.configuration` makes each time."""
-    q = robot.configuration(np.zeros(len(robot.chain)))
-    joints = [robot.model.joints[robot.joint_id(name)] for name in robot.chain]
-    plain = [i for i, joint in enumerate(joints) if joint.nq == 1]
-    where = [joints[i].idx_q for i in plain]
-    turning = [(i, joint.idx_q) for i, joint in enumerate(joints) if joint.nq == 2]
-
-    def write(pose: np.ndarray) -> np.ndarray:
-        q[where] = pose[plain]
-        for i, at in turning:
-            q[at], q[at + 1] = np.cos(pose[i]), np.sin(pose[i])
-        return q
-
-    return write

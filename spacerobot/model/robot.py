@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -117,6 +118,29 @@ class Robot:
             else:
                 raise InputError("joint cannot be set by one number", given=name)
         return q
+
+    def writer(self, joints: Sequence[str]) -> Callable[[np.ndarray], np.ndarray]:
+        """Writes full configurations, shape (..., nq), from positions of some joints, (..., len(joints)) [rad or m].
+
+        The others stay neutral. Without the checks that `configuration` makes each time.
+
+        Raises:
+            NotFoundError: no such joint; names the nearest.
+        """
+        still, own = self.configuration(), [self.model.joints[self.joint_id(name)] for name in joints]
+        plain = [i for i, joint in enumerate(own) if joint.nq == 1]
+        where = [own[i].idx_q for i in plain]
+        turning = [(i, joint.idx_q) for i, joint in enumerate(own) if joint.nq == 2]
+
+        def write(positions: np.ndarray) -> np.ndarray:
+            q = np.empty((*positions.shape[:-1], still.size))
+            q[...] = still
+            q[..., where] = positions[..., plain]
+            for i, at in turning:  # continuous joints: cosine and sine
+                q[..., at], q[..., at + 1] = np.cos(positions[..., i]), np.sin(positions[..., i])
+            return q
+
+        return write
 
     def joint_rows(self) -> list[dict[str, Any]]:
         """The chain from base to tip, then the wrist's slider: limits and reflected rotor inertia, SI."""

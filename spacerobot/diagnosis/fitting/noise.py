@@ -131,7 +131,7 @@ def squares_of(
     return out
 
 
-def level_of(
+def levels_of(
     residuals: Mapping[str, np.ndarray],
     trials: Sequence[TrialData],
     counted: Mapping[str, np.ndarray] | None = None,

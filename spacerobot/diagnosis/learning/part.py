@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from spacerobot.diagnosis.fitting.fitted import Fit
-from spacerobot.diagnosis.fitting.noise import level_of
+from spacerobot.diagnosis.fitting.noise import levels_of
 from spacerobot.diagnosis.learning.beside import beside_it, better_of, form_of, from_where_it_is, tested, without_curve
 from spacerobot.diagnosis.learning.curves import Curve
 from spacerobot.diagnosis.learning.describe import Described
@@ -186,7 +186,7 @@ def noise(bench: Bench, fit: Fit) -> dict[str, float]:
 
 def louder(bench: Bench, fit: Fit) -> float:
     """What a fit leaves over the stated noise of the loudest channel; nothing where none is stated or it is no more."""
-    left = level_of(fit.residuals(), bench.trials)
+    left = levels_of(fit.residuals(), bench.trials)
     most = max((left[c] / s for c, s in noise(bench, fit).items()), default=0.0)
     return most if most > LOUD else 0.0
 

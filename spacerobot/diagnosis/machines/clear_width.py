@@ -34,8 +34,9 @@ def clear_width(grids: Iterable[Grid], joint: str, inertia: Mapping[str, float],
     kernel, power, read = (FINE.slope, 1, "velocity") if rates else (FINE.curve, 2, "position")
     shaken = float(np.sqrt(sum((m * logged_noise(every, f"joint.{j}.{read}")) ** 2 for j, m in inertia.items())))
     torque = f"joint.{joint}.torque"
-    shown = 0.0 if level is not None else logged_noise(every, torque)
+    shown = 0.0
     if level is None:
+        shown = logged_noise(every, torque)
         level = float(np.sqrt(np.mean(np.concatenate([g.value[torque] for g in every]) ** 2)))
     # white noise passes a kernel by its norm, which goes as a power of its width
     bent, seen = (float(np.linalg.norm(k)) * FINE.half**p for k, p in ((kernel, power + 0.5), (FINE.weight, 0.5)))

@@ -330,8 +330,7 @@ class InverseDynamics(Machine):
         forces = []
         for joint in self.joints:
             name = f"joint.{joint}"
-            mass = values.get(f"{name}.mass", self._mass[name]) + values.get(f"{name}.armature", 0.0)
-            coordinates[name] = Coordinate(name, mass, angular=self._turns[joint])
+            coordinates[name] = Coordinate(name, self._own_inertia(values, name), angular=self._turns[joint])
             if f"{name}.stiffness" in values:
                 forces.append(Force(f"{name}.spring", name, SPRING, (values[f"{name}.stiffness"],), role="spring"))
             if values.get(f"{name}.damping"):
@@ -458,11 +457,17 @@ class InverseDynamics(Machine):
         motion asks for torque in proportion to inertia: lighter links would leave less of it, whatever moves.
         """
         k, name = self.joints.index(joint), f"joint.{joint}"
-        believed = self.base.get(f"{name}.mass", self._mass[name]) + self.base.get(f"{name}.armature", 0.0)
-        more = mechanism.coordinates[name].mass - believed
-        for link, own in self._by_link.items():
-            more += (mechanism.coordinates[f"link.{link}"].mass / self._link_mass[link] - 1.0) * float(own[k])
-        return believed / (believed + more)
+        believed = self._own_inertia(self.base, name)
+        more = sum(self._heavier(mechanism, link) * float(own[k]) for link, own in self._by_link.items())
+        return believed / (mechanism.coordinates[name].mass + more)
+
+    def _own_inertia(self, values: Mapping[str, float], name: str) -> float:
+        """About a joint, "joint.NAME", as some values have it [kg m^2 or kg]."""
+        return values.get(f"{name}.mass", self._mass[name]) + values.get(f"{name}.armature", 0.0)
+
+    def _heavier(self, mechanism: Mechanism, link: str) -> float:
+        """By which share of its mass a link is heavier than the robot's."""
+        return mechanism.coordinates[f"link.{link}"].mass / self._link_mass[link] - 1.0
 
     def predict(self, mechanism: Mechanism, trial: TrialData, initial: np.ndarray) -> Predicted:
         """The torques that the model asks for along the measured motion, through the test functions."""
@@ -475,7 +480,7 @@ class InverseDynamics(Machine):
         more = [mechanism.coordinates[n].mass - self._mass[n] for n in names]
         asked = motion.rigid + motion.acceleration * more
         for link, own in zip(self.links, motion.by_link, strict=True):
-            asked = asked + (mechanism.coordinates[f"link.{link}"].mass / self._link_mass[link] - 1.0) * own
+            asked = asked + self._heavier(mechanism, link) * own
         for zero, change in zip(self._zeros, motion.by_zero, strict=True):
             off = sum(m.value for m in mechanism.maps if m.channel == _position(zero) and m.kind == "offset")
             asked = asked + off * change

@@ -24,26 +24,12 @@ class Rigid:
 
     def __init__(self, robot: Robot, gravity: Sequence[float], joints: Sequence[str]) -> None:
         """Of a robot in a field of gravity, world axes [m/s^2], along the motion of these joints."""
-        self.robot = robot
         self.model = pin.Model(robot.model)
         self.model.gravity.linear = np.array(gravity, dtype=float)
         self.data = self.model.createData()
         self.index = [robot.velocity_index(j) for j in joints]
-        self.joints = tuple(joints)
-        self._still = robot.configuration()
-        own = [robot.model.joints[robot.joint_id(j)] for j in joints]
-        self._places = [(int(j.idx_q), int(j.nq)) for j in own]
+        self.written = robot.writer(joints)
         self._afloat = _free_motions(np.array(gravity, dtype=float)) if robot.floating else np.zeros((6, 0))
-
-    def _full(self, position: np.ndarray) -> np.ndarray:
-        """Configurations of the whole robot, shape (T, nq), from positions of the joints, (T, J)."""
-        out = np.tile(self._still, (position.shape[0], 1))
-        for (at, numbers), own in zip(self._places, position.T, strict=True):
-            if numbers == 2:  # a continuous joint: cosine and sine
-                out[:, at], out[:, at + 1] = np.cos(own), np.sin(own)
-            else:
-                out[:, at] = own
-        return out
 
     def torque(
         self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray, turn: np.ndarray | None = None
@@ -57,7 +43,7 @@ class Rigid:
         """
         v, a = np.zeros(self.model.nv), np.zeros(self.model.nv)
         out = np.empty_like(position)
-        for t, q in enumerate(self._full(position)):
+        for t, q in enumerate(self.written(position)):
             v[self.index], a[self.index] = velocity[t], acceleration[t]
             if self._afloat.size:
                 v[:6], a[:6] = self._base(q, v, a, None if turn is None else float(turn[t]))
@@ -67,7 +53,7 @@ class Rigid:
     def turning(self, position: np.ndarray, velocity: np.ndarray) -> np.ndarray:
         """Rate at which an afloat base that began at rest turns about its free axis, shape (T,) [rad/s]."""
         v, a, out = np.zeros(self.model.nv), np.zeros(self.model.nv), np.zeros(position.shape[0])
-        for t, q in enumerate(self._full(position) if self._afloat.shape[1] == 3 else ()):
+        for t, q in enumerate(self.written(position) if self._afloat.shape[1] == 3 else ()):
             v[self.index] = velocity[t]
             out[t] = self._base(q, v, a)[0][3:] @ self._afloat[3:, 2]
         return out
@@ -95,7 +81,7 @@ class Rigid:
         """Mean joint-space inertia over some poses, that of an afloat base taken off, shape (J, J)."""
         some = positions[:: max(1, positions.shape[0] // 50)]
         found = []
-        for q in self._full(some):
+        for q in self.written(some):
             whole, free = self._inertia(q), self._afloat
             own = whole[np.ix_(self.index, self.index)]
             if free.size:

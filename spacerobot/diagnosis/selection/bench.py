@@ -249,6 +249,13 @@ class Bench:
 
     def fitted_as(self, near: Fit, sites: Sequence[Site], start: Mapping[str, float]) -> Fit | None:
         """These effects fitted, beginning at another fit where they share parameters with it; None as above."""
+        fit = self.fitted_anyhow(near, sites, start)
+        if fit is None or implausible(sites, fit.values(), self.model.size_at):
+            return None
+        return fit if reached(sites, fit.values(), self.model.visited) else None
+
+    def fitted_anyhow(self, near: Fit, sites: Sequence[Site], start: Mapping[str, float], *said: str) -> Fit | None:
+        """The same though it be no physics; None where it cannot be. `said` tells sites of other bounds apart."""
         fitter, believed = self.fitter(), self.model.believed
 
         def compute() -> Fit | None:
@@ -257,11 +264,8 @@ class Bench:
             except SimulationError:
                 return None
 
-        about = ["near", *of_fit(near), sorted(start.items()), *self._weights()]
-        fit = self.kept.fit(hypothesis(believed, sites, start), fitter, about, compute)
-        if fit is None or implausible(sites, fit.values(), self.model.size_at):
-            return None
-        return fit if reached(sites, fit.values(), self.model.visited) else None
+        about = ["near", *of_fit(near), sorted(start.items()), *self._weights(), *said]
+        return self.kept.fit(hypothesis(believed, sites, start), fitter, about, compute)
 
     def held_out(self, fit: Fit) -> HeldOut | None:
         """How well its hypothesis predicts unseen trials; None where it cannot."""

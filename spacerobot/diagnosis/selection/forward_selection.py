@@ -75,13 +75,23 @@ def retained(growth: Growth, whole: Candidate) -> Growth:
         return growth
     bench = growth.bench
     weights = bench.weights
-    bench.weigh(bench.again(found.fit))
-    fits = [bench.again(c.fit) for c in (growth.considered_baseline, found)]
-    before, after = (Candidate(fit, bench.held_out(fit)) for fit in fits)
+    before, after = weighed(bench, bench.again(found.fit), growth.considered_baseline.fit)
     if unshown(after.fit):
         bench.weights = weights
         return growth
     return replace(growth, before=before, after=after)
+
+
+def weighed(bench: Bench, chosen: Fit, baseline: Fit) -> tuple[Candidate, Candidate]:
+    """Baseline and choice, fitted and tried again under the weights that what the choice leaves over asks for."""
+    bench.weigh(chosen)
+
+    def again(fit: Fit) -> Candidate:
+        fit = bench.again(fit)
+        return Candidate(fit, bench.held_out(fit))
+
+    before = again(baseline)
+    return before, before if chosen is baseline else again(chosen)
 
 
 Variant = tuple[list[Site], dict[str, float]]
@@ -235,7 +245,7 @@ class _Search:
             self.bench.weights = weights
             open_to = [c for c in tested if c.label not in refused]
             chosen = choice(open_to, baseline, self.bench.trials)
-            before, after = self.weighed(chosen, baseline)
+            before, after = weighed(self.bench, chosen.fit, baseline.fit)
             why = self.refusal(before, after, stated)
             if not why:
                 break
@@ -274,15 +284,6 @@ class _Search:
             if fit is not None and by_chance(fit.cost - chosen.cost, len(site.effect.parameters), len(self.sites)):
                 return self.without_chance(self.tested(Candidate(fit)), tried)
         return chosen
-
-    def weighed(self, chosen: Candidate, baseline: Candidate) -> tuple[Candidate, Candidate]:
-        """Baseline and choice, fitted and tried again under the weights that what the choice leaves over asks for.
-
-        Both were fitted under the present weights.
-        """
-        self.bench.weigh(chosen.fit)
-        before = self.tested(self.again(baseline))
-        return before, before if chosen is baseline else self.tested(self.again(chosen))
 
     def layer(self, ahead: list[Ahead]) -> list[Candidate]:
         """The most promising candidates of one size, fitted and tried on unseen trials."""
@@ -396,10 +397,6 @@ class _Search:
             if name not in layer or first.left < layer[name].left:
                 layer[name] = Ahead(one, first, second)
                 self.screened[name] = first.left / self.whole
-
-    def again(self, one: Candidate) -> Candidate:
-        """Fitted again under the present weights."""
-        return Candidate(self.bench.again(one.fit))
 
     def tested(self, one: Candidate) -> Candidate:
         """Tried on unseen trials."""

@@ -9,7 +9,7 @@ from operator import attrgetter
 import numpy as np
 
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
-from spacerobot.diagnosis.fitting.noise import common_level, level_of
+from spacerobot.diagnosis.fitting.noise import common_level, levels_of
 from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.machines.windows import FOLDS
 from spacerobot.diagnosis.terms.data import TrialData, recorded_id
@@ -121,7 +121,7 @@ class HeldOut:
 
     def rms(self, trials: Sequence[TrialData]) -> dict[str, float]:
         """By channel, in the channel's unit."""
-        return level_of(self.residual, trials, self.counted)
+        return levels_of(self.residual, trials, self.counted)
 
 
 def start_of(

@@ -6,19 +6,15 @@ spring or a filter of its own may look like one.
 
 from __future__ import annotations
 
-import contextlib
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from spacerobot.diagnosis.fitting.fitted import Fit
-from spacerobot.diagnosis.fitting.starts import fit_near
-from spacerobot.diagnosis.selection.bench import STEPS
 from spacerobot.diagnosis.selection.part_result import Part
 from spacerobot.diagnosis.terms.decision import MOVED
 from spacerobot.diagnosis.terms.hypothesis import Site
-from spacerobot.support.errors import SimulationError
 
 Offset = tuple[float, float]
 """An offset and its standard error [s]."""
@@ -50,14 +46,6 @@ def _either_way(site: Site) -> Site:
     return replace(site, effect=site.effect.with_parameters((replace(strength, lower=-strength.upper),)))
 
 
-def _fitted(part: Part, sites: Sequence[Site]) -> Fit | None:
-    """A fit that need not make physical sense."""
-    bench = part.growth.bench
-    with contextlib.suppress(SimulationError):
-        return fit_near(bench.fitter(), part.model.believed, sites, part.fit, {}, max_iterations=STEPS)
-    return None
-
-
 def _offset(part: Part, site: Site) -> Offset | None:
     """What a part says of an offset, beside what it lacks; None where it does not read both clocks."""
     known = {s.label: s for s in part.growth.sites}
@@ -73,7 +61,8 @@ def _offset(part: Part, site: Site) -> Offset | None:
     fit: Fit | None = part.fit
     if site.label not in part.chosen.label:
         sites = [s for s in part.fit.hypothesis.sites if not s.effect.relative]
-        fit = _fitted(part, [*sites, _either_way(known[site.label])])
+        both = [*sites, _either_way(known[site.label])]
+        fit = part.growth.bench.fitted_anyhow(part.fit, both, {}, "either way")
     key = site.key(site.effect.parameters[0].name)
     if fit is None or key not in (errors := fit.errors()):
         return None

@@ -9,7 +9,7 @@ import numpy as np
 
 from spacerobot.diagnosis.fitting.approach import lag1
 from spacerobot.diagnosis.fitting.fitted import Fit
-from spacerobot.diagnosis.fitting.noise import level_of, split, squares_of
+from spacerobot.diagnosis.fitting.noise import levels_of, split, squares_of
 from spacerobot.diagnosis.locate.located import Located, Row
 from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.machines.sizes import spread
@@ -169,13 +169,13 @@ class Part:
     @property
     def loudness(self) -> dict[str, float]:
         """By channel, rms of what the chosen model leaves over the noise that is stated; empty where none is."""
-        left = level_of(self.fit.residuals(), self.trials)
+        left = levels_of(self.fit.residuals(), self.trials)
         return {c: left[c] / noise for c, noise in self.model.expected(self.fit.values()).items()}
 
     @property
     def unexplained(self) -> bool:
         """Whether a balance leaves a good part of what is read, though its logs are quiet and what is left goes on."""
-        left = level_of(self.fit.residuals(), self.trials)
+        left = levels_of(self.fit.residuals(), self.trials)
         quiet = self.model.logged(self.fit.values())
         return self.shown and any(
             left[c] > max(QUIET * noise, GOOD_PART * spread(self.trials, c)) for c, noise in quiet.items()

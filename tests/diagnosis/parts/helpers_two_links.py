@@ -9,6 +9,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from spacerobot.recordings.study import Study, load_study
+from tests.overlay.studies import write_csv
 
 MASS, LENGTH, CENTRE, INERTIA = (1.2, 0.7), 0.4, (0.2, 0.15), (0.02, 0.006)
 GRAVITY = 9.81
@@ -75,11 +76,11 @@ def moved(time: np.ndarray, seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarr
     return (size * np.sin(angle)).sum(1), (size * w * np.cos(angle)).sum(1), (-size * w**2 * np.sin(angle)).sum(1)
 
 
-def written(folder: Path, logs: Sequence[dict[str, np.ndarray]], extra: str, sigma: str = "") -> Study:
+def written(folder: Path, logs: Sequence[dict[str, np.ndarray]], sigma: str = "") -> Study:
     """A study of logs with columns t, q0, q1 and perhaps u0, u1; what is not logged is zero."""
     (folder / "arm.urdf").write_text(URDF)
     for n, log in enumerate(logs):
-        np.savetxt(folder / f"{n}.csv", np.array(list(log.values())).T, "%.9g", ",", header=",".join(log), comments="")
+        write_csv(folder / f"{n}.csv", log)
     channels = "".join(f'q{k} = {{ is = "joint.{j}.position" }}\n' for k, j in enumerate(JOINTS))
     idle = ""
     for k, j in enumerate(JOINTS):
@@ -102,6 +103,6 @@ elbow.damping = 0.0
 [streams.log]
 time = "t"
 [streams.log.channels]
-{channels}{extra}{trials}"""
+{channels}{trials}"""
     )
     return load_study(folder)

@@ -21,7 +21,7 @@ def test_torques_of_a_floating_arm_are_those_that_moved_it(gravity: tuple[float,
     for _ in range(5):
         position, velocity, acceleration = rng.normal(size=(3, len(JOINTS)))
         said = arm.torque(position[None], velocity[None], acceleration[None])[0]
-        q, v, a = arm._full(position[None])[0], np.zeros(model.nv), np.zeros(model.nv)
+        q, v, a = arm.written(position), np.zeros(model.nv), np.zeros(model.nv)
         v[arm.index], a[arm.index] = velocity, acceleration
         v[:6], a[:6] = arm._base(q, v, a)
         tau = pin.rnea(model, data, q, v, a)

@@ -24,9 +24,9 @@ NOISE = 1e-4
 BELIEVED = "[baseline.sigma]\nlink.upper.mass = 0.02\nlink.lower.mass = 0.02\n"
 
 
-def free(folder: Path, level: float, step: float = 0.005) -> Study:
+def free(folder: Path, level: float) -> Study:
     """Let go of three times, with dry friction in the elbow."""
-    time, random = np.arange(0.0, 8.0, step), np.random.default_rng(5)
+    time, random = np.arange(0.0, 8.0, 0.005), np.random.default_rng(5)
 
     def friction(v: np.ndarray) -> np.ndarray:
         return np.array([0.0, level * np.tanh(v[1] / 1e-3)])
@@ -35,7 +35,7 @@ def free(folder: Path, level: float, step: float = 0.005) -> Study:
     for release in ((1.0, 0.4), (-0.7, 1.2), (1.3, -0.5)):
         q = swung(release, time, friction) + NOISE * random.standard_normal((2, time.size))
         logs.append({"t": time, "q0": q[0], "q1": q[1]})
-    return written(folder, logs, "", BELIEVED)
+    return written(folder, logs, BELIEVED)
 
 
 def driven(folder: Path, late: tuple[float, float], viscous: float = 0.0) -> Study:
@@ -49,7 +49,7 @@ def driven(folder: Path, late: tuple[float, float], viscous: float = 0.0) -> Stu
         seen = np.array([moved(time - late[k], seed)[0][k] for k in (0, 1)])
         seen += NOISE * random.standard_normal(seen.shape)
         logs.append({"t": time, "q0": seen[0], "q1": seen[1], "u0": u[0], "u1": u[1]})
-    return written(folder, logs, "")
+    return written(folder, logs)
 
 
 def test_pinocchio_asks_for_the_textbook_s_torques() -> None:
@@ -102,12 +102,13 @@ def test_a_smoothed_motion_asks_for_the_smoothed_torque(step: float) -> None:
     a = a - 16.0 * np.sin(4.0 * time)
     true = torque(q, v, a)
     values = {f"joint.{j}.{w}": x for k, j in enumerate(JOINTS) for w, x in (("position", q[k]), ("torque", true[k]))}
-    log = kinematics(Grid(time, step, values, np.ones(time.size, dtype=bool)), JOINTS, 5)
+    grid = Grid(time, step, values, np.ones(time.size, dtype=bool))
+    log = kinematics(grid, JOINTS, 5)
     arm = Rigid(load(URDF), (0.0, 0.0, -GRAVITY), JOINTS)
     inner = slice(10, -10)
     plain = arm.torque(log.position, log.velocity, log.acceleration)
     for thin in (1, 2) if step < 0.01 else (1,):
-        told = log if thin == 1 else kinematics(Grid(time, step, values, np.ones(time.size, dtype=bool)), JOINTS, 6)
+        told = log if thin == 1 else kinematics(grid, JOINTS, 6)
         rigid = told.thinned(thin, arm, (), ()).rigid[inner]
         off = np.abs(rigid - told.torque[::thin][inner]).max()
         assert off < 0.15 * np.abs(plain - log.torque)[inner].max()
