@@ -288,12 +288,16 @@ class InverseDynamics(Machine):
             name = piece_id(key, n)
             block = Block(self.sensor, channels, at, np.where(clean, seen, 0.0), weight)
             out.append(TrialData(name, condition, dict(overrides), (block,), float(at[0]), float(at[-1])))
-            motion = (log.position[part], log.velocity[part], log.acceleration[part], log.rigid[part])
+            motion = (log.position, log.velocity, log.acceleration, log.rigid)
+            position, velocity, acceleration, rigid = (np.asfortranarray(x[part]) for x in motion)
             self._motion[name] = Motion(
                 log.step,
-                *motion,
+                position,
+                velocity,
+                acceleration,
+                rigid,
                 stride,
-                log.by_link[:, part],
+                _joint_by_joint(log.by_link[:, part]),
                 log.by_zero[:, part],
                 torque=log.torque[part],
                 slow=self._slow,
@@ -430,16 +434,31 @@ class InverseDynamics(Machine):
             out[f"{name}.torque"] = noise.of(joint, row)
         return out
 
-    def _held(self, mechanism: Mechanism, motion: Motion, asked: np.ndarray) -> dict[str, tuple[np.ndarray, float]]:
+    def _asked(self, mechanism: Mechanism, motion: Motion, joint: str) -> np.ndarray:
+        """Torque that the motion asks for at a joint, shape (T,): of the rigid body, and of what is heavier than it."""
+        k, name = self.joints.index(joint), f"joint.{joint}"
+        # inertia beyond the rigid model's: a payload, a mass that is fitted
+        asked = motion.rigid[:, k] + (mechanism.coordinates[name].mass - self._mass[name]) * motion.acceleration[:, k]
+        if self.links:
+            asked = asked + np.array([self._heavier(mechanism, n) for n in self.links]) @ motion.by_link[:, :, k]
+        for zero, change in zip(self._zeros, motion.by_zero, strict=True):
+            off = sum(m.value for m in mechanism.maps if m.channel == _position(zero) and m.kind == "offset")
+            asked = asked + off * change[:, k]
+        return np.asarray(asked)
+
+    def _held(
+        self, mechanism: Mechanism, motion: Motion, asked: Mapping[str, np.ndarray]
+    ) -> dict[str, tuple[np.ndarray, float]]:
         """By joint whose drive was read, what must act at it beside the drive, and below which rate it may rest."""
         if motion.torque is None:
             return {}
         out = {}
-        for i, joint in enumerate(self.joints):
+        for joint in self.compared:
             if joint not in self._idle:
-                maps = torque_log.beside_motion(mechanism.maps, f"joint.{joint}")
-                drive = torque_log.inverse(maps, f"joint.{joint}", motion.torque[:, i], motion.step)
-                out[f"joint.{joint}"] = asked[:, i] - drive, float(motion.slow[i])
+                name, i = f"joint.{joint}", self.joints.index(joint)
+                maps = torque_log.beside_motion(mechanism.maps, name)
+                drive = torque_log.inverse(maps, name, motion.torque[:, i], motion.step)
+                out[name] = asked[name] - drive, float(motion.slow[i])
         return out
 
     def bump(self, trial: TrialData) -> Bump:
@@ -476,14 +495,7 @@ class InverseDynamics(Machine):
         names = [f"joint.{j}" for j in self.joints]
         position = {n: motion.position[:, i] for i, n in enumerate(names)}
         velocity = {n: motion.velocity[:, i] for i, n in enumerate(names)}
-        # inertia beyond the rigid model's: a payload, a mass that is fitted
-        more = [mechanism.coordinates[n].mass - self._mass[n] for n in names]
-        asked = motion.rigid + motion.acceleration * more
-        for link, own in zip(self.links, motion.by_link, strict=True):
-            asked = asked + self._heavier(mechanism, link) * own
-        for zero, change in zip(self._zeros, motion.by_zero, strict=True):
-            off = sum(m.value for m in mechanism.maps if m.channel == _position(zero) and m.kind == "offset")
-            asked = asked + off * change
+        asked = {f"joint.{j}": self._asked(mechanism, motion, j) for j in self.compared}
         held = self._held(mechanism, motion, asked)
         if len(mechanism.coordinates) > len(names) + len(self.links):
             before = motion.run_up.shape[0]
@@ -493,11 +505,12 @@ class InverseDynamics(Machine):
                 carrier = str(mechanism.coordinates[name].carrier)
                 position[name] = position[carrier] + x[before:]
                 velocity[name] = velocity[carrier] + rate[before:]
-        acting = port_forces(mechanism, position, velocity, motion.step, motion.lens, held)
+        felt = [p for p, row in mechanism.ports.items() if any(row.get(n, 0.0) for n in asked)]
+        acting = port_forces(mechanism, position, velocity, motion.step, motion.lens, held, felt)
         out = []
         for joint in self.compared:
             name = f"joint.{joint}"
-            torque = asked[:, names.index(name)]
+            torque = asked[name]
             for port, force in acting.items():  # drives that see two joints act at both
                 torque = torque - mechanism.ports[port].get(name, 0.0) * force
             maps = torque_log.beside_motion(mechanism.maps, name)
@@ -510,6 +523,11 @@ class InverseDynamics(Machine):
                 shown = stated + self._outweighed(mechanism, joint) * (shown - stated)
             out.append(shown[:: motion.stride])
         return Predicted((np.array(out),))
+
+
+def _joint_by_joint(x: np.ndarray) -> np.ndarray:
+    """The same of shape (K, T, J), with each joint's readings side by side."""
+    return np.ascontiguousarray(x.transpose(2, 0, 1)).transpose(1, 2, 0)
 
 
 def _position(zero: str) -> str:

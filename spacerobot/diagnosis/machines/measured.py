@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -61,6 +61,7 @@ def port_forces(
     step: float,
     lens: Bump | None = None,
     held: Mapping[str, tuple[np.ndarray, float]] | None = None,
+    at: Collection[str] | None = None,
 ) -> dict[str, np.ndarray]:
     """What the mechanism's forces, frictions and laws with a memory exert at each port along a measured motion.
 
@@ -75,6 +76,7 @@ def port_forces(
             a smoothed rate, the force itself leaps no faster than that shows.
         held: port -> what all forces on its one coordinate together must be, shape (T,), and the rate below which that
             may stand still.
+        at: the ports asked for, those that share a coordinate with a held one among them; all if None.
 
     Returns:
         port -> force along it, shape (T,) [N or N m].
@@ -88,10 +90,11 @@ def port_forces(
         return np.ascontiguousarray(sum(k * states[c] for c, k in moving[port].items()), dtype=float)
 
     out: dict[str, np.ndarray] = {}
-    value, held = np.empty(count), held or {}
+    value = np.empty(count)
+    held = {port: asked for port, asked in (held or {}).items() if len(moving.get(port, ())) == 1}
     for force in mechanism.forces:
         sense = force.sense or force.port
-        if not {force.port, sense, *force.beside} <= set(moving):
+        if (at is not None and force.port not in at) or not {force.port, sense, *force.beside} <= moving.keys():
             continue
         aux = force.read_beside(lambda p: seen(p, velocity))
         aux = np.zeros(count) if aux is None else aux
@@ -99,7 +102,7 @@ def port_forces(
         _along(LAWS.laws, law, seen(sense, position), seen(sense, velocity), aux, padded(force.p), value)
         out[force.port] = out.get(force.port, 0.0) + value
     for state in mechanism.states:
-        if state.port not in moving or state.normal is not None:
+        if (at is not None and state.port not in at) or state.port not in moving or state.normal is not None:
             continue
         places, p = seen(state.port, position), np.array(state.p, dtype=float)
         rate, law = (LAWS.index(f, memory=True) for f in (state.law.rate, state.law.force))
@@ -107,13 +110,13 @@ def port_forces(
         _remembering(LAWS.laws, rate, law, step, places, seen(state.port, velocity), p, start, 1e-6 * state.size, value)
         out[state.port] = out.get(state.port, 0.0) + value
     for friction in sorted(mechanism.frictions, key=lambda f: f.port in held):  # what may hold takes what others leave
-        if friction.port not in moving or friction.normal is not None:
+        if (at is not None and friction.port not in at) or friction.port not in moving or friction.normal is not None:
             continue
         law, p, sliding = LAWS.index(friction.level), padded(friction.p), seen(friction.port, velocity)
         places, pressed = seen(friction.port, position), np.ones(count)
         _sliding(LAWS.laws, law, places, sliding, pressed, p, value)
         rubs = value.copy() if lens is None else lens.blurred(value)
-        if friction.port in held and len(moving[friction.port]) == 1:
+        if friction.port in held:
             needed, slow = held[friction.port]
             ends = np.empty(count), np.empty(count)
             for end, way in zip(ends, (AT_REST, -AT_REST), strict=True):

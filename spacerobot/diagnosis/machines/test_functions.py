@@ -75,12 +75,12 @@ class Bump:
         samples = int(np.clip(round(delay / self.step), -x.size + 1, x.size - 1))
         rest = delay - samples * self.step
         ends = (max(samples, 0), max(-samples, 0))
-        moved = np.pad(x, ends, mode="edge")[ends[1] : ends[1] + x.size]
+        moved = _goes_on(x, *ends)[ends[1] : ends[1] + x.size]
         return self.smooth(moved) - rest * self.rate(moved) + 0.5 * rest**2 * self.acceleration(moved)
 
     def blurred(self, x: np.ndarray) -> np.ndarray:
         """The same of a signal that goes on at its ends as it is there, shape (T,) both."""
-        return self.smooth(np.pad(x, self.half, mode="edge"))
+        return self.smooth(_goes_on(x, self.half, self.half))
 
     def rate(self, x: np.ndarray) -> np.ndarray:
         """Its first derivative seen through the bump."""
@@ -89,6 +89,11 @@ class Bump:
     def acceleration(self, x: np.ndarray) -> np.ndarray:
         """Its second derivative seen through the bump."""
         return _apply(self.curve, x)
+
+
+def _goes_on(x: np.ndarray, before: int, after: int) -> np.ndarray:
+    """The signal with so many more samples at its ends, as it is there, shape (before + T + after,) of (T,)."""
+    return np.concatenate([np.full(before, x[0]), x, np.full(after, x[-1])])
 
 
 def _apply(kernel: np.ndarray, x: np.ndarray) -> np.ndarray:

@@ -246,3 +246,27 @@ def test_what_sticks_takes_what_is_asked_of_it_up_to_its_level() -> None:
     assert np.abs(blind[held] + drive[held]).max() > level
     asked = port_forces(mechanism, *motion, 0.01, None, {"joint.j": (-2.0 * drive, 0.01)})["joint.j"]
     assert np.abs(asked).max() <= level
+
+
+def test_what_holds_takes_what_a_coupled_drive_leaves() -> None:
+    """Wherever friction of the coupled drive stands in the list: at rest all forces together are what is asked."""
+    time = np.arange(400) * 0.01
+    asked, level, coupled = 0.3 * np.sin(1.5 * time), 1.2, 0.4
+    still, other = np.full(400, 1e-9), np.cos(time)
+    joints = ("joint.a", "joint.b")
+    frictions = [
+        Friction("own", "joint.a", coulomb, (level,), steady=True),
+        Friction("coupling", "joint.b", coulomb, (coupled,), steady=True),
+    ]
+    motion = dict.fromkeys(joints, np.zeros(400)), dict(zip(joints, (still, other), strict=True))
+    held = {"joint.a": (asked, 0.01), "joint.b": (np.zeros(400), 0.01)}
+    for order in (frictions, frictions[::-1]):
+        mechanism = Mechanism(
+            coordinates={j: Coordinate(j, 1.0, angular=True) for j in joints},
+            ports={"joint.a": {"joint.a": 1.0}, "joint.b": {"joint.b": 1.0, "joint.a": 1.0}},
+            frictions=tuple(order),
+        )
+        acting = port_forces(mechanism, *motion, 0.01, None, held)
+        np.testing.assert_allclose(acting["joint.a"] + acting["joint.b"], asked, atol=1e-12)
+        alone = port_forces(mechanism, *motion, 0.01, None, held, joints)
+        assert all(np.array_equal(alone[j], acting[j]) for j in joints)
