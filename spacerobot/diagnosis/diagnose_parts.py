@@ -24,7 +24,7 @@ from spacerobot.diagnosis.selection.forward_selection import MOST, grow, retaine
 from spacerobot.diagnosis.selection.meetings import meetings
 from spacerobot.diagnosis.selection.moment import with_free_moment
 from spacerobot.diagnosis.selection.one_clock import not_borne_out
-from spacerobot.diagnosis.selection.part_fold import keep_aside
+from spacerobot.diagnosis.selection.part_fold import settled
 from spacerobot.diagnosis.selection.part_result import Part
 from spacerobot.diagnosis.selection.search_state import Report
 from spacerobot.diagnosis.selection.stretches import bends, foretold, momentary, struck
@@ -75,7 +75,8 @@ def diagnose_parts(
         located = None
         with contextlib.suppress(NothingToBalance):
             located = locate_model(part.model, part.trials)
-        unseen = keep_aside(part.growth)
+        growth, unseen = settled(part.growth)
+        part = replace(part, growth=growth)
         checks = checks_of_part(part.model, part.trials, part.growth.before.fit, part.fit)
         if part.fit.hypothesis.sites:
             checks = (*checks, unseen.check(f"held out, {part.name}", whole=False))

@@ -177,6 +177,20 @@ def among(bench: Bench, chosen: Sequence[Site], rivals: Sequence[Sequence[Site]]
     return growth, bench.again(met.fit)
 
 
+def no_larger(growth: Growth, most: int, why: str) -> Growth:
+    """Concluded once more, among the sets of so many parameters at most.
+
+    Args:
+        growth: of all sets.
+        most: parameters that effects may bring along.
+        why: what speaks against the larger ones.
+    """
+    larger = {c.label: why for c in growth.considered if c.size > most}
+    growth.bench.weights = growth.weights
+    again = _Search(growth.bench, growth.sites).concluded(list(growth.considered), growth.considered_baseline, larger)
+    return replace(again, screened=growth.screened)
+
+
 class _Search:
     def __init__(self, bench: Bench, sites: Sequence[Site]) -> None:
         self.bench = bench
@@ -237,9 +251,11 @@ class _Search:
             here = self.tested(Candidate(fit))
             tested.append(here)
 
-    def concluded(self, tested: list[Candidate], baseline: Candidate) -> Growth:
+    def concluded(
+        self, tested: list[Candidate], baseline: Candidate, barred: Mapping[Label, str] | None = None
+    ) -> Growth:
         """The simplest as good as the best that stands: of each that does not, the reason is kept."""
-        refused: dict[Label, str] = {}
+        refused = dict(barred or {})
         stated, weights = bool(self.bench.model.expected({})), self.bench.weights
         while True:
             self.bench.weights = weights
@@ -261,7 +277,7 @@ class _Search:
             rivals = (*rivals, *(self.tested(Candidate(fit)) for fit in more))
         ranked = tuple(sorted(tested, key=lambda c: c.error))
         sites = tuple(self.sites.values())
-        return Growth(self.bench, before, after, rivals, ranked, tuple(self.screened.items()), refused, sites)
+        return Growth(self.bench, before, after, rivals, ranked, tuple(self.screened.items()), refused, sites, weights)
 
     def refusal(self, before: Candidate, after: Candidate, stated: bool) -> str:
         """Why a choice does not stand under the weights that it asks for; empty where it does."""

@@ -24,6 +24,7 @@ class Growth:
         screened: share that each set of effects promised to leave over, by its sensitivities, fitted then or not.
         refused: choices that did not stand, by their labels, with the reason.
         sites: every effect at every place that was considered.
+        weights: by channel, what the model's own weights are divided by where candidates are considered.
     """
 
     bench: Bench
@@ -34,11 +35,16 @@ class Growth:
     screened: tuple[tuple[Label, float], ...]
     refused: Mapping[Label, str] = field(default_factory=dict)
     sites: tuple[Site, ...] = ()
+    weights: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def considered_baseline(self) -> Candidate:
         """The baseline under the weights of the search, as the candidates beside it."""
         return next(c for c in self.considered if not c.sites)
+
+    def size_of(self, label: Label) -> int:
+        """Parameters that a set of effects brings along."""
+        return sum(len(s.effect.parameters) for s in self.sites if s.label in label)
 
     def rms(self) -> tuple[dict[str, float], dict[str, float]]:
         """Held-out rms by channel, in the channels' units: of the baseline and as chosen."""

@@ -19,7 +19,7 @@ from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.fitting.noise import reweighted, split
 from spacerobot.diagnosis.selection.bench import STEPS, Bench
-from spacerobot.diagnosis.selection.forward_selection import among
+from spacerobot.diagnosis.selection.forward_selection import among, no_larger
 from spacerobot.diagnosis.selection.growth import Growth
 from spacerobot.diagnosis.selection.held_out import MOST_FOLDS, HeldOut, folds, scheme_of, start_of
 from spacerobot.diagnosis.selection.kept_aside import Fold, Unseen
@@ -37,6 +37,21 @@ INNER = 4
 
 RIVALS = 2
 """Sets nearest to the chosen one that each fold chooses among, beside those that are not told apart."""
+
+
+def settled(growth: Growth) -> tuple[Growth, Unseen]:
+    """The choice, and its trials kept aside; less than was chosen where these say so.
+
+    Where most folds choose but a part of the set, and by that foretell what was kept aside better than the whole set
+    does, the rest of it was fitted to the trials, not found in them.
+    """
+    unseen = keep_aside(growth)
+    found = unseen.leading_to(PART)
+    sizes = [size for f in found if 0 < (size := growth.size_of(f.selected)) < growth.after.size]
+    better = unseen.selected.together < (1.0 - TIE) * unseen.after.together
+    if not better or 2 * len(sizes) <= len(unseen.folds):
+        return growth, unseen
+    return settled(no_larger(growth, max(sizes), "foretells trials worse than what is chosen without them"))
 
 
 def keep_aside(growth: Growth) -> Unseen:

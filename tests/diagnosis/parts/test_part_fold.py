@@ -24,7 +24,7 @@ from spacerobot.diagnosis.selection.forward_selection import grow
 from spacerobot.diagnosis.selection.growth import Growth
 from spacerobot.diagnosis.selection.held_out import HeldOut
 from spacerobot.diagnosis.selection.kept_aside import Fold, Unseen
-from spacerobot.diagnosis.selection.part_fold import decided, decided_without, keep_aside
+from spacerobot.diagnosis.selection.part_fold import decided, decided_without, keep_aside, settled
 from spacerobot.diagnosis.terms.data import Block, TrialData
 from spacerobot.diagnosis.terms.kinds import OPEN, OTHER, PART, SAME
 from spacerobot.effects.registry import all_effects, effect
@@ -177,6 +177,28 @@ def test_what_predicts_no_better_or_is_not_found_again_is_not_named(folds: list[
     telling = [x for what, x, _ in folds if what in (SAME, OPEN)] or [x for _, x, _ in folds]
     better = any(sum(x**2 for x in some) < len(some) for some in (telling, [x for _, x, _ in folds]))
     assert Unseen("", parts, before, after, selected).check(whole=False).passed == (agreed and better)
+
+
+@pytest.mark.parametrize(("found", "its_error"), [(4, 0.5), (3, 0.5), (2, 0.5), (4, 1.0)])
+def test_no_more_is_named_than_most_folds_find_where_that_foretells_better(
+    growth: Growth, monkeypatch: pytest.MonkeyPatch, found: int, its_error: float
+) -> None:
+    """`found` of four folds choose viscous drag alone, which leaves so much of their trials; the whole set leaves 1."""
+    more = next(c for c in growth.considered if len(c.sites) == 2 and growth.after.label[0] in c.label)
+    chosen, ids = replace(growth, after=more), [t.id for t in growth.bench.trials]
+    counted = {i: np.ones(1, dtype=bool) for i in ids}
+    errors = [HeldOut({i: np.array([x]) for i in ids}, counted) for x in (2.0, 1.0, its_error)]
+    said = [(growth.after.label, PART)] * found + [(more.label, SAME)] * (4 - found)
+    folds = tuple(Fold((i,), label, to) for i, (label, to) in zip(ids, said, strict=True))
+    true = part_fold.keep_aside
+    monkeypatch.setattr(part_fold, "keep_aside", lambda g: Unseen("", folds, *errors) if g is chosen else true(g))
+    fewer, unseen = settled(chosen)
+    if found > 2 and its_error < 1.0:
+        assert fewer.after.label == growth.after.label
+        assert more.label in fewer.refused
+        assert len(unseen.leading_to(SAME)) == 4
+    else:
+        assert fewer is chosen
 
 
 def test_the_verdict_says_what_was_decided_without_what_it_predicts(tmp_path: Path) -> None:
