@@ -82,13 +82,21 @@ def diagnose(
     began = time.perf_counter()
     report("reading the recordings", 0, 1)
     models = admit(study)
+    jobs = jobs or os.cpu_count() or 1
     if not has_wrist(study):
         from spacerobot.diagnosis.diagnose_parts import diagnose_parts  # takes half a second to load
 
         return diagnose_parts(
-            study, models, report=report, began=began, threads=jobs or 1, seed=seed, without=without, store=store
+            study,
+            models,
+            report=report,
+            began=began,
+            jobs=jobs,
+            seed=seed,
+            without=without,
+            files=effects_files,
+            store=store,
         )
-    jobs = jobs or os.cpu_count() or 1
     workshop = Workshop(study)
     if jobs > 1:
         help_compiling(workshop)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 
 from spacerobot.diagnosis.answer.evidence import evidence_of_parts
@@ -29,21 +29,45 @@ from spacerobot.diagnosis.selection.part_result import Part
 from spacerobot.diagnosis.selection.search_state import Report
 from spacerobot.diagnosis.selection.stretches import bends, foretold, momentary, struck
 from spacerobot.effects.effect import Effect
-from spacerobot.effects.registry import all_effects
+from spacerobot.effects.registry import all_effects, load_effects
 from spacerobot.recordings.study import Study
+from spacerobot.support.copies import Copies, Waiting
 from spacerobot.support.workers import one_thread
 
 
-@one_thread()
+@dataclass(frozen=True)
+class _Held:
+    """What searches of the parts have in common.
+
+    Attributes:
+        models: the machines.
+        without: effects to leave out of the catalogue.
+        threads: of a part's fits.
+        store: keeps them.
+        report: told of progress; nobody from a process of its own.
+    """
+
+    models: Sequence[Machine]
+    without: Sequence[str]
+    threads: int
+    store: Store | None
+    report: Report
+
+    def catalogue(self) -> list[Effect]:
+        """Effects on offer."""
+        return [e for e in all_effects().values() if e.name not in self.without]
+
+
 def diagnose_parts(
     study: Study,
     models: Sequence[Machine],
     *,
     report: Report,
     began: float,
-    threads: int = 1,
+    jobs: int = 1,
     seed: int = 0,
     without: Sequence[str] = (),
+    files: Sequence[str] = (),
     store: Store | None = None,
 ) -> Diagnosis:
     """Say of each part of the study where simulation and recording part, and which physics was left out.
@@ -53,35 +77,22 @@ def diagnose_parts(
         models: its machines.
         report: told of progress.
         began: when the diagnosis did, as `time.perf_counter` has it.
-        threads: of the fits.
+        jobs: parts at a time, in processes of their own; of a single part, threads of its fits.
         seed: kept in the verdict; nothing hangs on it.
         without: effects to leave out of the catalogue.
+        files: with further effects.
         store: keeps every finished fit, so that a diagnosis that was stopped goes on where it was.
     """
-    catalogue = [e for e in all_effects().values() if e.name not in without]
-
-    def searched(place: int, effects: Sequence[Effect], how: str = "") -> Part:
-        model = models[place]
-        what, kept = f"{model.name} ({place + 1} of {len(models)})", Kept(store, f"{place + 1} {model.name}{how}")
-        offered = () if model.not_measured else effects  # nothing shows where nothing was read
-        return _searched(model, offered, threads, partial(_tell, report, what), kept)
-
-    parts = [searched(place, catalogue) for place in range(len(models))]
-    for place in not_borne_out(parts):
-        parts[place] = searched(place, [e for e in catalogue if not e.relative], " on one clock")
-    done = []
-    for place, part in enumerate(parts):
-        report("locating and checking", place, len(parts))
-        located = None
-        with contextlib.suppress(NothingToBalance):
-            located = locate_model(part.model, part.trials)
-        growth, unseen = settled(part.growth)
-        part = replace(part, growth=growth)
-        checks = checks_of_part(part.model, part.trials, part.growth.before.fit, part.fit)
-        if part.fit.hypothesis.sites:
-            checks = (*checks, unseen.check(f"held out, {part.name}", whole=False))
-        judged = replace(part, located=located, checks=checks, unseen=unseen)
-        done.append(settle_part(judged, partial(_of, report, part.name)))
+    every = range(len(models))
+    alone = jobs if len(models) == 1 else 1
+    held = _Held(models, without, alone, store, report)
+    with Copies(held, min(jobs, len(models)), partial(_apart, held, files)) as copies:
+        parts = _done(copies.each(_search, [(k, True) for k in every]), report, "searching the parts")
+        again = sorted(not_borne_out(parts))
+        agreed = _done(copies.each(_search, [(k, False) for k in again]), report, "searching again, on one clock")
+        for place, part in zip(again, agreed, strict=True):
+            parts[place] = part
+        done = _done(copies.each(_judge, [(part,) for part in parts]), report, "locating and checking")
     report("judging", 0, 1)
     verdict = verdict_of(study, done, seed=seed, seconds=time.perf_counter() - began)
     evidence = evidence_of_parts(study, done, verdict)
@@ -94,6 +105,50 @@ def diagnose_parts(
         model=model_text(study, done),
         law_file=drafts[0] if drafts else None,
     )
+
+
+def _apart(held: _Held, files: Sequence[str]) -> _Held:
+    """In a process of its own."""
+    for file in files:
+        load_effects(file)
+    return replace(held, report=_silent)
+
+
+def _silent(what: str, done: int, total: int) -> None:
+    """Progress that nobody watches."""
+
+
+def _done(waiting: Sequence[Waiting[Part]], report: Report, what: str) -> list[Part]:
+    out = []
+    for done, one in enumerate(waiting):
+        report(what, done, len(waiting))
+        out.append(one())
+    return out
+
+
+@one_thread()
+def _search(held: _Held, place: int, relative: bool) -> Part:
+    """One part's search; without effects that act between clocks unless these are wanted."""
+    model, how = held.models[place], "" if relative else " on one clock"
+    what, kept = f"{model.name} ({place + 1} of {len(held.models)})", Kept(held.store, f"{place + 1} {model.name}{how}")
+    offered = [] if model.not_measured else held.catalogue()  # nothing shows where nothing was read
+    wanted = [e for e in offered if relative or not e.relative]
+    return _searched(model, wanted, held.threads, partial(_tell, held.report, what), kept)
+
+
+@one_thread()
+def _judge(held: _Held, part: Part) -> Part:
+    """A part with what was decided without each of its trials, and with what is checked or learned of it."""
+    located = None
+    with contextlib.suppress(NothingToBalance):
+        located = locate_model(part.model, part.trials)
+    growth, unseen = settled(part.growth)
+    part = replace(part, growth=growth)
+    checks = checks_of_part(part.model, part.trials, part.growth.before.fit, part.fit)
+    if part.fit.hypothesis.sites:
+        checks = (*checks, unseen.check(f"held out, {part.name}", whole=False))
+    judged = replace(part, located=located, checks=checks, unseen=unseen)
+    return settle_part(judged, partial(_of, held.report, part.name))
 
 
 def _searched(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -131,16 +132,7 @@ class Robot:
         plain = [i for i, joint in enumerate(own) if joint.nq == 1]
         where = [own[i].idx_q for i in plain]
         turning = [(i, joint.idx_q) for i, joint in enumerate(own) if joint.nq == 2]
-
-        def write(positions: np.ndarray) -> np.ndarray:
-            q = np.empty((*positions.shape[:-1], still.size))
-            q[...] = still
-            q[..., where] = positions[..., plain]
-            for i, at in turning:  # continuous joints: cosine and sine
-                q[..., at], q[..., at + 1] = np.cos(positions[..., i]), np.sin(positions[..., i])
-            return q
-
-        return write
+        return partial(_written, still=still, plain=(plain, where), turning=turning)
 
     def joint_rows(self) -> list[dict[str, Any]]:
         """The chain from base to tip, then the wrist's slider: limits and reflected rotor inertia, SI."""
@@ -183,3 +175,20 @@ class Robot:
     def velocity_index(self, name: str) -> int:
         """Index into the velocity vector of a one-degree-of-freedom joint."""
         return int(self.model.joints[self.joint_id(name)].idx_v)
+
+
+def _written(
+    positions: np.ndarray,
+    *,
+    still: np.ndarray,
+    plain: tuple[list[int], list[int]],
+    turning: list[tuple[int, int]],
+) -> np.ndarray:
+    """A neutral configuration with the positions of some joints: of plain ones by (which, where), and turning ones."""
+    which, where = plain
+    q = np.empty((*positions.shape[:-1], still.size))
+    q[...] = still
+    q[..., where] = positions[..., which]
+    for i, at in turning:  # continuous joints: cosine and sine
+        q[..., at], q[..., at + 1] = np.cos(positions[..., i]), np.sin(positions[..., i])
+    return q

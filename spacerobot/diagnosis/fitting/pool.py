@@ -6,11 +6,9 @@ import contextlib
 import functools
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import CancelledError, Future, ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Generic, TypeVar
+from typing import Any, TypeVar
 
 from spacerobot.diagnosis.fitting.fit_store import Store, again, as_json, from_json, plainly, task_name
 from spacerobot.diagnosis.fitting.fitted import Fit
@@ -19,60 +17,31 @@ from spacerobot.diagnosis.machines.wrist_rig import RigModel
 from spacerobot.diagnosis.terms.hypothesis import hypothesis
 from spacerobot.effects.registry import load_effects
 from spacerobot.recordings.study import Study
+from spacerobot.support.copies import Copies, Waiting
 from spacerobot.support.errors import InputError, SimulationError
 from spacerobot.support.executors.base import Executor
 from spacerobot.support.runs import combined_hash
-from spacerobot.support.workers import begin, context, may_fork, without_interrupts
 
 WINDOW = 8
 """Fits that are under way at the same time, at most."""
 
 R = TypeVar("R")
 
-_workshop: Workshop | None = None
 
-
-def _open(study: Study, make_model: MakeModel, files: tuple[str, ...]) -> None:
-    global _workshop
-    begin()
+def _opened(study: Study, make_model: MakeModel, files: tuple[str, ...]) -> Workshop:
+    """In a process of its own."""
     for file in files:
         load_effects(file)
-    _workshop = Workshop(study, make_model)
+    return Workshop(study, make_model)
 
 
 def _load(workshop: Workshop) -> None:
-    """Load the compiled code, once for all copies of this process."""
+    """Load the compiled code."""
     if isinstance(workshop.model, RigModel):
         fitter, believed = workshop.fitter(), hypothesis(workshop.model.believed, [])
         with contextlib.suppress(SimulationError, InputError):
             trial = workshop.trials[0]
             fitter.residual(believed, believed.start(), trial, fitter.guess()[trial.id])
-
-
-def _ready() -> None:
-    """What a process does first."""
-
-
-def _do(work: Callable[..., R], arguments: tuple[Any, ...]) -> R:
-    assert _workshop is not None  # the initializer ran
-    return work(_workshop, *arguments)
-
-
-@dataclass(frozen=True)
-class Waiting(Generic[R]):
-    """What is under way: called, it gives its result."""
-
-    result: Callable[[], R]
-    future: Future[R] | None = None
-
-    def __call__(self) -> R:
-        """Wait for it."""
-        return self.result()
-
-    def cancel(self) -> None:
-        """Nobody wants it; it is not begun any more, if it was not yet."""
-        if self.future is not None:
-            self.future.cancel()
 
 
 @dataclass(frozen=True)
@@ -96,9 +65,7 @@ def unpacked(shipment: Shipment) -> Fit | None:
     """In a worker elsewhere: the task done, in a workshop that is kept for the next one of the same study."""
     if shipment.key not in _shops:
         _shops.clear()
-        for file in shipment.files:
-            load_effects(file)
-        _shops[shipment.key] = Workshop(shipment.study, shipment.make_model)
+        _shops[shipment.key] = _opened(shipment.study, shipment.make_model, shipment.files)
     return _shops[shipment.key].run(shipment.task)
 
 
@@ -127,35 +94,14 @@ class Pool:
         self._store = store
         self._workers = workers
         self._files = tuple(files)
-        self._executor: ProcessPoolExecutor | None = None
-        if jobs > 1 and workers is None:
-            fork = may_fork()
-            if fork:
-                _load(workshop)
-            self._executor = ProcessPoolExecutor(
-                jobs,
-                mp_context=context(fork),
-                initializer=_open,
-                initargs=(workshop.study, workshop.make_model, tuple(files)),
-            )
-            with without_interrupts():  # begins the processes, before there are threads
-                self._executor.submit(_ready)
+        opened = functools.partial(_opened, workshop.study, workshop.make_model, self._files)
+        self._copies = Copies(workshop, 1 if workers is not None else jobs, opened, _load)
 
     def __enter__(self) -> Pool:
         return self
 
     def __exit__(self, kind: object, *_: object) -> None:
-        self._close(now=kind is not None)
-
-    def _close(self, now: bool) -> None:
-        if self._executor is None:
-            return
-        processes = list((getattr(self._executor, "_processes", None) or {}).values())
-        self._executor.shutdown(wait=not now, cancel_futures=True)
-        if now:
-            for process in processes:  # nobody waits for what they are at
-                process.terminate()
-        self._executor = None
+        self._copies.close(now=kind is not None)
 
     def run(
         self, tasks: Sequence[Task], prepared: Callable[[Task], Task] = lambda task: task
@@ -187,27 +133,7 @@ class Pool:
             work: importable by name; changes nothing.
             arguments: picklable, as the result is.
         """
-
-        def here() -> R:
-            return work(self.workshop, *arguments)
-
-        if self._executor is None:
-            return Waiting(here)
-        try:
-            with without_interrupts():  # submitting begins processes, and they take over what is blocked
-                future = self._executor.submit(_do, work, arguments)
-        except BrokenProcessPool:
-            self._close(now=True)
-            return Waiting(here)
-
-        def result() -> R:
-            try:
-                return future.result()
-            except (BrokenProcessPool, CancelledError):
-                self._close(now=True)
-                return here()
-
-        return Waiting(result, future)
+        return self._copies.aside(work, *arguments)
 
     def kept_aside(self, of: type[R], about: Sequence[Any], work: Callable[..., R], *arguments: Any) -> Waiting[R]:
         """The same for a result that a store can hold: not done again where it does.

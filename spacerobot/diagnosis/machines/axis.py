@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import partial
 
 import numpy as np
 import pinocchio as pin
@@ -78,35 +79,44 @@ def axis(
         weight: as `weight_of` has it.
         driven: whether a recorded torque acts; else the believed constant "joint.NAME.torque", if there is one.
     """
+    return partial(_mechanism, joint=joint, sensor=sensor, angular=angular, weight=weight, driven=driven)
+
+
+def _mechanism(
+    values: Mapping[str, float],
+    trial: TrialData,
+    *,
+    joint: str,
+    sensor: str,
+    angular: bool,
+    weight: tuple[float, float],
+    driven: bool,
+) -> Mechanism:
     name = f"joint.{joint}"
-
-    def build(values: Mapping[str, float], trial: TrialData) -> Mechanism:
-        readouts = {f"{name}.{kind}": Readout(f"{name}.{kind}", kind, name) for kind in ("position", "velocity")}
-        forces = []
-        if f"{name}.stiffness" in values:
-            forces.append(Force(f"{name}.spring", name, SPRING, (values[f"{name}.stiffness"],), role="spring"))
-        if values.get(f"{name}.damping"):
-            forces.append(Force(f"{name}.damper", name, DAMPER, (values[f"{name}.damping"],), role="damper"))
-        constant = -torque_log.bias(values, joint) if driven else values.get(f"{name}.torque", 0.0)
-        constant += values.get(f"{name}.stiffness", 0.0) * values.get(f"{name}.zero", 0.0)  # there the spring rests
-        if constant:
-            forces.append(Force(f"{name}.bias", name, CONSTANT, (constant,)))
-        if any(weight):
-            felt = (WEIGHT, _turned(weight, values.get(f"{name}.zero", 0.0))) if angular else (CONSTANT, (-weight[1],))
-            forces.append(Force(f"{name}.weight", name, *felt))
-        late = torque_log.late(values, joint) if driven else 0.0
-        return Mechanism(
-            coordinates={name: Coordinate(name, values[f"{name}.mass"], angular=angular)},
-            ports={name: {name: 1.0}},
-            forces=tuple(forces),
-            frictions=stated_friction(values, name),
-            inputs=(Input("drive", name, f"{name}.torque", torque_log.gain(values, joint)),) if driven else (),
-            maps=(ChannelMap(f"{name}.torque", "delay", -late),) if late else (),
-            readouts=readouts,
-            sensors={sensor: tuple(c for c in readouts if c in trial.channels)},
-        )
-
-    return build
+    readouts = {f"{name}.{kind}": Readout(f"{name}.{kind}", kind, name) for kind in ("position", "velocity")}
+    forces = []
+    if f"{name}.stiffness" in values:
+        forces.append(Force(f"{name}.spring", name, SPRING, (values[f"{name}.stiffness"],), role="spring"))
+    if values.get(f"{name}.damping"):
+        forces.append(Force(f"{name}.damper", name, DAMPER, (values[f"{name}.damping"],), role="damper"))
+    constant = -torque_log.bias(values, joint) if driven else values.get(f"{name}.torque", 0.0)
+    constant += values.get(f"{name}.stiffness", 0.0) * values.get(f"{name}.zero", 0.0)  # there the spring rests
+    if constant:
+        forces.append(Force(f"{name}.bias", name, CONSTANT, (constant,)))
+    if any(weight):
+        felt = (WEIGHT, _turned(weight, values.get(f"{name}.zero", 0.0))) if angular else (CONSTANT, (-weight[1],))
+        forces.append(Force(f"{name}.weight", name, *felt))
+    late = torque_log.late(values, joint) if driven else 0.0
+    return Mechanism(
+        coordinates={name: Coordinate(name, values[f"{name}.mass"], angular=angular)},
+        ports={name: {name: 1.0}},
+        forces=tuple(forces),
+        frictions=stated_friction(values, name),
+        inputs=(Input("drive", name, f"{name}.torque", torque_log.gain(values, joint)),) if driven else (),
+        maps=(ChannelMap(f"{name}.torque", "delay", -late),) if late else (),
+        readouts=readouts,
+        sensors={sensor: tuple(c for c in readouts if c in trial.channels)},
+    )
 
 
 def _all_of_it(values: Mapping[str, float], name: str, own: float) -> dict[str, float]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -147,35 +148,43 @@ def body(
         sensors: by name, their channels.
         driven: force channels that were recorded.
     """
+    return partial(_mechanism, axes=axes, pull=pull, sensors=sensors, driven=driven)
 
-    def build(values: Mapping[str, float], trial: TrialData) -> Mechanism:
-        coordinates, ports, readouts, inputs, forces = {}, {}, {}, [], []
-        maps, late = [], values.get("body.delay", 0.0)
-        for axis in axes:
-            mass = values["body.yaw_inertia"] if axis.angular else values["body.mass"]
-            coordinates[axis.name] = Coordinate(axis.name, mass, angular=axis.angular)
-            ports[axis.name] = {axis.name: 1.0}
-            for channel, kind in axis.shown(trial.channels):
-                readouts[channel] = Readout(channel, kind, axis.name, axis.sign)
-            if axis.force in driven:
-                inputs.append(Input(f"drive {axis.name}", axis.name, axis.force, axis.sign))
-            if axis.force in driven and late:
-                maps.append(ChannelMap(axis.force, "delay", -late))
-            damping = values.get("body.yaw_damping" if axis.angular else "body.damping")
-            if damping:
-                forces.append(Force(f"{axis.name}.damper", axis.name, DAMPER, (damping,), role="damper"))
-        return Mechanism(
-            coordinates=coordinates,
-            ports=ports,
-            forces=tuple(forces),
-            fields=tuple(Field(n, g) for n, g in pull.items() if g and n in coordinates),
-            inputs=tuple(inputs),
-            maps=tuple(maps),
-            readouts=readouts,
-            sensors={s: tuple(c for c in names if c in readouts or c in driven) for s, names in sensors.items()},
-        )
 
-    return build
+def _mechanism(
+    values: Mapping[str, float],
+    trial: TrialData,
+    *,
+    axes: Sequence[Axis],
+    pull: Mapping[str, float],
+    sensors: Mapping[str, tuple[str, ...]],
+    driven: Sequence[str],
+) -> Mechanism:
+    coordinates, ports, readouts, inputs, forces = {}, {}, {}, [], []
+    maps, late = [], values.get("body.delay", 0.0)
+    for axis in axes:
+        mass = values["body.yaw_inertia"] if axis.angular else values["body.mass"]
+        coordinates[axis.name] = Coordinate(axis.name, mass, angular=axis.angular)
+        ports[axis.name] = {axis.name: 1.0}
+        for channel, kind in axis.shown(trial.channels):
+            readouts[channel] = Readout(channel, kind, axis.name, axis.sign)
+        if axis.force in driven:
+            inputs.append(Input(f"drive {axis.name}", axis.name, axis.force, axis.sign))
+        if axis.force in driven and late:
+            maps.append(ChannelMap(axis.force, "delay", -late))
+        damping = values.get("body.yaw_damping" if axis.angular else "body.damping")
+        if damping:
+            forces.append(Force(f"{axis.name}.damper", axis.name, DAMPER, (damping,), role="damper"))
+    return Mechanism(
+        coordinates=coordinates,
+        ports=ports,
+        forces=tuple(forces),
+        fields=tuple(Field(n, g) for n, g in pull.items() if g and n in coordinates),
+        inputs=tuple(inputs),
+        maps=tuple(maps),
+        readouts=readouts,
+        sensors={s: tuple(c for c in names if c in readouts or c in driven) for s, names in sensors.items()},
+    )
 
 
 Log = tuple[np.ndarray, np.ndarray]

@@ -243,7 +243,7 @@ class Machine(ABC):
         if not self.moment:
             return None
         other = copy(self)
-        other.moment = MappingProxyType({})
+        other.moment = {}
         within = {name: MOVED * size for name, size in self.moment.items()}
         other.believed = replace(self.believed, absolute={**self.believed.absolute, **self.moment}, within=within)
         return other

@@ -87,18 +87,20 @@ def port_forces(
     moving = {p: row for p, row in mechanism.ports.items() if row and all(c in position for c in row)}
 
     def seen(port: str, states: Mapping[str, np.ndarray]) -> np.ndarray:
-        return np.ascontiguousarray(sum(k * states[c] for c, k in moving[port].items()), dtype=float)
+        row = moving[port]
+        (first, *rest) = row  # most ports are one coordinate, and nothing need be summed
+        along = states[first] if row[first] == 1.0 else row[first] * states[first]
+        return np.ascontiguousarray(sum((row[c] * states[c] for c in rest), along), dtype=float)
 
     out: dict[str, np.ndarray] = {}
-    value = np.empty(count)
+    value, nothing, whole = np.empty(count), np.zeros(count), np.ones(count)
     held = {port: asked for port, asked in (held or {}).items() if len(moving.get(port, ())) == 1}
     for force in mechanism.forces:
         sense = force.sense or force.port
         if (at is not None and force.port not in at) or not {force.port, sense, *force.beside} <= moving.keys():
             continue
         aux = force.read_beside(lambda p: seen(p, velocity))
-        aux = np.zeros(count) if aux is None else aux
-        law = LAWS.index(force.kernel.force)
+        aux, law = nothing if aux is None else aux, LAWS.index(force.kernel.force)
         _along(LAWS.laws, law, seen(sense, position), seen(sense, velocity), aux, padded(force.p), value)
         out[force.port] = out.get(force.port, 0.0) + value
     for state in mechanism.states:
@@ -113,14 +115,14 @@ def port_forces(
         if (at is not None and friction.port not in at) or friction.port not in moving or friction.normal is not None:
             continue
         law, p, sliding = LAWS.index(friction.level), padded(friction.p), seen(friction.port, velocity)
-        places, pressed = seen(friction.port, position), np.ones(count)
-        _sliding(LAWS.laws, law, places, sliding, pressed, p, value)
+        places = seen(friction.port, position)
+        _sliding(LAWS.laws, law, places, sliding, whole, p, value)
         rubs = value.copy() if lens is None else lens.blurred(value)
         if friction.port in held:
             needed, slow = held[friction.port]
             ends = np.empty(count), np.empty(count)
             for end, way in zip(ends, (AT_REST, -AT_REST), strict=True):
-                _sliding(LAWS.laws, law, places, np.full(count, way), pressed, p, end)
+                _sliding(LAWS.laws, law, places, np.full(count, way), whole, p, end)
             rest = np.abs(sliding) < slow
             (held_by,) = moving[friction.port]
             others = sum(moving[port].get(held_by, 0.0) * force for port, force in out.items())

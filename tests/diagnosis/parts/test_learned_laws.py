@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from pathlib import Path
 from typing import Any
 
@@ -118,6 +119,20 @@ def test_it_is_said_shown_and_runs_again(
 
 
 @pytest.mark.slow
+def test_it_comes_back_from_a_process_of_its_own(rippling: tuple[Study, LearnedPart]) -> None:
+    part = rippling[1]
+    again = pickle.loads(pickle.dumps(part))
+    assert numbers(law_of(again)) == numbers(law_of(part))
+    assert again.fit.values() == part.fit.values()
+    trial = again.trials[0]
+    mechanism = again.model.trial_mechanism(again.fit.hypothesis, again.fit.z, trial)
+    told = again.model.predict(mechanism, trial, again.fit.trials[trial.id].initial)
+    mechanism = part.model.trial_mechanism(part.fit.hypothesis, part.fit.z, trial)
+    assert np.array_equal(
+        told.blocks[0], part.model.predict(mechanism, trial, part.fit.trials[trial.id].initial).blocks[0]
+    )
+
+
 def test_friction_that_rises_over_a_worn_stretch_is_learned_with_its_place(tmp_path: Path) -> None:
     def level(q: np.ndarray) -> np.ndarray:
         return np.asarray(0.2 + 0.25 * np.exp(-(((q - 0.2) / 0.2) ** 2)))

@@ -115,8 +115,11 @@ def test_a_smoothed_motion_asks_for_the_smoothed_torque(step: float) -> None:
 
 
 @pytest.mark.slow
-def test_encoders_that_are_late_are_told_at_both_joints(tmp_path: Path) -> None:
-    verdict = diagnose(driven(tmp_path, (0.03, 0.03), viscous=0.1), jobs=1).verdict
+def test_encoders_that_are_late_are_told_at_both_joints_however_many_processes_there_are(tmp_path: Path) -> None:
+    study = driven(tmp_path, (0.03, 0.03), viscous=0.1)
+    verdict = diagnose(study, jobs=1).verdict
+    aside = diagnose(study, jobs=2).verdict  # a process for each joint
+    assert {k: v for k, v in aside.items() if k != "seconds"} == {k: v for k, v in verdict.items() if k != "seconds"}
     found = {(e["effect"], e["part"]): next(iter(e["parameters"].values()))["value"] for e in verdict["effects"]}
     assert set(found) == {(e, j) for e in ("time_offset", "viscous_friction") for j in JOINTS}
     for joint in JOINTS:
