@@ -73,11 +73,6 @@ class Copies(Generic[H]):
         with without_interrupts():  # begins the processes, before there are threads
             self._executor.submit(_ready)
 
-    @property
-    def alone(self) -> bool:
-        """Whether everything is done in the calling process."""
-        return self._executor is None
-
     def __enter__(self) -> Copies[H]:
         return self
 
