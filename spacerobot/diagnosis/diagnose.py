@@ -32,7 +32,7 @@ from spacerobot.diagnosis.selection.glimpse import glimpsed
 from spacerobot.diagnosis.selection.intervals import with_intervals
 from spacerobot.diagnosis.selection.limits import Limit, Limits
 from spacerobot.diagnosis.selection.precompile import help_compiling
-from spacerobot.diagnosis.selection.search_state import Found, Report
+from spacerobot.diagnosis.selection.search_state import Found, Report, silent
 from spacerobot.diagnosis.terms.hypothesis import Label, Site
 from spacerobot.diagnosis.terms.kinds import AMBIGUOUS
 from spacerobot.effects.registry import all_effects
@@ -45,10 +45,6 @@ PASSES = 3
 """How often what was found of a robot that moves is fitted, each time about what the one before found."""
 
 
-def _silent(what: str, done: int, total: int) -> None:
-    """Progress that nobody watches."""
-
-
 @one_thread()
 def diagnose(
     study: Study,
@@ -57,7 +53,7 @@ def diagnose(
     seed: int = 0,
     without: Sequence[str] = (),
     effects_files: Sequence[str] = (),
-    report: Report = _silent,
+    report: Report = silent,
     store: Store | None = None,
     workers: Executor | None = None,
 ) -> Diagnosis:

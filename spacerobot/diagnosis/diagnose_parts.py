@@ -26,7 +26,7 @@ from spacerobot.diagnosis.selection.moment import with_free_moment
 from spacerobot.diagnosis.selection.one_clock import not_borne_out
 from spacerobot.diagnosis.selection.part_fold import settled
 from spacerobot.diagnosis.selection.part_result import Part
-from spacerobot.diagnosis.selection.search_state import Report
+from spacerobot.diagnosis.selection.search_state import Report, silent
 from spacerobot.diagnosis.selection.stretches import bends, foretold, momentary, struck
 from spacerobot.effects.effect import Effect
 from spacerobot.effects.registry import all_effects, load_effects
@@ -86,7 +86,8 @@ def diagnose_parts(
     every = range(len(models))
     alone = jobs if len(models) == 1 else 1
     held = _Held(models, without, alone, store, report)
-    with Copies(held, min(jobs, len(models)), partial(_apart, held, files)) as copies:
+    apart = partial(_apart, replace(held, report=silent), files)
+    with Copies(held, min(jobs, len(models)), apart) as copies:
         parts = _done(copies.each(_search, [(k, True) for k in every]), report, "searching the parts")
         again = sorted(not_borne_out(parts))
         agreed = _done(copies.each(_search, [(k, False) for k in again]), report, "searching again, on one clock")
@@ -111,11 +112,7 @@ def _apart(held: _Held, files: Sequence[str]) -> _Held:
     """In a process of its own."""
     for file in files:
         load_effects(file)
-    return replace(held, report=_silent)
-
-
-def _silent(what: str, done: int, total: int) -> None:
-    """Progress that nobody watches."""
+    return held
 
 
 def _done(waiting: Sequence[Waiting[Part]], report: Report, what: str) -> list[Part]:

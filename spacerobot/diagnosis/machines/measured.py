@@ -92,19 +92,20 @@ def port_forces(
         along = states[first] if row[first] == 1.0 else row[first] * states[first]
         return np.ascontiguousarray(sum((row[c] * states[c] for c in rest), along), dtype=float)
 
+    wanted = moving if at is None else moving.keys() & at
     out: dict[str, np.ndarray] = {}
     value, nothing, whole = np.empty(count), np.zeros(count), np.ones(count)
     held = {port: asked for port, asked in (held or {}).items() if len(moving.get(port, ())) == 1}
     for force in mechanism.forces:
         sense = force.sense or force.port
-        if (at is not None and force.port not in at) or not {force.port, sense, *force.beside} <= moving.keys():
+        if force.port not in wanted or not {sense, *force.beside} <= moving.keys():
             continue
         aux = force.read_beside(lambda p: seen(p, velocity))
         aux, law = nothing if aux is None else aux, LAWS.index(force.kernel.force)
         _along(LAWS.laws, law, seen(sense, position), seen(sense, velocity), aux, padded(force.p), value)
         out[force.port] = out.get(force.port, 0.0) + value
     for state in mechanism.states:
-        if (at is not None and state.port not in at) or state.port not in moving or state.normal is not None:
+        if state.port not in wanted or state.normal is not None:
             continue
         places, p = seen(state.port, position), np.array(state.p, dtype=float)
         rate, law = (LAWS.index(f, memory=True) for f in (state.law.rate, state.law.force))
@@ -112,7 +113,7 @@ def port_forces(
         _remembering(LAWS.laws, rate, law, step, places, seen(state.port, velocity), p, start, 1e-6 * state.size, value)
         out[state.port] = out.get(state.port, 0.0) + value
     for friction in sorted(mechanism.frictions, key=lambda f: f.port in held):  # what may hold takes what others leave
-        if (at is not None and friction.port not in at) or friction.port not in moving or friction.normal is not None:
+        if friction.port not in wanted or friction.normal is not None:
             continue
         law, p, sliding = LAWS.index(friction.level), padded(friction.p), seen(friction.port, velocity)
         places = seen(friction.port, position)

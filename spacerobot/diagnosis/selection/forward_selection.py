@@ -187,8 +187,9 @@ def no_larger(growth: Growth, most: int, why: str) -> Growth:
     """
     larger = {c.label: why for c in growth.considered if c.size > most}
     growth.bench.weights = growth.weights
-    again = _Search(growth.bench, growth.sites).concluded(list(growth.considered), growth.considered_baseline, larger)
-    return replace(again, screened=growth.screened)
+    search = _Search(growth.bench, growth.sites)
+    search.screened = dict(growth.screened)
+    return search.concluded(list(growth.considered), growth.considered_baseline, larger)
 
 
 class _Search:

@@ -16,7 +16,7 @@ from spacerobot.diagnosis.fitting.starts import effect_starts, informed_starts
 from spacerobot.diagnosis.fitting.workshop import Task
 from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.selection.nested_laws import inherited
-from spacerobot.diagnosis.selection.search_state import Found, implausible_of, noise_of, run_tasks, share_of
+from spacerobot.diagnosis.selection.search_state import Found, implausible_of, noise_of, run_tasks, share_of, silent
 from spacerobot.diagnosis.terms.candidates import by_name, contains, refines, simpler
 from spacerobot.diagnosis.terms.decision import PENALTY
 from spacerobot.diagnosis.terms.hypothesis import Label, Site, label_of
@@ -61,14 +61,14 @@ def refit(
     )
     mine = label_of(chosen)
     for label, sites in sets.items():
-        run_tasks(pool, found, [_near(pool, found, label, sites, label == mine)], _silent, "")
+        run_tasks(pool, found, [_near(pool, found, label, sites, label == mine)], silent, "")
         if label == mine:
             to_its_end(pool, found, label)
     for whole in (chosen, *rivals) if thorough else ():
         label = label_of(whole)
         own = found.fits.get(label)
         if (label and not found.explained) or (label == mine and (own is None or not found.explains(own))):
-            run_tasks(pool, found, _afresh(pool, label, whole), _silent, "")
+            run_tasks(pool, found, _afresh(pool, label, whole), silent, "")
     return found
 
 
@@ -77,11 +77,7 @@ def to_its_end(pool: Pool, found: Found, label: Label) -> None:
     fit = found.fits.get(label)
     if fit is not None and not fit.converged:
         on = Task(label, {}, near=fit, max_iterations=STEPS, patient=True)
-        run_tasks(pool, found, [on], _silent, "")
-
-
-def _silent(what: str, done: int, total: int) -> None:
-    """Progress that nobody watches."""
+        run_tasks(pool, found, [on], silent, "")
 
 
 def _with_parts(

@@ -33,6 +33,10 @@ Report = Callable[[str, int, int], None]
 """(what, done, of how many): told of progress."""
 
 
+def silent(what: str, done: int, total: int) -> None:
+    """Progress that nobody watches."""
+
+
 @dataclass
 class Found:
     """All that a search fitted and screened.

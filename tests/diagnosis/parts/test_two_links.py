@@ -118,7 +118,10 @@ def test_a_smoothed_motion_asks_for_the_smoothed_torque(step: float) -> None:
 def test_encoders_that_are_late_are_told_at_both_joints_however_many_processes_there_are(tmp_path: Path) -> None:
     study = driven(tmp_path, (0.03, 0.03), viscous=0.1)
     verdict = diagnose(study, jobs=1).verdict
-    aside = diagnose(study, jobs=2).verdict  # a process for each joint
+    told: list[str] = []
+    watched = diagnose(study, jobs=2, report=lambda what, done, total: told.append(what))  # a process for each joint
+    assert told
+    aside = watched.verdict
     assert {k: v for k, v in aside.items() if k != "seconds"} == {k: v for k, v in verdict.items() if k != "seconds"}
     found = {(e["effect"], e["part"]): next(iter(e["parameters"].values()))["value"] for e in verdict["effects"]}
     assert set(found) == {(e, j) for e in ("time_offset", "viscous_friction") for j in JOINTS}
