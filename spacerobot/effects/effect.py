@@ -257,8 +257,3 @@ def positions(mechanism: Mechanism, *names: str) -> tuple[str, ...]:
 
 BASE_PORTS = ("base", "base.y", "base.z", "base.roll", "base.pitch", "base.yaw")
 """Ports of a free base: along the approach, the lateral axis and up, and turning about them."""
-
-
-def base_ports(mechanism: Mechanism) -> tuple[str, ...]:
-    """All axes of a robot's base that floats before a target; of a platform alone the one along its track."""
-    return BASE_PORTS if mechanism.contact is not None else BASE_PORTS[:1]

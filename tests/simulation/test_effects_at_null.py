@@ -89,8 +89,9 @@ def test_constants_are_removed_at_all() -> None:
     assert SCENES["held"].mechanism() != without(SCENES["held"], ("contact.damping",)).mechanism()
 
 
-WITHOUT_CONTACT = {"table_curvature"}
-"""Effects of bodies that glide alone; tests/diagnosis/parts/test_free_bodies.py holds them to the same."""
+WITHOUT_CONTACT = {"table_curvature", "umbilical"}
+"""Effects of what glides alone; tests/diagnosis/parts/test_free_bodies.py and test_platform.py hold them
+to the same."""
 
 
 def test_every_effect_has_a_place_somewhere() -> None:

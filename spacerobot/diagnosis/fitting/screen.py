@@ -94,6 +94,8 @@ class Screener:
         for site in sites:
             starts = starts_of(site, fitter.trials)
             items = [self._score(fit, state, project, residual, site, start) for start in starts]
+            if self.plain:
+                items.append(self._jointly(fit, state, project, residual, site, starts[0]))
             found = sorted((i for i in items if i is not None), key=lambda s: -s.gain)
             scored += found[:1] + [replace(i, column=np.zeros(0)) for i in found[1:]]
         scored.sort(key=lambda s: -s.gain)
@@ -162,6 +164,40 @@ class Screener:
         if amplitude < 0.0 and not site.effect.two_sided:
             return Screened(site, start, column, 0.0, amplitude, norm)
         return Screened(site, start, column, amplitude**2 * norm, amplitude, norm)
+
+    def _jointly(
+        self,
+        fit: Fit,
+        state: State,
+        project: Projector,
+        residual: np.ndarray,
+        site: Site,
+        start: Mapping[str, float],
+    ) -> Screened | None:
+        """An effect of several strengths, each as large as it pays best beside the others; None of any other effect.
+
+        A hose that pulls towards a far point is no multiple of one that hangs at the origin.
+        """
+        from scipy.optimize import lsq_linear
+
+        strengths = [p for p in site.effect.parameters if not p.shape]
+        if len(strengths) < 2 or site.effect.removes or any(p.log or p.null for p in strengths):
+            return None
+        keys, columns = [site.key(p.name) for p in strengths], []
+        for key in keys:
+            alone = {**start, **{k: 0.0 for k in keys if k != key}}
+            column = self._column(fit, state, project, site, {**alone, key: start[key] or 1.0}, FAINT)
+            if column is None:
+                return None
+            columns.append(column)
+        matrix = np.stack(columns, axis=1)
+        lower = [-np.inf if p.lower < 0.0 else 0.0 for p in strengths]
+        times = lsq_linear(matrix, -residual, bounds=(lower, np.inf)).x
+        column = matrix @ times
+        norm = float(column @ column)
+        gain = float(residual @ residual - np.square(residual + column).sum())
+        best = {**start, **{k: float(a) * (start[k] or 1.0) for k, a in zip(keys, times, strict=True)}}
+        return Screened(site, best, column, gain, 1.0, norm) if norm >= 1e-12 else None
 
     def _column(
         self, fit: Fit, state: State, project: Projector, site: Site, start: Mapping[str, float], share: float

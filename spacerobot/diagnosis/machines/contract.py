@@ -177,7 +177,7 @@ class Machine(ABC):
         return {}
 
     def logged(self, values: Mapping[str, float]) -> Mapping[str, float]:
-        """The same as the logs themselves show noise, where what is compared is a balance; a lower bound of it."""
+        """The same as the logs themselves show noise, or a study states that of readings; a lower bound of it."""
         return {}
 
     def nuisances(self, trial: TrialData) -> tuple[Nuisance, ...]:

@@ -20,8 +20,9 @@ import pinocchio as pin
 
 from spacerobot.diagnosis.machines.contract import FIRST_NOISE, Machine, Nuisance, Predicted, conditions_of
 from spacerobot.diagnosis.machines.doubted import BAR, doubted
-from spacerobot.diagnosis.machines.links import robot_of
+from spacerobot.diagnosis.machines.links import carried_links, mass_of, robot_of, with_masses
 from spacerobot.diagnosis.machines.measured import port_forces, through_sensor
+from spacerobot.diagnosis.machines.readings_noise import readings_noise
 from spacerobot.diagnosis.machines.sizes import sizes_of
 from spacerobot.diagnosis.machines.touch import Moment
 from spacerobot.diagnosis.machines.windows import cut, local
@@ -51,7 +52,7 @@ STEP = 0.05
 """Grid of the momentum balance [s]."""
 
 SMOOTH = 1.0
-"""Span [s] over which a measured track's rate is averaged."""
+"""Span [s] of a measured track from which its rate in the middle is read."""
 
 EARLY = 1.0
 """Readings within this time [s] tell how a trial starts."""
@@ -69,6 +70,16 @@ class Shape:
     inertia: np.ndarray  # (T,) kg m^2 about the base's origin
     spin: np.ndarray  # (T,) N m s about the base's origin, of the arm's motion seen from the base
 
+    def plus(self, other: Shape, times: float) -> Shape:
+        """The whole with another body's share in it, so many times over; all of it is linear in the masses."""
+        return Shape(
+            self.mass + times * other.mass,
+            self.moment + times * other.moment,
+            self.rate + times * other.rate,
+            self.inertia + times * other.inertia,
+            self.spin + times * other.spin,
+        )
+
 
 class Platform(Machine):
     """The track of a floating base, from its arm's known motion."""
@@ -84,9 +95,12 @@ class Platform(Machine):
         own = self.robot.model.inertias[1]
         believed = yawing(study.values(), "platform")
         self.base = {"platform.mass": own.mass, "platform.yaw_inertia": float(own.inertia[2, 2]), **believed}
+        self._link_mass = self._links()
+        self._twice = {n: with_masses(self.robot, {n: 2.0 * m}, floating=True) for n, m in self._link_mass.items()}
+        self.base |= {f"link.{n}.mass": m for n, m in self._link_mass.items()}
         self._grid: dict[str, np.ndarray] = {}
         self._joints: dict[str, np.ndarray] = {}
-        self._shape: dict[tuple[object, ...], Shape] = {}
+        self._shape: dict[tuple[object, ...], tuple[Shape, dict[str, Shape]]] = {}
         self._arms: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {}
         self._seen: dict[str, tuple[dict[str, np.ndarray], dict[str, np.ndarray]]] = {}
         self.doubted = doubted(study, trials, {*TRACK.values(), *self.drives.values()})
@@ -94,11 +108,18 @@ class Platform(Machine):
         self.sizes = self._sizes()
         self._whole = tuple(self._trial(t) for t in trials)
         self.trials = self._whole
-        sigma = {n: s for n, s in yawing(study.sigma, "platform").items() if n in VALUES}
-        unknown = {n: self.base[n] for n in VALUES if n in study.baseline.unknown}
+        fitted = (*VALUES, *(f"link.{n}.mass" for n in self._link_mass))
+        sigma = {n: s for n, s in {**study.sigma, **yawing(study.sigma, "platform")}.items() if n in fitted}
+        unknown = {n: self.base[n] for n in fitted if n in study.baseline.unknown}
         zeros = self.doubted.sigma
         self.believed = Believed(self.base, sigma, {}, conditions_of(self.trials), unknown, zeros=zeros)
         self.stated = frozenset(c for c in TRACK.values() if all(study.recording(t)[c].sigma_stated for t in trials))
+
+    def _links(self) -> dict[str, float]:
+        """Links of the arm whose mass [kg] the study does not hold exact; a link's inertia goes with its mass."""
+        carried = carried_links(self.robot, self.drives)
+        doubted = {n.split(".")[1] for n in (*self.study.sigma, *self.study.baseline.unknown) if n.startswith("link.")}
+        return {n: mass_of(self.robot, n) for n in sorted(doubted & carried)}
 
     def _sizes(self) -> Mapping[str, Sizes]:
         out = {}
@@ -128,7 +149,7 @@ class Platform(Machine):
         self._joints[trial.id] = np.array([_follow(grid, t, v) for t, v in self._arms[trial.recorded]])
         self._raw[trial.id] = {c: trial.channel(c)[:2] for c in TRACK.values()}
         places = {n: np.interp(grid, *self._raw[trial.id][c]) for n, c in TRACK.items()}
-        self._seen[trial.id] = places, {n: _smoothed(np.gradient(p, grid), SMOOTH) for n, p in places.items()}
+        self._seen[trial.id] = places, {n: _rate(p) for n, p in places.items()}
         return trial
 
     def cut_at(self, moments: Mapping[str, Sequence[Moment]]) -> Platform:
@@ -164,10 +185,12 @@ class Platform(Machine):
             "base.y": Coordinate("base.y", mass),
             "base.yaw": Coordinate("base.yaw", inertia, angular=True),
         }
+        ports = {n: {n: 1.0} for n in coordinates}
+        coordinates |= {f"link.{n}": Coordinate(f"link.{n}", values[f"link.{n}.mass"]) for n in self._link_mass}
         (stream,) = dict.fromkeys(b.stream for b in trial.blocks)
         return Mechanism(
             coordinates=coordinates,
-            ports={n: {n: 1.0} for n in coordinates},
+            ports=ports,
             readouts={c: Readout(c, "position", n) for n, c in TRACK.items()},
             sensors={stream: tuple(TRACK.values()), ARM: tuple(self.drives.values())},
         )
@@ -216,6 +239,10 @@ class Platform(Machine):
         self.take_off_beside(out, mechanism, trial)
         return Predicted(tuple(out))
 
+    def logged(self, values: Mapping[str, float]) -> dict[str, float]:
+        """Of its track."""
+        return readings_noise(self._whole, self.stated, scatter=True)
+
     def travelled(
         self, port: str, mechanism: Mechanism, trial: TrialData, initial: np.ndarray
     ) -> Mapping[Variable, np.ndarray]:
@@ -253,7 +280,7 @@ class Platform(Machine):
         more = {n: self.doubted.brought(mechanism, trial.recorded, c, grid) for n, c in TRACK.items()}
         return (
             {n: place + more[n] for n, place in places.items()},
-            {n: rate + _smoothed(np.gradient(more[n], grid), SMOOTH) for n, rate in rates.items()},
+            {n: rate + _rate(more[n]) for n, rate in rates.items()},
         )
 
     def _shaped(self, trial: TrialData, mechanism: Mechanism) -> Shape:
@@ -273,8 +300,14 @@ class Platform(Machine):
                 )
                 for c, q in zip(self.drives.values(), self._joints[trial.id], strict=True)
             ]
-            self._shape[key] = self._arm(np.array(moved), self._grid[trial.id])
-        arm, own = self._shape[key], self.robot.model.inertias[1]
+            joints, grid = np.array(moved), self._grid[trial.id]
+            whole = self._arm(self.robot, joints, grid)
+            twice = {n: self._arm(robot, joints, grid) for n, robot in self._twice.items()}
+            self._shape[key] = whole, {n: heavier.plus(whole, -1.0) for n, heavier in twice.items()}
+        arm, links = self._shape[key]
+        for name, share in links.items():
+            arm = arm.plus(share, mechanism.coordinates[f"link.{name}"].mass / self._link_mass[name] - 1.0)
+        own = self.robot.model.inertias[1]
         more = mass - own.mass
         lever = own.lever[:2]
         return Shape(
@@ -285,11 +318,13 @@ class Platform(Machine):
             arm.spin,
         )
 
-    def _arm(self, joints: np.ndarray, grid: np.ndarray) -> Shape:
-        model = self.robot.model
+    def _arm(self, robot: Robot, joints: np.ndarray, grid: np.ndarray) -> Shape:
+        from scipy.interpolate import CubicSpline
+
+        model = robot.model
         data = model.createData()
-        index = [self.robot.velocity_index(j) for j in self.drives]
-        rates = np.gradient(joints, grid, axis=1)
+        index = [robot.velocity_index(j) for j in self.drives]
+        rates = CubicSpline(grid, joints, axis=1)(grid, 1)
         base = pin.neutral(model)[:7]
         position, v = np.zeros(model.nv), np.zeros(model.nv)
         rows = np.empty((grid.size, 6))
@@ -310,18 +345,28 @@ def _follow(grid: np.ndarray, time: np.ndarray, value: np.ndarray) -> np.ndarray
     return np.asarray(CubicSpline(time, value)(np.clip(grid, time[0], time[-1])))
 
 
-def _smoothed(value: np.ndarray, span: float) -> np.ndarray:
-    """Centred mean over so many seconds, of what there is of them at the ends, shape (T,)."""
-    beside = int(0.5 * span / STEP)
-    total = np.concatenate([[0.0], np.cumsum(value)])
-    at = np.arange(value.size)
-    first, last = np.maximum(at - beside, 0), np.minimum(at + beside + 1, value.size)
-    return np.asarray((total[last] - total[first]) / (last - first))
+def _rate(place: np.ndarray) -> np.ndarray:
+    """Rate of a track on the grid, shape (T,): of the cubic through SMOOTH around each time (Savitzky and Golay 1964).
+
+    A mean over so long would take a twentieth of a motion of 1 rad/s, and of a drag that goes with its square a tenth.
+    """
+    from scipy.signal import savgol_filter
+
+    longest = place.size - (place.size + 1) % 2
+    width = min(2 * round(0.5 * SMOOTH / STEP) + 1, longest)
+    if width < 2:
+        return np.gradient(place, STEP) if place.size > 1 else np.zeros(1)
+    return np.asarray(savgol_filter(place, width, min(3, width - 1), deriv=1, delta=STEP, mode="interp"))
 
 
 def _integral(rate: np.ndarray, grid: np.ndarray) -> np.ndarray:
-    """Trapezoidal integral from the first time on, shape (T,)."""
-    return np.concatenate([[0.0], np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(grid))])
+    """Integral from the first time on, shape (T,): trapezia, and what they leave of a curve, to fourth order (Euler
+    and Maclaurin).
+    """
+    step = np.diff(grid)
+    area = np.concatenate([[0.0], np.cumsum(0.5 * (rate[1:] + rate[:-1]) * step)])
+    slope = np.gradient(rate, grid, edge_order=2 if rate.size > 2 else 1)
+    return np.asarray(area - step[0] ** 2 / 12.0 * (slope - slope[0]))
 
 
 def _thrust(recording: Recording) -> list[Series]:

@@ -12,6 +12,7 @@ import numpy as np
 
 from spacerobot.diagnosis.machines.contract import FACTORS, Machine, Nuisance, Predicted, Variant
 from spacerobot.diagnosis.machines.doubted import NONE, Doubted, beyond
+from spacerobot.diagnosis.machines.readings_noise import readings_noise
 from spacerobot.diagnosis.machines.touch import Moment
 from spacerobot.diagnosis.machines.windows import CHANGED, FOLDS, Drive, Local, beside, cut, local, overlap, spread_over
 from spacerobot.diagnosis.terms.data import TrialData
@@ -245,6 +246,10 @@ class Simulated(Machine):
         blocks = [np.array(list(read_channels(run, mechanism, b.channels, b.time).values())) for b in trial.blocks]
         self.take_off_beside(blocks, mechanism, trial)
         return Predicted(tuple(blocks))
+
+    def logged(self, values: Mapping[str, float]) -> dict[str, float]:
+        """As stated; of a body that nothing drives also as its track scatters: nothing else can have moved it."""
+        return readings_noise(self.recorded.values(), self.stated, scatter=not self.given)
 
     def travelled(
         self, port: str, mechanism: Mechanism, trial: TrialData, initial: np.ndarray

@@ -267,6 +267,8 @@ class _Search:
             if not why:
                 break
             refused[chosen.label] = why
+            self.bench.weights = weights
+            tested += self.varied(chosen, tested, self.parts(chosen))
         near = [c for c in open_to if c is not chosen and c is not baseline and c.simplicity <= chosen.simplicity]
         rivals = tuple(c for c in near if ratio(c, chosen) < 1.0 + TIE and not unshown(self.bench.again(c.fit)))
         if stated:
@@ -355,6 +357,12 @@ class _Search:
             for new, special in wording:
                 start |= {} if special is None else inherited(new, special, chosen.fit)
             yield [s for s, _ in wording], start
+
+    def parts(self, chosen: Candidate) -> Iterator[Variant]:
+        """The model without each of its effects: what was found beside others may never have been tried alone."""
+        for site in chosen.sites:
+            if rest := [s for s in chosen.sites if s is not site]:
+                yield rest, {}
 
     def exchanged(self, chosen: Candidate, tested: Sequence[Candidate]) -> Iterator[Variant]:
         """The chosen model with an effect that stood for one of its own beside others, and predicted the same there.

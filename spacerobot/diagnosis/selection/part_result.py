@@ -174,7 +174,7 @@ class Part:
 
     @property
     def unexplained(self) -> bool:
-        """Whether a balance leaves a good part of what is read, though its logs are quiet and what is left goes on."""
+        """Whether a good part of what is read is left, though its logs are quiet and what is left goes on."""
         left = levels_of(self.fit.residuals(), self.trials)
         quiet = self.model.logged(self.fit.values())
         return self.shown and any(

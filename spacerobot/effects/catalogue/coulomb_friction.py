@@ -51,7 +51,7 @@ class CoulombFriction(Effect):
 
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:
         """Guides, joints, and a body that slides on a table."""
-        bearing = ("target.yaw",) if mechanism.contact is None else ()
+        bearing = ("target.yaw", "base.yaw") if mechanism.contact is None else ()
         sliding = () if in_space(mechanism) else ("target", "target.y")
         return bodies(mechanism, "wrist", *sliding, *bearing, "base", "joint")
 

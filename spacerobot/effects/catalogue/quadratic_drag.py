@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from spacerobot.effects.catalogue.quadratic_damping import QUADRATIC
-from spacerobot.effects.effect import Effect, Parameter, base_ports
+from spacerobot.effects.effect import BASE_PORTS, Effect, Parameter
 from spacerobot.effects.kernel import Kernel
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.plane import across, along_all, bodies
@@ -33,7 +33,7 @@ class QuadraticDrag(Effect):
 
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:
         """Bodies that float or fall."""
-        return bodies(mechanism, "target", "target.y", "target.yaw", *base_ports(mechanism))
+        return bodies(mechanism, "target", "target.y", "target.yaw", *BASE_PORTS)
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
         """A quadratic damper between the body and the world, against the velocity in the plane or in space."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from spacerobot.effects.catalogue.backlash import KERNEL
-from spacerobot.effects.effect import Effect, Parameter, base_ports, positions
+from spacerobot.effects.effect import BASE_PORTS, Effect, Parameter, positions
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Force
 
@@ -26,7 +26,7 @@ class Tether(Effect):
 
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:
         """Bodies that float."""
-        return positions(mechanism, "target", "target.y", *base_ports(mechanism)[:3])
+        return positions(mechanism, "target", "target.y", *BASE_PORTS[:3])
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
         """A spring that acts beyond the slack."""

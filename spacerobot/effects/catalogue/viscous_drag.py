@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from spacerobot.effects.effect import Effect, Parameter, base_ports
+from spacerobot.effects.effect import BASE_PORTS, Effect, Parameter
 from spacerobot.effects.laws import DAMPER
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.plane import across, bodies
@@ -22,7 +22,7 @@ class ViscousDrag(Effect):
 
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:
         """Bodies that float."""
-        return bodies(mechanism, "target", "target.y", "target.yaw", *base_ports(mechanism))
+        return bodies(mechanism, "target", "target.y", "target.yaw", *BASE_PORTS)
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
         """A damper between the body and the world, in every direction that it has."""

@@ -10,7 +10,7 @@ import pytest
 from spacerobot.diagnosis.forward.choose import forward_model
 from spacerobot.diagnosis.machines.choose import some_models_for
 from spacerobot.diagnosis.machines.measured import port_forces
-from spacerobot.diagnosis.machines.platform import SMOOTH, STEP, Platform, _smoothed
+from spacerobot.diagnosis.machines.platform import STEP, Platform, _integral, _rate
 from spacerobot.effects.registry import effect
 from spacerobot.recordings.study import load_study
 from tests.door.machines import MACHINES, rows
@@ -88,10 +88,18 @@ def test_motions_of_unlike_length_are_refused(tmp_path: Path) -> None:
         port_forces(edited, {"base": np.zeros(5)}, {"base": np.zeros(9)}, 0.05)
 
 
-def test_a_mean_at_the_ends_is_of_what_there_is() -> None:
-    """What is even stays even up to both ends; a mean over more than the record is that of the record."""
-    assert np.allclose(_smoothed(np.full(50, 3.0), SMOOTH), 3.0)
-    line = np.arange(50.0)
-    beside = int(0.5 * SMOOTH / STEP)
-    assert np.allclose(_smoothed(line, SMOOTH)[beside:-beside], line[beside:-beside])
-    assert np.allclose(_smoothed(np.array([1.0, 2.0, 6.0]), SMOOTH), 3.0)
+@pytest.mark.parametrize("kept", [2, 3, 4, 9, 21, 60])
+def test_the_rate_of_a_cubic_is_exact_up_to_both_ends(kept: int) -> None:
+    """Of a record too short for a cubic that of a line, or of a parabola."""
+    time = STEP * np.arange(kept)
+    cubic = np.polynomial.Polynomial([0.3, -0.2, 0.5, 0.1][: max(min(kept - (kept + 1) % 2, 4), 2)])
+    assert np.allclose(_rate(cubic(time)), cubic.deriv()(time), atol=1e-9)
+
+
+def test_integrals_are_of_fourth_order() -> None:
+    def error(count: int) -> float:
+        grid = np.linspace(0.0, 2.0, count)
+        return float(np.abs(_integral(np.cos(3.0 * grid), grid) - np.sin(3.0 * grid) / 3.0).max())
+
+    assert error(41) < 2e-5
+    assert error(41) / error(81) > 8.0  # the slopes at the ends are of third order
