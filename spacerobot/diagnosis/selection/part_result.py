@@ -190,8 +190,8 @@ class Part:
             return UNKNOWN
         if self.fit.hypothesis.sites:
             return AMBIGUOUS if self.rivals else NAMED
-        if self.knocks:
-            return NAMED
+        if self.knocks:  # pushes make up for much; what they leave must not be a force that nobody knows
+            return UNKNOWN if self.unexplained else NAMED
         if self.borne_out or self.unexplained:
             return UNKNOWN
         return WRONG_PARAMETER if self.moved else NOTHING_MISSING
