@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -43,18 +43,42 @@ def torques(folder: Path) -> Path:
 
 def platform(folder: Path) -> Path:
     """A deck that floats while its arm follows a plan; twice."""
-    folder.mkdir()
-    (folder / "floater.urdf").write_text(_PLANAR)
     time = np.linspace(0.0, 8.0, 161)
     random = np.random.default_rng(5)
     swing = np.clip((time - 2.0) / 4.0, 0.0, 1.0)
     angle = 1.2 * swing**3 * (10 - 15 * swing + 6 * swing**2)
+    tracks = {}
     for name, speed in (("a", 0.01), ("b", -0.02)):
         noise = _NOISE * random.standard_normal((3, time.size))
-        write_csv(
-            folder / f"{name}.csv",
-            {"t": time, "x": speed * time + noise[0], "y": noise[1], "yaw": -0.1 * angle + noise[2], "q": angle},
-        )
+        track = {"x": speed * time + noise[0], "y": noise[1], "yaw": -0.1 * angle + noise[2]}
+        tracks[name] = {"t": time, **track, "q": angle}
+    return floater(folder, tracks, _NOISE)
+
+
+def floater(
+    folder: Path,
+    tracks: Mapping[str, Mapping[str, np.ndarray]],
+    noise: float,
+    *,
+    beliefs: str = "",
+    apart: bool = False,
+) -> Path:
+    """A study of the deck of 10 kg and its rod, whose joint follows `q`.
+
+    Args:
+        folder: to be made.
+        tracks: trial -> its columns t, x, y, yaw and q.
+        noise: of the track, as the study states it [m and rad].
+        beliefs: further lines of the baseline.
+        apart: whether each trial is a condition of its own.
+    """
+    folder.mkdir(parents=True)
+    (folder / "floater.urdf").write_text(_PLANAR)
+    trials = []
+    for name, columns in tracks.items():
+        write_csv(folder / f"{name}.csv", columns)
+        condition = f'condition = "{name}"\n' if apart else ""
+        trials.append(f'[[trials]]\nid = "{name}"\n{condition}log = "{name}.csv"\n')
     (folder / "study.toml").write_text(
         f"""format = 1
 [baseline]
@@ -65,20 +89,15 @@ gravity = [0, 0, -9.80665]
 [baseline.platform]
 mass = 10.0
 yaw_inertia = 0.5
-[streams.log]
+{beliefs}[streams.log]
 time = "t"
 [streams.log.channels]
-x = {{ is = "base.position.x", sigma = {_NOISE} }}
-y = {{ is = "base.position.y", sigma = {_NOISE} }}
-yaw = {{ is = "base.yaw", sigma = {_NOISE} }}
+x = {{ is = "base.position.x", sigma = {noise} }}
+y = {{ is = "base.position.y", sigma = {noise} }}
+yaw = {{ is = "base.yaw", sigma = {noise} }}
 q = {{ is = "joint.pivot.reference" }}
-[[trials]]
-id = "a"
-log = "a.csv"
-[[trials]]
-id = "b"
-log = "b.csv"
 """
+        + "".join(trials)
     )
     return folder
 

@@ -74,6 +74,21 @@ class Screen:
         return sorted(out, key=lambda p: -p[0])
 
 
+@dataclass(frozen=True, eq=False)
+class At:
+    """The fit at which effects are scored, and what it leaves over."""
+
+    fit: Fit
+    state: State
+    project: Projector
+    residual: np.ndarray  # (S + P,) freed of what the fit can imitate
+
+    def change(self, moved: State) -> np.ndarray:
+        """By what another state's readings differ, shape (S + P,), freed of what the fit can imitate."""
+        stack = self.project.stack
+        return self.project.free(stack(moved.raw) - stack(self.state.raw), np.zeros_like(self.fit.z))
+
+
 class Screener:
     """Scores effects at a fit."""
 
@@ -87,19 +102,17 @@ class Screener:
 
     def screen(self, fit: Fit, sites: Sequence[Site]) -> Screen:
         """Scores of adding each site to the fit's own hypothesis."""
-        fitter, state = self.fitter, self.state_of(fit)
-        project = Projector(fitter, fit, state, robust=not self.plain)
-        residual = project.free(project.stack(state.raw), fit.z)
+        at = self.at(fit, robust=not self.plain)
         scored = []
         for site in sites:
-            starts = starts_of(site, fitter.trials)
-            items = [self._score(fit, state, project, residual, site, start) for start in starts]
+            starts = starts_of(site, self.fitter.trials)
+            items = [self._score(at, site, start) for start in starts]
             if self.plain:
-                items.append(self._jointly(fit, state, project, residual, site, starts[0]))
+                items.append(self._jointly(at, site, starts[0]))
             found = sorted((i for i in items if i is not None), key=lambda s: -s.gain)
             scored += found[:1] + [replace(i, column=np.zeros(0)) for i in found[1:]]
         scored.sort(key=lambda s: -s.gain)
-        return Screen(fit, tuple(scored), residual)
+        return Screen(fit, tuple(scored), at.residual)
 
     def screen_full(self, fit: Fit, sites: Sequence[Site]) -> Screen:
         """The same at full sizes: of each effect the start and size after which least would be left over.
@@ -107,15 +120,14 @@ class Screener:
         A line that is slack, or friction that brings a body to rest, hardly moves a recording while it is faint, and
         not in proportion. Only what the free parameters do about it is still taken to be in proportion.
         """
-        state = self.state_of(fit)
-        project = Projector(self.fitter, fit, state, robust=False)
-        residual = project.free(project.stack(state.raw), fit.z)
+        at = self.at(fit, robust=False)
+        project, residual = at.project, at.residual
         least = float(residual @ residual)
         scored = []
         for site in sites:
             found = []
             for start in full_starts(site, self.fitter.trials):
-                moved = self.with_effect(fit, state, site, start)
+                moved = self.with_effect(fit, at.state, site, start)
                 if moved is not None:
                     left = project.free(project.stack(moved.raw), fit.z)
                     norm = float(np.square(left - residual).sum())
@@ -123,6 +135,12 @@ class Screener:
             scored += sorted(found, key=lambda s: -s.gain)[:1]
         scored.sort(key=lambda s: -s.gain)
         return Screen(fit, tuple(scored), residual)
+
+    def at(self, fit: Fit, *, robust: bool) -> At:
+        """A fit to score at; with `robust` channels of trials that do not fit yet weigh less."""
+        state = self.state_of(fit)
+        project = Projector(self.fitter, fit, state, robust=robust)
+        return At(fit, state, project, project.free(project.stack(state.raw), fit.z))
 
     def state_of(self, fit: Fit) -> State:
         """The state of a finished fit."""
@@ -139,22 +157,14 @@ class Screener:
         except InputError:
             return None
 
-    def _score(
-        self,
-        fit: Fit,
-        state: State,
-        project: Projector,
-        residual: np.ndarray,
-        site: Site,
-        start: Mapping[str, float],
-    ) -> Screened | None:
-        column = self._column(fit, state, project, site, start, FAINT)
+    def _score(self, at: At, site: Site, start: Mapping[str, float]) -> Screened | None:
+        column, residual = self._column(at, site, start, FAINT), at.residual
         if column is None:
             return None
         norm = float(column @ column)
         part = float(np.sqrt((residual @ residual) / max(norm, 1e-300)))
         if self.plain and part < 1.0 and not site.effect.removes:
-            smaller = self._column(fit, state, project, site, start, part * FAINT)
+            smaller = self._column(at, site, start, part * FAINT)
             if smaller is not None:
                 column = smaller / part
                 norm = float(column @ column)
@@ -165,15 +175,7 @@ class Screener:
             return Screened(site, start, column, 0.0, amplitude, norm)
         return Screened(site, start, column, amplitude**2 * norm, amplitude, norm)
 
-    def _jointly(
-        self,
-        fit: Fit,
-        state: State,
-        project: Projector,
-        residual: np.ndarray,
-        site: Site,
-        start: Mapping[str, float],
-    ) -> Screened | None:
+    def _jointly(self, at: At, site: Site, start: Mapping[str, float]) -> Screened | None:
         """An effect of several strengths, each as large as it pays best beside the others; None of any other effect.
 
         A hose that pulls towards a far point is no multiple of one that hangs at the origin.
@@ -183,30 +185,26 @@ class Screener:
         strengths = [p for p in site.effect.parameters if not p.shape]
         if len(strengths) < 2 or site.effect.removes or any(p.log or p.null for p in strengths):
             return None
-        keys, columns = [site.key(p.name) for p in strengths], []
-        for key in keys:
-            alone = {**start, **{k: 0.0 for k in keys if k != key}}
-            column = self._column(fit, state, project, site, {**alone, key: start[key] or 1.0}, FAINT)
+        sizes = {key: start[key] or 1.0 for p in strengths for key in [site.key(p.name)]}
+        nothing, columns = dict.fromkeys(sizes, 0.0), []
+        for key, size in sizes.items():
+            column = self._column(at, site, {**start, **nothing, key: size}, FAINT)
             if column is None:
                 return None
             columns.append(column)
-        matrix = np.stack(columns, axis=1)
+        matrix, residual = np.stack(columns, axis=1), at.residual
         lower = [-np.inf if p.lower < 0.0 else 0.0 for p in strengths]
         times = lsq_linear(matrix, -residual, bounds=(lower, np.inf)).x
         column = matrix @ times
         norm = float(column @ column)
         gain = float(residual @ residual - np.square(residual + column).sum())
-        best = {**start, **{k: float(a) * (start[k] or 1.0) for k, a in zip(keys, times, strict=True)}}
+        best = {**start, **{k: float(a) * size for (k, size), a in zip(sizes.items(), times, strict=True)}}
         return Screened(site, best, column, gain, 1.0, norm) if norm >= 1e-12 else None
 
-    def _column(
-        self, fit: Fit, state: State, project: Projector, site: Site, start: Mapping[str, float], share: float
-    ) -> np.ndarray | None:
+    def _column(self, at: At, site: Site, start: Mapping[str, float], share: float) -> np.ndarray | None:
         """What a share of an effect at a start moves, shape (S + P,); None where that cannot be simulated."""
-        moved = self.with_effect(fit, state, site, {**start, **faint(site, start, share)})
-        if moved is None:
-            return None
-        return project.free(project.stack(moved.raw) - project.stack(state.raw), np.zeros_like(fit.z))
+        moved = self.with_effect(at.fit, at.state, site, {**start, **faint(site, start, share)})
+        return None if moved is None else at.change(moved)
 
 
 def starts_of(site: Site, trials: Sequence[TrialData]) -> list[dict[str, float]]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
-from spacerobot.diagnosis.fitting.screen import FAINT, Projector, Screener
+from spacerobot.diagnosis.fitting.screen import FAINT, Screener
 from spacerobot.diagnosis.learning.ground import Ground, visited
 from spacerobot.diagnosis.terms.hypothesis import Site
 from spacerobot.effects.formula import Formula, FormulaLaw
@@ -55,21 +55,18 @@ def period(ground: Ground, beside: Fit, port: str, turns: bool) -> float | None:
 def _gains(ground: Ground, beside: Fit, port: str, low: float, high: float, push: float) -> Callable[[float], float]:
     """Length of a wave -> by how much chi-squared falls with it, to first order."""
     site = Site(FormulaLaw(Formula("force", "d", low, high, (("wave", push),))), port)
-    fitter = Fitter(ground.model, ground.trials)
-    screener = Screener(fitter, ground.model.believed, plain=True)
-    state = screener.state_of(beside)
-    project = Projector(fitter, beside, state, robust=False)
-    left = project.free(project.stack(state.raw), beside.z)
+    screener = Screener(Fitter(ground.model, ground.trials), ground.model.believed, plain=True)
+    at = screener.at(beside, robust=False)
+    left = at.residual
 
     def gain(length: float) -> float:
         columns = []
         for place in (0.0, 0.25 * length):
             numbers = {"a_1": FAINT * push, "a_1_place": low + place, "a_1_length": length}
-            moved = screener.with_effect(beside, state, site, {site.key(k): v for k, v in numbers.items()})
+            moved = screener.with_effect(beside, at.state, site, {site.key(k): v for k, v in numbers.items()})
             if moved is None:
                 return 0.0
-            change = project.stack(moved.raw) - project.stack(state.raw)
-            columns.append(project.free(change, np.zeros_like(beside.z)))
+            columns.append(at.change(moved))
         rest = np.linalg.lstsq(np.stack(columns, axis=1), left, rcond=1e-9)
         fitted = np.stack(columns, axis=1) @ rest[0]
         return float(2.0 * left @ fitted - fitted @ fitted)

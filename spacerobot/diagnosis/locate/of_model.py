@@ -15,7 +15,6 @@ from spacerobot.diagnosis.locate.readings import LEAST
 from spacerobot.diagnosis.locate.series import BalanceSeries, locate_series
 from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
-from spacerobot.diagnosis.machines.platform import TRACK as TRACKED
 from spacerobot.diagnosis.machines.platform import Platform
 from spacerobot.diagnosis.machines.simulated import Simulated
 from spacerobot.diagnosis.machines.test_functions import Bump
@@ -106,7 +105,8 @@ def track_series(model: Platform) -> list[BalanceSeries]:
         mechanism = model.mechanism(believed_values(model, trial), trial)
         start = np.array([n.guess for n in model.nuisances(trial)])
         shown = model.predict(mechanism, trial, start).blocks
-        for name, block, predicted in zip(TRACKED, trial.blocks, shown, strict=True):
+        for block, predicted in zip(trial.blocks, shown, strict=True):
+            name = mechanism.readouts[block.channels[0]].of
             coordinate = mechanism.coordinates[name]
             step = float(np.median(np.diff(block.time)))
             grid = np.arange(block.time[0], block.time[-1], step)

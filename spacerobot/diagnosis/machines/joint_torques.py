@@ -21,7 +21,7 @@ from spacerobot.diagnosis.machines.grid import Grid
 from spacerobot.diagnosis.machines.hidden_motion import hidden
 from spacerobot.diagnosis.machines.joint_factors import Brought, asked_for, brought
 from spacerobot.diagnosis.machines.joint_log import JointLog, Motion, kinematics, shifted, stated_friction, torque_sizes
-from spacerobot.diagnosis.machines.links import carried_links, mass_of, with_masses
+from spacerobot.diagnosis.machines.links import twice_as_heavy, weighed_links
 from spacerobot.diagnosis.machines.measured import port_forces
 from spacerobot.diagnosis.machines.mechanism_cache import MechanismCache
 from spacerobot.diagnosis.machines.rigid import Rigid
@@ -125,15 +125,10 @@ class InverseDynamics(Machine):
         self.given = frozenset(motion - {f"joint.{j}.torque" for j in self.joints})
         self.driven = not any(j in idle for j in self.compared)
         self._turns = {j: bool(joint_axis(robot.model, robot.joint_id(j))[0]) for j in self.joints}
-        weighed = {n.split(".")[1]: mass_of(robot, n.split(".")[1]) for n in sigma or {} if n.startswith("link.")}
-        carried = carried_links(robot, self.compared)
-        self._link_mass = {n: m for n, m in weighed.items() if n in carried}
+        self._link_mass = weighed_links(robot, sigma or {}, self.compared)
         self.links = tuple(self._link_mass)
-        sigma = {n: s for n, s in (sigma or {}).items() if not n.startswith("link.") or n.split(".")[1] in carried}
-        heavier = [
-            Rigid(with_masses(robot, {n: 2.0 * m}, floating=robot.floating), gravity, self.joints)
-            for n, m in self._link_mass.items()
-        ]
+        sigma = {n: s for n, s in (sigma or {}).items() if not n.startswith("link.") or n.split(".")[1] in self.links}
+        heavier = [Rigid(r, gravity, self.joints) for r in twice_as_heavy(robot, self._link_mass).values()]
         moved = {n for n in {**sigma, **(absolute or {})} if n.endswith(".zero") and n.split(".")[1] in self.joints}
         self._zeros = tuple(sorted(moved))
         sigma = {n: s for n, s in sigma.items() if not n.endswith(".zero") or n in moved}

@@ -55,6 +55,28 @@ def mass_of(robot: Robot, link: str, where: str = "") -> float:
     return _mass(_bodies(etree.fromstring(robot.urdf.encode())), link, where)
 
 
+def weighed_links(robot: Robot, doubted: Iterable[str], joints: Iterable[str]) -> dict[str, float]:
+    """Link -> mass [kg], of the links that move with one of these joints and have a value of doubt.
+
+    Args:
+        robot: as the study believes it.
+        doubted: values by dotted name; those that are no link's are left out.
+        joints: by name.
+
+    Raises:
+        InputError: a link without mass.
+        NotFoundError: a link that the robot does not have.
+    """
+    masses = {n.split(".")[1]: mass_of(robot, n.split(".")[1]) for n in doubted if n.startswith("link.")}
+    carried = carried_links(robot, joints)
+    return {n: m for n, m in masses.items() if n in carried}
+
+
+def twice_as_heavy(robot: Robot, masses: Mapping[str, float]) -> dict[str, Robot]:
+    """Link -> the robot with that link's mass and inertia doubled: what all is linear in needs no more to be known."""
+    return {n: with_masses(robot, {n: 2.0 * m}, floating=robot.floating) for n, m in masses.items()}
+
+
 def carried_links(robot: Robot, joints: Iterable[str]) -> set[str]:
     """Links that move with one of these joints."""
     tree = robot.model

@@ -20,7 +20,7 @@ import pinocchio as pin
 
 from spacerobot.diagnosis.machines.contract import FIRST_NOISE, Machine, Nuisance, Predicted, conditions_of
 from spacerobot.diagnosis.machines.doubted import BAR, doubted
-from spacerobot.diagnosis.machines.links import carried_links, mass_of, robot_of, with_masses
+from spacerobot.diagnosis.machines.links import robot_of, twice_as_heavy, weighed_links
 from spacerobot.diagnosis.machines.measured import port_forces, through_sensor
 from spacerobot.diagnosis.machines.readings_noise import readings_noise
 from spacerobot.diagnosis.machines.sizes import sizes_of
@@ -95,8 +95,8 @@ class Platform(Machine):
         own = self.robot.model.inertias[1]
         believed = yawing(study.values(), "platform")
         self.base = {"platform.mass": own.mass, "platform.yaw_inertia": float(own.inertia[2, 2]), **believed}
-        self._link_mass = self._links()
-        self._twice = {n: with_masses(self.robot, {n: 2.0 * m}, floating=True) for n, m in self._link_mass.items()}
+        self._link_mass = weighed_links(self.robot, (*study.sigma, *sorted(study.baseline.unknown)), self.drives)
+        self._twice = twice_as_heavy(self.robot, self._link_mass)
         self.base |= {f"link.{n}.mass": m for n, m in self._link_mass.items()}
         self._grid: dict[str, np.ndarray] = {}
         self._joints: dict[str, np.ndarray] = {}
@@ -114,12 +114,6 @@ class Platform(Machine):
         zeros = self.doubted.sigma
         self.believed = Believed(self.base, sigma, {}, conditions_of(self.trials), unknown, zeros=zeros)
         self.stated = frozenset(c for c in TRACK.values() if all(study.recording(t)[c].sigma_stated for t in trials))
-
-    def _links(self) -> dict[str, float]:
-        """Links of the arm whose mass [kg] the study does not hold exact; a link's inertia goes with its mass."""
-        carried = carried_links(self.robot, self.drives)
-        doubted = {n.split(".")[1] for n in (*self.study.sigma, *self.study.baseline.unknown) if n.startswith("link.")}
-        return {n: mass_of(self.robot, n) for n in sorted(doubted & carried)}
 
     def _sizes(self) -> Mapping[str, Sizes]:
         out = {}
@@ -355,7 +349,7 @@ def _rate(place: np.ndarray) -> np.ndarray:
     longest = place.size - (place.size + 1) % 2
     width = min(2 * round(0.5 * SMOOTH / STEP) + 1, longest)
     if width < 2:
-        return np.gradient(place, STEP) if place.size > 1 else np.zeros(1)
+        return np.asarray(np.gradient(place, STEP))
     return np.asarray(savgol_filter(place, width, min(3, width - 1), deriv=1, delta=STEP, mode="interp"))
 
 

@@ -259,7 +259,6 @@ class _Search:
         refused = dict(barred or {})
         stated, weights = bool(self.bench.model.expected({})), self.bench.weights
         while True:
-            self.bench.weights = weights
             open_to = [c for c in tested if c.label not in refused]
             chosen = choice(open_to, baseline, self.bench.trials)
             before, after = weighed(self.bench, chosen.fit, baseline.fit)

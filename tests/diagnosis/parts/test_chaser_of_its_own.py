@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -13,9 +13,12 @@ from spacerobot.diagnosis.machines.choose import some_models_for
 from spacerobot.diagnosis.machines.platform import Platform
 from spacerobot.diagnosis.selection.bench import Bench
 from spacerobot.recordings.study import load_study
-from tests.overlay.studies import write_csv
+from tests.door.machines import floater
 
-DECK, TURNS, ROD, LENGTH, HINGE = 10.0, 0.5, 1.5, 0.6, 0.2
+DECK, TURNS, HINGE = 10.0, 0.5, 0.2
+ROD, HALF, ROD_TURNS = 1.5, 0.3, 0.04
+"""Of `floater`: masses [kg], moments about their own centres [kg m^2], and where hinge and rod's centre are [m]."""
+
 STEP, SECONDS, NOISE = 0.005, 12.0, 2e-4
 Push = Callable[[np.ndarray, float], tuple[float, float, float]]
 """Of (x, y, yaw, and their rates) and the trial's number: force along x and y, torque, at the deck's centre."""
@@ -54,7 +57,7 @@ def track(push: Push, rod: float, trial: float) -> tuple[np.ndarray, np.ndarray,
     """Times (T,), joint angles (T,) and the deck's (T, 3): two rigid bodies, each with Newton's and Euler's laws."""
     rng = np.random.default_rng(int(trial))
     size, pace = rng.uniform(0.5, 0.9, 2), rng.uniform(0.6, 1.2, 2)
-    inertia, half = rod * LENGTH**2 / 12.0, LENGTH / 2.0
+    inertia = ROD_TURNS * rod / ROD
 
     def joint(t: float) -> np.ndarray:
         """Angle, rate and acceleration; at rest at first."""
@@ -68,7 +71,7 @@ def track(push: Push, rod: float, trial: float) -> tuple[np.ndarray, np.ndarray,
         q, dq, ddq = joint(t)
         yaw, turn, spin = s[2], s[5], s[5] + dq
         hinge = HINGE * np.array([np.cos(yaw), np.sin(yaw)])
-        arm = half * np.array([np.cos(yaw + q), np.sin(yaw + q)])
+        arm = HALF * np.array([np.cos(yaw + q), np.sin(yaw + q)])
         place = hinge + arm
         bent = -(turn**2) * hinge - spin**2 * arm + ddq * across(arm)  # how the rod accelerates without x'', y'', yaw''
         force = np.array(push(s, trial))
@@ -90,50 +93,16 @@ def track(push: Push, rod: float, trial: float) -> tuple[np.ndarray, np.ndarray,
     return time, np.array([joint(t)[0] for t in time]), out[:, :3]
 
 
-def lab(folder: Path, push: Push, *, rod: float = ROD, sigma: Sequence[str] = ()) -> Path:
+def lab(folder: Path, push: Push, *, rod: float = ROD, doubted: str = "") -> Path:
     """Three recordings; the lab believes in a rod of 1.5 kg, and in nothing that pushes."""
-    folder.mkdir(parents=True)
-    (folder / "floater.urdf").write_text(
-        f"""<robot name="floater"><link name="deck"><inertial><mass value="{DECK}"/>
-<inertia ixx="1" iyy="1" izz="{TURNS}" ixy="0" ixz="0" iyz="0"/></inertial></link>
-<link name="rod"><inertial><origin xyz="{LENGTH / 2} 0 0"/><mass value="{ROD}"/>
-<inertia ixx="0.1" iyy="0.1" izz="{ROD * LENGTH**2 / 12}" ixy="0" ixz="0" iyz="0"/></inertial></link>
-<joint name="pivot" type="continuous"><origin xyz="{HINGE} 0 0"/><parent link="deck"/><child link="rod"/>
-<axis xyz="0 0 1"/></joint></robot>"""
-    )
     rng = np.random.default_rng(4)
-    lines = []
+    tracks = {}
     for trial in (1, 2, 3):
         time, angle, deck = (x[::4] for x in track(push, rod, trial))
         seen = deck + NOISE * rng.standard_normal(deck.shape)
-        columns = dict(zip(("x", "y", "yaw"), seen.T, strict=True))
-        write_csv(folder / f"{trial}.csv", {"t": time, **columns, "q": angle})
-        lines.append(f'[[trials]]\nid = "{trial}"\ncondition = "{trial}"\nlog = "{trial}.csv"\n')
-    (folder / "study.toml").write_text(
-        f"""format = 1
-[baseline]
-robot = "floater.urdf"
-base = "free"
-joints = "servo"
-gravity = [0, 0, -9.80665]
-[baseline.platform]
-mass = {DECK}
-yaw_inertia = {TURNS}
-[baseline.sigma]
-platform.mass = 0.01
-platform.yaw_inertia = 0.02
-{chr(10).join(sigma)}
-[streams.log]
-time = "t"
-[streams.log.channels]
-x = {{ is = "base.position.x", sigma = {NOISE} }}
-y = {{ is = "base.position.y", sigma = {NOISE} }}
-yaw = {{ is = "base.yaw", sigma = {NOISE} }}
-q = {{ is = "joint.pivot.reference" }}
-"""
-        + "".join(lines)
-    )
-    return folder
+        tracks[str(trial)] = {"t": time, **dict(zip(("x", "y", "yaw"), seen.T, strict=True)), "q": angle}
+    beliefs = f"[baseline.sigma]\nplatform.mass = 0.01\nplatform.yaw_inertia = 0.02\n{doubted}\n"
+    return floater(folder, tracks, NOISE, beliefs=beliefs, apart=True)
 
 
 def bench(folder: Path) -> Bench:
@@ -171,7 +140,7 @@ def test_what_pushes_is_offered_and_found(
 
 
 def test_a_link_that_is_heavier_than_believed_is_weighed(tmp_path: Path) -> None:
-    at = bench(lab(tmp_path / "s", nothing, rod=1.2 * ROD, sigma=["link.rod.mass = 0.1"]))
+    at = bench(lab(tmp_path / "s", nothing, rod=1.2 * ROD, doubted="link.rod.mass = 0.1"))
     values = at.baseline().values()
     ratio = (values["link.rod.mass"] / values["platform.mass"]) / (ROD / DECK)
     assert ratio == pytest.approx(1.2, rel=0.01)  # without outer forces motion tells ratios of masses alone

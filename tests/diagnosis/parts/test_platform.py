@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from spacerobot.diagnosis.forward.choose import forward_model
 from spacerobot.diagnosis.machines.choose import some_models_for
 from spacerobot.diagnosis.machines.measured import port_forces
 from spacerobot.diagnosis.machines.platform import STEP, Platform, _integral, _rate
+from spacerobot.diagnosis.terms.hypothesis import Site
 from spacerobot.effects.registry import effect
 from spacerobot.recordings.study import load_study
 from tests.door.machines import MACHINES, rows
@@ -78,6 +80,24 @@ def test_effects_are_evaluated_on_records_shorter_than_what_smooths_them(kept: i
             start = np.array([0.0, 0.01, 0.0, 0.0, 0.0, 0.0])
             for value in model.predict(edited, trial, start).blocks:
                 assert np.isfinite(value).all()
+
+
+def test_at_their_null_values_effects_change_nothing_and_off_them_a_hose_does(tmp_path: Path) -> None:
+    model = made(MACHINES["platform"](tmp_path / "s"))
+    trial, sites = model.trials[0], model.sites()
+    bare = model.mechanism(model.base, trial)
+    start = np.array([0.0, 0.01, 0.0, -0.02, 0.2, 0.05])
+
+    def moved(site: Site, values: Mapping[str, float]) -> float:
+        said = model.predict(site.effect.edit(bare, site.where, values), trial, start)
+        return max(float(np.abs(a - b).max()) for a, b in zip(said.blocks, plain.blocks, strict=True))
+
+    plain = model.predict(bare, trial, start)
+    assert "umbilical" in {s.effect.name for s in sites}
+    for site in sites:
+        assert moved(site, site.effect.nulls) < 1e-12, site.label
+    hose = next(s for s in sites if s.effect.name == "umbilical")
+    assert moved(hose, {**hose.effect.nulls, "aside_N": 0.1}) > 0.01
 
 
 def test_motions_of_unlike_length_are_refused(tmp_path: Path) -> None:
