@@ -5,7 +5,8 @@ from __future__ import annotations
 import itertools
 import os
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -27,14 +28,18 @@ from spacerobot.diagnosis.locate.located import Located
 from spacerobot.diagnosis.selection.admission import admit, has_wrist
 from spacerobot.diagnosis.selection.beyond import NEAR, again, apart, of_whole_robot
 from spacerobot.diagnosis.selection.check import why_not
-from spacerobot.diagnosis.selection.decide import conclude, decide
+from spacerobot.diagnosis.selection.decide import conclude
 from spacerobot.diagnosis.selection.glimpse import glimpsed
 from spacerobot.diagnosis.selection.intervals import with_intervals
 from spacerobot.diagnosis.selection.limits import Limit, Limits
+from spacerobot.diagnosis.selection.own_filter import beside, sought, with_filters
+from spacerobot.diagnosis.selection.own_filter import told as own_filters_told
 from spacerobot.diagnosis.selection.precompile import help_compiling
+from spacerobot.diagnosis.selection.search import search
 from spacerobot.diagnosis.selection.search_state import Found, Report, silent
 from spacerobot.diagnosis.terms.hypothesis import Label, Site
 from spacerobot.diagnosis.terms.kinds import AMBIGUOUS
+from spacerobot.effects.effect import Effect
 from spacerobot.effects.registry import all_effects
 from spacerobot.recordings.lacking import refuse_draft
 from spacerobot.recordings.study import Study
@@ -105,19 +110,22 @@ def diagnose(
         return Pool(about, jobs, effects_files, kept, workers)
 
     workshop, near = glimpsed(of_whole_robot(workshop), pooled, effects, report)
-    before: Found | None = None
+    begin: Callable[[Pool], Found] = partial(_first, effects=effects, report=report, near=near)
     for number in range(PASSES):
         with pooled(workshop) as pool:
             # with the believed values: a refit that lacks the physics bends them until every balance is a little wrong
             locating = pool.aside(_located)
-            if before is None:
-                decided = decide(pool, workshop.model.sites(effects), report, near)
-            else:
-                decided = conclude(pool, again(pool, before, report), report)
-            before = decided.found
-            if number < PASSES - 1 and apart(workshop, decided.judgement.chosen) > NEAR:
+            decided = conclude(pool, begin(pool), report)
+            found, chosen = decided.found, decided.judgement.chosen
+            own = sought(pool, found, chosen, report)
+            if number < PASSES - 1 and (own or apart(workshop, chosen) > NEAR):
                 locating.cancel()
-                workshop = of_whole_robot(workshop, decided.judgement.chosen)
+                if own:
+                    begin = partial(beside, found=found, before=workshop, report=report)
+                    workshop = with_filters(workshop, own)
+                else:
+                    begin = partial(again, found=found, report=report)
+                    workshop = of_whole_robot(workshop, chosen)
                 continue
             report("intervals", 0, 1)
             decided, profiled = with_intervals(pool, decided)
@@ -152,7 +160,7 @@ def diagnose(
         limits=smallest,
         next_experiment=further,
         profiled=settled.profiled,
-        why=[*why_not(settled.checks), *_not_shown(decided.withdrawn)],
+        why=[*why_not(settled.checks), *_not_shown(decided.withdrawn), *own_filters_told(study, workshop)],
         learnt=learnt,
         clocks=clock_offsets(study, workshop, judgement.chosen, inflation),
     )
@@ -175,6 +183,10 @@ def diagnose(
     scene = scene_of(study, workshop.model, judgement.chosen)
     draft = None if learnt is None else draft_of(learnt)
     return Diagnosis(verdict, evidence, found, judgement, left, scene=scene, law_file=draft)
+
+
+def _first(pool: Pool, effects: Sequence[Effect], report: Report, near: Fit | None) -> Found:
+    return search(pool, pool.workshop.model.sites(effects), report, near)
 
 
 def _limits(workshop: Workshop, chosen: Fit, sites: Sequence[Site], inflation: float) -> list[Limit]:

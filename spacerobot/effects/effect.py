@@ -158,6 +158,10 @@ class Effect(ABC):
         """How far displacements go towards where the effect begins, or beyond it, shape (T,): here either way."""
         return np.abs(displacement)
 
+    def innate(self, values: Mapping[str, float], rate: float) -> bool:
+        """Whether, with these numbers, a well-made sensor that reads at `rate` [1/s] does this by itself."""
+        return False
+
     def implausible(self, values: Mapping[str, float], sizes: Sizes) -> str:
         """Why the effect with these numbers is not what its name says, one clause; empty where it is.
 

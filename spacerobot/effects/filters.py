@@ -20,6 +20,13 @@ BOTH_WAYS = "zero_phase"
 
 KINDS = (*ANALOGUE, BOTH_WAYS)
 
+PLAIN = "low_pass"
+"""Name of the effect of which these are forms, and of the map that it puts on a channel."""
+
+INNATE = 0.8
+"""Share of half the rate from which on a filter without delay is the sensor's own. Anti-alias filters of data
+acquisition end at 0.8 to 0.9 of it."""
+
 
 @functools.cache
 def first_orders(order: int, kind: str) -> tuple[tuple[complex, complex], ...]:
@@ -60,10 +67,15 @@ def summed(form: tuple[int, str], respond: Callable[[complex | float], np.ndarra
     return np.asarray(sum(parts))
 
 
+def filter_of(channel: str, cutoff: float, order: int, kind: str) -> ChannelMap:
+    """A channel read through a filter of this cutoff [Hz]."""
+    return ChannelMap(channel, PLAIN, cutoff, form=(order, kind))
+
+
 class HigherOrder(SensorEffect):
     """A low-pass filter of another form than the plain one: of the same thing, though it equals it at no cutoff."""
 
-    map_kind = "low_pass"
+    map_kind = PLAIN
 
     def __init__(self, plain: Effect, form: str) -> None:
         order, kind = form.split("_", 1)
@@ -85,6 +97,11 @@ class HigherOrder(SensorEffect):
     def implausible(self, values: Mapping[str, float], sizes: Sizes) -> str:
         """As the plain one."""
         return self.plain.implausible(values, sizes)
+
+    def innate(self, values: Mapping[str, float], rate: float) -> bool:
+        """Readings without delay that end near half of the rate: what sampling asks for."""
+        (cutoff,) = values.values()
+        return self.form[1] == BOTH_WAYS and cutoff >= INNATE * 0.5 * rate
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
         """The filter on each of the sensor's channels."""

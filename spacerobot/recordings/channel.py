@@ -7,6 +7,7 @@ import re
 from dataclasses import dataclass
 
 from spacerobot.recordings import units
+from spacerobot.recordings.sensor_filter import SensorFilter
 from spacerobot.simulation.parts.checks import LARGEST, SMALLEST
 from spacerobot.support.errors import InputError, NotFoundError
 
@@ -118,6 +119,7 @@ class ChannelSpec:
             askew, a camera's axes, cross-talk.
         frame: "world", or "body" for a force along the axes of the body that it acts on; it is turned by the body's
             recorded yaw.
+        filter: the low-pass filter that its sensor is known to have; None where none is stated.
     """
 
     column: str
@@ -134,6 +136,7 @@ class ChannelSpec:
     plus: tuple[tuple[str, float], ...] = ()
     plus_sigma: tuple[tuple[str, float], ...] = ()
     frame: str = "world"
+    filter: SensorFilter | None = None
     where: str | None = None
 
     def __post_init__(self) -> None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
+from spacerobot.effects.filters import KINDS, ORDERS
 from spacerobot.recordings import baseline, stream
 from spacerobot.recordings.channel import _PATTERNS, FRAMES, MOMENTS, USES
 from spacerobot.recordings.units import UNITS
@@ -147,6 +148,17 @@ CHANNEL: dict[str, Rule] = {
         "description": "other columns that are added, each with its factor, or [factor, standard deviation] [1]",
     },
     "frame": choice("axes of a force: the world's, or those of the body that it acts on", FRAMES),
+    "filter": {
+        "type": "object",
+        "properties": {
+            "cutoff": number("where its gain is 3 dB down [Hz]", exclusiveMinimum=0),
+            "order": {"enum": list(ORDERS), "description": "1 if absent [1]"},
+            "kind": choice(f"{KINDS[0]} if absent", KINDS),
+        },
+        "required": ["cutoff"],
+        "additionalProperties": False,
+        "description": "the low-pass filter that the sensor of a wrist rig is known to have",
+    },
 }
 
 TRIAL: dict[str, Rule] = {

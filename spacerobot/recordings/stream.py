@@ -9,6 +9,7 @@ from typing import Any
 from spacerobot.recordings import units
 from spacerobot.recordings.channel import MOMENTS, ChannelSpec
 from spacerobot.recordings.document import Document
+from spacerobot.recordings.sensor_filter import read_filter
 from spacerobot.support.errors import InputError, NotFoundError
 
 FORMATS = ("csv", "text", "motive", "mat", "hdf5", "npz", "bag", "xlsx")
@@ -52,6 +53,7 @@ _KEYS = (
 )
 _CHANNEL_KEYS = (
     "is", "sigma", "unit", "scale", "offset", "offset_sigma", "use", "missing", "moment", "unwrap", "plus", "frame",
+    "filter",
 )  # fmt: skip
 
 
@@ -305,6 +307,7 @@ def _channel(
         plus=plus,
         plus_sigma=plus_sigma,
         frame=document.text(spec, "frame", "world", *path),
+        filter=read_filter(document, spec, *path),
         where=where,
     )
 

@@ -14,6 +14,7 @@ from spacerobot.recordings.dataroot import data_root, inside
 from spacerobot.recordings.document import Document, read_document
 from spacerobot.recordings.gears import geared, read_gears
 from spacerobot.recordings.recording import Recording, load_trial
+from spacerobot.recordings.sensor_filter import SensorFilter
 from spacerobot.recordings.stream import StreamSpec, read_stream
 from spacerobot.recordings.trial import _GROUPS, _KEYS, Trial, index_file, read_trials
 from spacerobot.recordings.values import kind
@@ -197,6 +198,18 @@ class Study:
     def robot_source(self) -> Path | str | None:
         """What to load the robot from: the study's own URDF, else the robot's name, None for a free body alone."""
         return self.robot_file or self.baseline.robot
+
+    def filters(self) -> dict[str, SensorFilter]:
+        """Channel -> the filter that its sensor is known to have."""
+        return {c.name: c.filter for s in self.streams.values() for c in s.channels if c.filter is not None}
+
+    def with_filter(self, channel: str, own: SensorFilter) -> Study:
+        """The same study and recordings, the channel's sensor known to have this filter."""
+        streams = {
+            name: replace(s, channels=tuple(replace(c, filter=own) if c.name == channel else c for c in s.channels))
+            for name, s in self.streams.items()
+        }
+        return replace(self, streams=streams)
 
     def unread(self) -> Study:
         """The same study without the recordings that were read already: what is sent to another process."""

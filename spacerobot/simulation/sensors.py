@@ -10,7 +10,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from spacerobot.effects.filters import BOTH_WAYS, summed
+from spacerobot.effects.filters import BOTH_WAYS, first_orders, summed
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import ChannelMap, Readout
 from spacerobot.support.errors import NotFoundError
@@ -105,6 +105,10 @@ class _Taken:
         return np.asarray(getattr(self, kind))
 
 
+MEMORY = 16.0
+"""Time constants after which a filter has forgotten: to a part in ten million."""
+
+
 def _read(
     run: Run, readout: Readout, maps: list[ChannelMap], times: np.ndarray, taken: dict[float, _Taken]
 ) -> np.ndarray:
@@ -152,10 +156,17 @@ def _filtered(
     step = max(min(0.5 * spacing, 0.25 * fastest), 1e-3) if smooth else min(0.5 * spacing, 0.25 * fastest, 2e-4)
     step = max(step, 1e-4)
     # start early enough that the filter has forgotten its start
-    begin = times[0] - 12.0 / (2.0 * math.pi * min(cutoffs))
-    begin = max(begin, run.start - step)
+    slowest = min(m.value * rate.real for m in filters for rate, _ in first_orders(*m.form))
+    forgotten = MEMORY / (2.0 * math.pi * slowest)
+    begin = max(times[0] - forgotten, run.start - step)
     grid = np.arange(begin, times[-1] + step, step)
     value = _raw(run, readout, inertias, _Taken(run, grid))
+    if readout.kind == "force" and not inertias:  # nothing but where bodies touch, and until that is forgotten
+        pressed, beside = np.flatnonzero(value), math.ceil(forgotten / step) + 1
+        if not pressed.size:
+            return np.zeros_like(times)
+        part = slice(max(pressed[0] - beside, 0), pressed[-1] + beside + 1)
+        grid, value = grid[part], value[part]
     at, jump = _jumps(run, readout, inertias, grid)
     for m in filters:
         value = _through(m, value, grid, at, jump)

@@ -165,6 +165,47 @@ def test_of_a_lonely_trial_it_costs_what_its_prior_says(tmp_path: Path) -> None:
     assert min(cost(value - 0.001), cost(value + 0.001)) > least - 0.5  # the start is not found anew
 
 
+def off_by(workshop: Workshop, shift: float, width: float) -> Fit:
+    """A fit to the first trials, its friction off by so many standard deviations, each `width` of the friction."""
+    rest = workshop.but_for(["10", "11"])
+    fit = rest.run(Task((RUB.label,), {"coulomb_friction@wrist.force_N": 0.2}))
+    assert fit is not None
+    assert fit.covariance is not None
+    k = fit.hypothesis.keys.index("coulomb_friction@wrist.force_N")
+    sigma = width * 0.35 / fit.hypothesis.free[k].step
+    z, covariance = fit.z.copy(), fit.covariance.copy()
+    z[k] += shift * sigma
+    covariance[k, :] = covariance[:, k] = 0.0
+    covariance[k, k] = sigma**2
+    return replace(fit, z=z, covariance=covariance)
+
+
+def foretold(workshop: Workshop, fit: Fit) -> list[tuple[float, float | None]]:
+    """Of the trials that were kept aside: squared error a sample, and the friction where a trial has its own."""
+    trials = [t for t in workshop.trials if t.id in ("10", "11")]
+    told, found = foretell(workshop.model, fit, trials), []
+    for trial in trials:
+        row = told.residual(workshop.model, trial)
+        assert row is not None
+        friction = told.own[trial.id].get("coulomb_friction@wrist.force_N")
+        found.append((float(row @ row) / int(trial.valid.sum()), friction))
+    return found
+
+
+def test_a_trial_is_predicted_within_what_the_others_leave_open(workshop: Workshop) -> None:
+    """Values off by less than the others' own uncertainty contradict nothing."""
+    told = foretold(workshop, off_by(workshop, 1.5, 0.2))
+    assert [error for error, _ in told] == pytest.approx([1.0, 1.0], abs=0.1)
+    assert [f for _, f in told] == pytest.approx([0.35, 0.35], rel=0.25)
+
+
+def test_values_that_the_others_are_sure_of_stay(workshop: Workshop) -> None:
+    """However little they fit."""
+    told = foretold(workshop, off_by(workshop, 60.0, 0.01))
+    assert [f for _, f in told] == [None, None]
+    assert min(error for error, _ in told) > 1.2
+
+
 def test_a_trial_that_cannot_be_simulated_is_said_and_counts(
     workshop: Workshop, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -160,6 +160,7 @@ class WholeRig(RigModel):
             readouts=readouts,
             forces=tuple(forces),
             sensors=self.sensors,
+            maps=self.filters,
         )
 
     def trial_mechanism(self, hypothesis: Hypothesis, z: np.ndarray, trial: TrialData) -> Mechanism:

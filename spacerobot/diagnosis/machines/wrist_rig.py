@@ -20,6 +20,7 @@ from spacerobot.diagnosis.terms.candidates import candidate_sites
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed, Hypothesis, Site
 from spacerobot.effects.effect import Effect
+from spacerobot.effects.filters import filter_of
 from spacerobot.effects.learned import Variable
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.sizes import Sizes
@@ -108,6 +109,7 @@ class RigModel(Machine):
             raise InputError("a value has a sigma but no believed value", given=unstated[0], where=str(study.path))
         scatter = {n: s for n, s in study.scatter.items() if n in names and s > 0.0}
         self.sensors = _sensors(study)
+        self.filters = tuple(filter_of(c, own.cutoff, own.order, own.kind) for c, own in study.filters().items())
         clocks = _alone(study, self.sensors)
         conditions = tuple(study.conditions())
         self.doubted = doubted(study, study.trials, channels, zeros=False)
@@ -165,7 +167,7 @@ class RigModel(Machine):
     def mechanism(self, values: Mapping[str, float], trial: TrialData | None = None) -> Mechanism:
         """The baseline mechanism of these rig values, alike in every trial."""
         inside = together({n: v for n, v in values.items() if n in DEFAULTS})
-        return replace(rig(inside, lateral=self.sideways), sensors=self.sensors)
+        return replace(rig(inside, lateral=self.sideways), sensors=self.sensors, maps=self.filters)
 
     def sites(self, effects: Iterable[Effect] | None = None) -> list[Site]:
         """Every effect at every place; what happens once, in one of the trials."""

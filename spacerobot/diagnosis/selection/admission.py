@@ -50,6 +50,7 @@ def admit(study: Study) -> tuple[Machine, ...]:
 def of_study(study: Study) -> Generator[InputError, None, tuple[Machine, ...]]:
     """Why no diagnosis can be made, of what shows without the recordings of a wrist's trials; then its machines."""
     models: tuple[Machine, ...] = ()
+    yield from _filtered_by_none(study)
     if not has_wrist(study):
         from spacerobot.diagnosis.machines.choose import some_models_for  # takes half a second to load
 
@@ -72,6 +73,15 @@ def of_study(study: Study) -> Generator[InputError, None, tuple[Machine, ...]]:
             "a diagnosis needs at least two trials", given=len(study.trials), valid=valid, where=str(study.path)
         )
     return models
+
+
+def _filtered_by_none(study: Study) -> Iterator[InputError]:
+    """Why stated filters cannot all be taken in: a wrist's rig alone reads its channels through them."""
+    shown = readable(study) if has_wrist(study) else frozenset()
+    for spec in (c for s in study.streams.values() for c in s.channels):
+        if spec.filter is not None and spec.name not in shown:
+            what = f"the filter of {spec.name} is stated, and no machine of this study reads it through one"
+            yield InputError(what, valid="a channel of a wrist rig, or no filter", where=spec.where)
 
 
 def enough(study: Study, recording: Recording) -> None:

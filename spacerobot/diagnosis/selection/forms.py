@@ -5,6 +5,7 @@ from __future__ import annotations
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.screen import faint
+from spacerobot.diagnosis.fitting.starts import effect_starts
 from spacerobot.diagnosis.fitting.workshop import Task
 from spacerobot.diagnosis.selection.pairs import simplify
 from spacerobot.diagnosis.selection.search_state import WORTH_A_FIT, Found, Report, run_tasks, screened, share_of
@@ -44,6 +45,10 @@ def formed(pool: Pool, found: Found, report: Report) -> None:
             run_tasks(pool, found, tasks, report, "other forms of effects")
             if found.explained:
                 break
+        if not found.explained and found.singles_by_cost()[0].hypothesis.label == (site.label,):
+            # what a filter hides has bent the values of all that was fitted without it
+            afresh = [Task((o.label,), start, max_iterations=30) for o in others for start in effect_starts([o])]
+            run_tasks(pool, found, afresh, report, "other forms of effects, afresh", stop=True)
     if found.best is not before:
         simplify(pool, found, report)
 

@@ -173,8 +173,11 @@ def _gains(gain: float, owed: float) -> str:
 
 
 def _too_many(fit: Fit) -> bool:
-    """Whether effects and values that stay bent beside them are more than may well be wrong at once."""
-    bends = len(moved(fit))
+    """Whether effects and values that stay bent beside them are more than may well be wrong at once.
+
+    A bend counts that costs what an effect must earn: in one campaign of a hundred a value is off by three sigmas.
+    """
+    bends = sum(s * s > EARN for s in fit.hypothesis.sigmas(fit.z).values())
     return bends > 0 and len(fit.hypothesis.sites) + bends > FEW
 
 

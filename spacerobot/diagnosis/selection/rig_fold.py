@@ -193,9 +193,13 @@ def _errors(
 def taken(said: Sequence[Foretold]) -> list[str]:
     """What was found from the unseen trials themselves, in words."""
     found = ["each trial's own start, from its readings"]
-    own = sorted({k.split("|", 1)[1] for f in said for v in f.own.values() for k in v})
+    own = sorted({k.split("|", 1)[1] for f in said for v in f.own.values() for k in v if "|" in k})
     if own:
         alone = any(x > 0.0 for f in said for x in f.paid.values())
         where = "from its other trials, where it has none from the trial itself under its prior, whose cost counts"
         found.append(f"each condition's own {', '.join(own)}, {where if alone else 'from its other trials'}")
+    within = sorted(t for f in said for t, v in f.own.items() if any("|" not in k for k in v))
+    if within:
+        which = f"trial{'s' if len(within) > 1 else ''} {', '.join(within)}"
+        found.append(f"of {which}, values within what the other trials leave open, from the trial itself at that cost")
     return found

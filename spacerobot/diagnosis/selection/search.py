@@ -32,6 +32,7 @@ from spacerobot.diagnosis.selection.search_state import (
 from spacerobot.diagnosis.selection.since import since
 from spacerobot.diagnosis.terms.candidates import one_of_each
 from spacerobot.diagnosis.terms.data import TrialData
+from spacerobot.diagnosis.terms.decision import MARGIN
 from spacerobot.diagnosis.terms.hypothesis import Label, Site
 from spacerobot.support.errors import InputError
 
@@ -132,7 +133,9 @@ def search(
     )
     if not found.explained:
         run_tasks(pool, found, heirs(found, found.one_of_each()[:TOP_FITTED]), report, "richer laws", stop=True)
-    fading = [] if found.explained else changing(pool, found, CHANGING_FIRST)
+    fading = changing(pool, found, CHANGING_FIRST)
+    if found.explained:  # by so little as may be the change of what is named: its first step tells
+        fading = [replace(t, patient=False, eager=True, hopeless=_near(t).cost - MARGIN) for t in fading]
     # before what is sought beside them: two make up for the fading of one
     run_tasks(pool, found, fading, report, "the best, changing over the trials", stop=True)
     pairs(pool, found, first, report)
@@ -172,6 +175,11 @@ def _starts(found: Found, labels: Sequence[Label], trials: Sequence[TrialData]) 
             cold[k].append(Task(label, start, patient=any(site.effect.removes for site in sites)))
     # those that nobody gives up take longest: begun last, they would keep one process while all others wait
     return [*near, *(t for tasks in cold for t in sorted(tasks, key=lambda t: not t.patient))]
+
+
+def _near(task: Task) -> Fit:
+    assert task.near is not None
+    return task.near
 
 
 def _resized(found: Found) -> list[Task]:

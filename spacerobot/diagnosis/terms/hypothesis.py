@@ -104,12 +104,21 @@ class Believed:
 
 @dataclass(frozen=True, eq=False)
 class Hypothesis:
-    """Baseline plus sites, with its free parameters in order."""
+    """Baseline plus sites, with its free parameters in order.
+
+    Attributes:
+        sites: effects at their places.
+        free: the parameters.
+        removed: baseline values that the effects make meaningless.
+        freed: believed values of which what is stated counts for next to nothing.
+        known: inverse covariance of z, shape (G, G), in the place of what is believed, where other trials told it.
+    """
 
     sites: tuple[Site, ...]
     free: tuple[Free, ...]
     removed: tuple[str, ...] = ()
     freed: tuple[str, ...] = ()
+    known: np.ndarray | None = None
 
     @property
     def label(self) -> Label:
@@ -203,6 +212,8 @@ class Hypothesis:
     @functools.cached_property
     def precision(self) -> np.ndarray:
         """Inverse covariance of what is believed of z, shape (G, G); what is held at a value has no part in it."""
+        if self.known is not None:
+            return self.known
         out = np.diag([float(f.prior) for f in self.free])
         for site in self.sites:
             block = site.effect.precision
@@ -210,6 +221,11 @@ class Hypothesis:
             if index and all(self.free[i].lower < self.free[i].upper for i in index):
                 out[np.ix_(index, index)] = block
         return out
+
+    def about(self, z: np.ndarray, covariance: np.ndarray) -> Hypothesis:
+        """The same, its parameters counted from z, shape (G,), and known with this covariance, shape (G, G)."""
+        free = tuple(replace(f, about=f.about + float(x)) for f, x in zip(self.free, z, strict=True))
+        return replace(self, free=free, known=np.linalg.inv(covariance))
 
     def start(self, warm: Mapping[str, float] | None = None) -> np.ndarray:
         """First z: the centre of each, or the value of the same key in `warm`."""

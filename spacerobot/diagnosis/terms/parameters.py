@@ -20,17 +20,18 @@ TIMES_STATED = "times what each trial states"
 
 @dataclass(frozen=True)
 class Free:
-    """One free parameter, z = 0 at its centre.
+    """One free parameter, z = 0 at its centre unless it is counted from elsewhere.
 
     Attributes:
         key: dotted value name, "condition|name" for a scatter, or "effect@where.parameter".
         kind: "believed", "unknown", "absorbing", "zero", "scatter" or "effect".
-        centre: value at z = 0.
+        centre: value at z = 0, where that is counted from nothing.
         step: change of the value per unit of z (of its logarithm if `log`).
         prior: whether z has a standard normal prior.
         log: value = centre * exp(step * z).
         lower, upper: bounds of the value.
         stated: False where the study gives each trial its own value: the value here is a factor on those.
+        about: what z is counted from: by so much it would be larger, counted from the centre.
     """
 
     key: str
@@ -42,17 +43,19 @@ class Free:
     lower: float = -math.inf
     upper: float = math.inf
     stated: bool = True
+    about: float = 0.0
 
     def value(self, z: float) -> float:
         """The physical value at z, within the bounds."""
+        z += self.about
         raw = self.centre * math.exp(min(self.step * z, 700.0)) if self.log else self.centre + self.step * z
         return min(max(raw, self.lower), self.upper)
 
     def z(self, value: float) -> float:
         """The z of a physical value."""
         if self.log:
-            return math.log(max(value, 1e-300) / self.centre) / self.step
-        return (value - self.centre) / self.step
+            return math.log(max(value, 1e-300) / self.centre) / self.step - self.about
+        return (value - self.centre) / self.step - self.about
 
     @property
     def bounds(self) -> tuple[float, float]:
@@ -60,7 +63,7 @@ class Free:
         if self.log:
             low = -math.inf if self.lower <= 0.0 else self.z(self.lower)
             return low, math.inf if math.isinf(self.upper) else self.z(self.upper)
-        return (self.lower - self.centre) / self.step, (self.upper - self.centre) / self.step
+        return self.z(self.lower), self.z(self.upper)
 
     def slope(self, z: float) -> float:
         """d value / d z."""

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 
 from spacerobot.effects.effect import Effect, Parameter
-from spacerobot.effects.filters import KINDS, ORDERS, HigherOrder
+from spacerobot.effects.filters import KINDS, ORDERS, PLAIN, HigherOrder
 from spacerobot.effects.sensor_effect import SensorEffect
 from spacerobot.effects.sizes import Sizes
 
@@ -20,12 +20,12 @@ QUICK = 0.5
 class LowPass(SensorEffect):
     """A filter on every channel of a sensor: of the first order, or in one of its forms."""
 
-    name = "low_pass"
+    name = PLAIN
     title = "low-pass filter"
     phrase = "a low-pass filter"
     formula = r"\dot y = 2\pi f_c (u - y)"
     source = "first-order filter"
-    map_kind = "low_pass"
+    map_kind = PLAIN
     parameters = (Parameter("cutoff_Hz", "Hz", math.inf, 20.0, 0.01, math.inf, (100.0, 30.0, 300.0), log=True),)
     forms = tuple(f"{order}_{kind}" for order in ORDERS if order > 1 for kind in KINDS)
 
