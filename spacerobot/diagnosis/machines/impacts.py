@@ -78,9 +78,35 @@ class Impacts(Machine):
                 span = float(time[0]), float(time[-1])
                 cut.append(TrialData(name, study.condition(trial), {}, tuple(blocks), *span))
         self.trials = tuple(cut)
+        self._noise = self._stated(every)
         self.sizes: Mapping[str, Sizes] = {"": Sizes(1.0, 1.0, 1.0, float(speed[0]))}
         sigma = {n: s for n, s in study.sigma.items() if n in self.base}
         self.believed = Believed(self.base, sigma, {}, conditions_of(cut), unknown, zeros=self.doubted.sigma)
+
+    @staticmethod
+    def _stated(recordings: Sequence[Recording]) -> np.ndarray | None:
+        """Noise of the velocities after and before, shape (2, 3), where the first is stated; where the second is not, it
+        is as the first."""
+        after = [[r[c].sigma for r in recordings if r[c].sigma_stated] for c in AFTER]
+        if not all(after):
+            return None
+        before = [
+            [r[c].sigma for r in recordings if r[c].sigma_stated] or own for c, own in zip(BEFORE, after, strict=True)
+        ]
+        return np.array([[np.median(some) for some in both] for both in (after, before)])
+
+    def expected(self, values: Mapping[str, float]) -> dict[str, float]:
+        """Of the velocities after, with what an impact without friction makes of those before."""
+        if self._noise is None:
+            return {}
+        known = {**self.base, **values}
+        inverse = np.array([1.0 / known[f"body.{n}"] for n in ("mass", "mass", "yaw_inertia")])
+        n = np.concatenate([np.array([rows[c] for c in NORMAL]) for rows in self._rows.values()], axis=1)
+        n = n[:, np.isfinite(n).all(axis=0) & (np.abs(n).sum(axis=0) > 0.0)]
+        share = (1.0 + known["body.restitution"]) / (inverse @ n**2)
+        turned = np.eye(3)[..., None] - share * inverse[:, None, None] * n[:, None] * n  # (3, 3, T)
+        made = np.einsum("ijt,j->it", turned**2, self._noise[1] ** 2).mean(axis=1)
+        return dict(zip(AFTER, np.sqrt(self._noise[0] ** 2 + made).tolist(), strict=True))
 
     def contradiction(self) -> tuple[str, str]:
         """Whether impulses along the rows account for what changes far better with a yaw counted the other way."""
