@@ -85,7 +85,7 @@ class Impacts(Machine):
 
     @staticmethod
     def _stated(recordings: Sequence[Recording]) -> np.ndarray | None:
-        """Noise of the velocities after and before, shape (2, 3), where the first is stated; where the second is not, it
+        """Noise of the velocities after and before, shape (2, 3), where the first is stated; unless stated, the second
         is as the first."""
         after = [[r[c].sigma for r in recordings if r[c].sigma_stated] for c in AFTER]
         if not all(after):
