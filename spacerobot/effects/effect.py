@@ -99,6 +99,7 @@ class Effect(ABC):
         instant: shows in what is read just before and just after an impact, which has no duration.
         forms: of a law that comes in discrete forms, their names; the effect itself is the plainest of them.
         settings: of an effect in such a form, what it is called by: order, kind.
+        choices: of an effect in such a form, among how many it was chosen, the plain one counted.
         learned: a curve found in recordings, which has no name.
         curve: of a law of one variable, its shape in a word that a learned curve's description shares; empty elsewhere.
     """
@@ -121,6 +122,7 @@ class Effect(ABC):
     instant: ClassVar[bool] = False
     forms: ClassVar[tuple[str, ...]] = ()
     settings: ClassVar[Mapping[str, float | str]] = {}
+    choices: ClassVar[int] = 1
     learned: ClassVar[bool] = False
     curve: ClassVar[str] = ""
 

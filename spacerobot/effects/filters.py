@@ -90,6 +90,7 @@ class HigherOrder(SensorEffect):
             "parameters": plain.parameters,
             "refines": (plain.name,),
             "settings": {"order": float(order), "kind": kind},
+            "choices": 1 + len(plain.forms),
         }
         for key, value in given.items():
             setattr(self, key, value)  # an instance is an effect of its own, as a class of the catalogue is

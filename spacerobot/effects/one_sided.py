@@ -57,6 +57,7 @@ class OneSided(Effect):
             "kind": plain.kind,
             "parameters": tuple(replace(p, lower=-p.upper) if p.reach else p for p in plain.parameters),
             "settings": {"kind": side},
+            "choices": 1 + len(plain.forms),
         }
         for key, value in given.items():
             setattr(self, key, value)  # an instance is an effect of its own, as a class of the catalogue is

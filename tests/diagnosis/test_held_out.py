@@ -366,3 +366,19 @@ def test_effects_that_are_not_there_predict_no_better_on_average(tmp_path: Path)
             assert held is not None
             gained.append(held.before.total - held.after.total)
     assert np.mean(gained) < 0.0 < np.mean(fitted)
+
+
+def test_what_is_known_of_values_is_the_inverse_of_their_covariance(workshop: Workshop) -> None:
+    """Counted from a fit, nothing is off there; what rounding alone tells apart is not known."""
+    fit = off_by(workshop, 0.0, 0.2)
+    assert fit.covariance is not None
+    about = fit.hypothesis.about(fit.z, fit.covariance)
+    np.testing.assert_allclose(about.precision @ fit.covariance, np.eye(fit.z.size), atol=1e-6)
+    assert about.values(np.zeros(fit.z.size)) == pytest.approx(fit.values())
+    assert about.start(fit.values()) == pytest.approx(np.zeros(fit.z.size), abs=1e-9)
+    alike = fit.covariance.copy()
+    alike[0], alike[:, 0] = alike[1], alike[:, 1]
+    alike[0, 0] = alike[0, 1] = alike[1, 0] = alike[1, 1]
+    for none in (alike, np.full_like(alike, np.nan), -alike):
+        with pytest.raises(np.linalg.LinAlgError):
+            fit.hypothesis.about(fit.z, none)

@@ -104,3 +104,13 @@ def test_one_that_ends_far_below_is_named(tmp_path: Path) -> None:
     found = diagnose(write_study(tmp_path, planted=planted(0.15 * SAMPLER), truth=TRUTH, believed=HARD), jobs=1)
     assert found.verdict["verdict"] == "named"
     assert [(e["effect"], e["where"]) for e in found.verdict["effects"]] == [("low_pass", SENSOR)]
+
+
+@pytest.mark.slow
+def test_a_late_track_may_be_late_by_its_filter(tmp_path: Path) -> None:
+    """Of the fourth order, well above all that moves, a filter delays and does no more: either may be there."""
+    late = [("low_pass~4_butterworth", "mocap", {"cutoff_Hz": 43.0})]
+    found = diagnose(write_study(tmp_path, planted=late), jobs=1)
+    assert found.verdict["verdict"] == "ambiguous"
+    said = {(e["effect"], e["where"]) for a in found.verdict["alternatives"] for e in a["effects"]}
+    assert {("time_offset", "mocap"), ("low_pass", "mocap")} <= said

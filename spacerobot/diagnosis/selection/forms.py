@@ -16,8 +16,9 @@ from spacerobot.effects.registry import effect
 def formed(pool: Pool, found: Found, report: Report) -> None:
     """Fit every form of an effect that comes in several, beside what is best without an effect at its place.
 
-    Where noise alone is left by one effect at that place, the plain form will do; where it takes two, a late reading
-    that is smoothed as well, one of another form may do it alone.
+    Where noise alone is left by the plain form, that will do; where it takes two effects at that place, a late reading
+    that is smoothed as well, one of another form may do it alone, and where it takes another one, a late reading, a
+    filter that is late by as much may be what is there.
 
     Args:
         pool: runs the fits.
@@ -28,20 +29,22 @@ def formed(pool: Pool, found: Found, report: Report) -> None:
     for site in found.singles:
         if not site.effect.forms:
             continue
-        crowded = [where for _, where in found.best.hypothesis.label].count(site.where) > 1
-        if found.explained and not crowded:
+        there = [name for name, where in found.best.hypothesis.label if where == site.where]
+        model, explained = pool.workshop.model, found.explained
+        late = site.where in model.sensors and there not in ([], [site.effect.name])
+        if explained and not (late or len(there) > 1):
             continue
-        model = pool.workshop.model
         forms = site.effect.forms_at(model.visited(site.where))
         others = [model.site(effect(site.effect.name + FORM + f), site.where) for f in forms]
-        for beside in _without(found, site.where):
+        for beside in _rest(found, site.where) if explained else _without(found, site.where):
             report("screening forms", 0, len(others))
             tasks = []
             for label, item in screened(pool, beside, others).best().items():
                 if item.gain > WORTH_A_FIT:
                     both = tuple(sorted((*beside.hypothesis.label, label)))
                     start = faint(item.site, item.start, share_of(item))
-                    tasks.append(Task(both, start, near=beside, max_iterations=30, patient=True))
+                    task = Task(both, start, near=beside, max_iterations=30, eager=explained, patient=not explained)
+                    tasks.append(task)
             run_tasks(pool, found, tasks, report, "other forms of effects")
             if found.explained:
                 break
@@ -51,6 +54,12 @@ def formed(pool: Pool, found: Found, report: Report) -> None:
             run_tasks(pool, found, afresh, report, "other forms of effects, afresh", stop=True)
     if found.best is not before:
         simplify(pool, found, report)
+
+
+def _rest(found: Found, where: str) -> list[Fit]:
+    """The best set without what it has at a place, and the baseline where that was never fitted."""
+    rest = tuple(one for one in found.best.hypothesis.label if one[1] != where)
+    return [found.fits.get(rest, found.baseline)]
 
 
 def _without(found: Found, where: str) -> list[Fit]:

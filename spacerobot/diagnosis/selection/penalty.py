@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 
 from spacerobot.diagnosis.fitting.fitted import Fit
@@ -14,7 +15,8 @@ def score(fit: Fit, inflation: float = 1.0) -> float:
     count = sum(1 for f in fit.hypothesis.free if f.kind == "effect")
     count += sum(1 for s in fit.hypothesis.sites if s.trials)  # which trial was a choice too
     count += len(fit.hypothesis.freed)  # a belief that is given up
-    return fit.cost / inflation + PENALTY * count
+    chosen = sum(math.log(s.effect.choices) for s in fit.hypothesis.sites)  # each form as likely as the others
+    return fit.cost / inflation + PENALTY * count + 2.0 * chosen
 
 
 def simplest(

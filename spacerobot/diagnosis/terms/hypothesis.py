@@ -25,6 +25,10 @@ LOOSE = 30.0
 """Factor on a believed value's sigma that sets it free."""
 
 
+ROUNDING = 1e-9
+"""Least eigenvalue of a matrix of correlations that is more than rounding leaves of its inverse."""
+
+
 @dataclass(frozen=True)
 class Site:
     """An effect at a place, its numbers free.
@@ -223,9 +227,19 @@ class Hypothesis:
         return out
 
     def about(self, z: np.ndarray, covariance: np.ndarray) -> Hypothesis:
-        """The same, its parameters counted from z, shape (G,), and known with this covariance, shape (G, G)."""
+        """The same, its parameters counted from z, shape (G,), and known with this covariance, shape (G, G).
+
+        Raises:
+            LinAlgError: the covariance is none, or of parameters that are one but for rounding.
+        """
         free = tuple(replace(f, about=f.about + float(x)) for f, x in zip(self.free, z, strict=True))
-        return replace(self, free=free, known=np.linalg.inv(covariance))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            own = np.sqrt(np.diag(covariance))
+            alike = covariance / np.outer(own, own)
+        if not (np.isfinite(alike).all() and np.linalg.eigvalsh(0.5 * (alike + alike.T))[0] > ROUNDING):
+            raise np.linalg.LinAlgError("no covariance that can be told from rounding")
+        known = np.linalg.inv(alike) / np.outer(own, own)
+        return replace(self, free=free, known=0.5 * (known + known.T))
 
     def start(self, warm: Mapping[str, float] | None = None) -> np.ndarray:
         """First z: the centre of each, or the value of the same key in `warm`."""
