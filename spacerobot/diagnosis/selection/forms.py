@@ -31,19 +31,20 @@ def formed(pool: Pool, found: Found, report: Report) -> None:
             continue
         there = [name for name, where in found.best.hypothesis.label if where == site.where]
         model, explained = pool.workshop.model, found.explained
-        late = site.where in model.sensors and there not in ([], [site.effect.name])
+        late = site.where in model.sensors and len(there) == 1 and there != [site.effect.name]
         if explained and not (late or len(there) > 1):
             continue
+        lightly = explained and late  # what is there does it alone: another form must do it as well
         forms = site.effect.forms_at(model.visited(site.where))
         others = [model.site(effect(site.effect.name + FORM + f), site.where) for f in forms]
-        for beside in _rest(found, site.where) if explained else _without(found, site.where):
+        for beside in _rest(found, site.where) if lightly else _without(found, site.where):
             report("screening forms", 0, len(others))
             tasks = []
             for label, item in screened(pool, beside, others).best().items():
                 if item.gain > WORTH_A_FIT:
                     both = tuple(sorted((*beside.hypothesis.label, label)))
                     start = faint(item.site, item.start, share_of(item))
-                    task = Task(both, start, near=beside, max_iterations=30, eager=explained, patient=not explained)
+                    task = Task(both, start, near=beside, max_iterations=30, eager=lightly, patient=not lightly)
                     tasks.append(task)
             run_tasks(pool, found, tasks, report, "other forms of effects")
             if found.explained:

@@ -16,17 +16,22 @@ from spacerobot.diagnosis.fitting.starts import effect_starts, informed_starts
 from spacerobot.diagnosis.fitting.workshop import Task
 from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.selection.nested_laws import inherited
-from spacerobot.diagnosis.selection.search_state import Found, implausible_of, noise_of, run_tasks, share_of, silent
+from spacerobot.diagnosis.selection.search_state import (
+    Found,
+    implausible_of,
+    noise_of,
+    run_tasks,
+    share_of,
+    silent,
+    to_their_end,
+)
 from spacerobot.diagnosis.terms.candidates import by_name, contains, refines, simpler
 from spacerobot.diagnosis.terms.decision import PENALTY
 from spacerobot.diagnosis.terms.hypothesis import Label, Site, label_of
 from spacerobot.effects.registry import effect
 
-STEPS, RIVAL_STEPS = 30, 12
-"""Steps of the chosen set's fit, to its end, and of its rivals'."""
-
-FIRST = 8
-"""Of these, those from a near start: what it led to is a better one to go on from."""
+FIRST, RIVAL_STEPS = 8, 12
+"""Steps of the chosen set's fit from a near start, for what it led to is a better one to go on from; of its rivals'."""
 
 COLD = 2
 """The effects' own starts that a set is fitted from where no near one explains the trials."""
@@ -63,21 +68,13 @@ def refit(
     for label, sites in sets.items():
         run_tasks(pool, found, [_near(pool, found, label, sites, label == mine)], silent, "")
         if label == mine:
-            to_its_end(pool, found, label)
+            to_their_end(pool, found, [label], silent, "")
     for whole in (chosen, *rivals) if thorough else ():
         label = label_of(whole)
         own = found.fits.get(label)
         if (label and not found.explained) or (label == mine and (own is None or not found.explains(own))):
             run_tasks(pool, found, _afresh(pool, label, whole), silent, "")
     return found
-
-
-def to_its_end(pool: Pool, found: Found, label: Label) -> None:
-    """Go on with the fit of a set where it was not finished."""
-    fit = found.fits.get(label)
-    if fit is not None and not fit.converged:
-        on = Task(label, {}, near=fit, max_iterations=STEPS, patient=True)
-        run_tasks(pool, found, [on], silent, "")
 
 
 def _with_parts(

@@ -28,6 +28,7 @@ from spacerobot.diagnosis.selection.search_state import (
     run_tasks,
     screened,
     share_of,
+    to_their_end,
 )
 from spacerobot.diagnosis.selection.since import since
 from spacerobot.diagnosis.terms.candidates import one_of_each
@@ -41,6 +42,9 @@ TOP_FITTED = 4
 TOP_RESIZED = 5
 CHANGING_FIRST = 2
 """Single effects that are let change over the trials before pairs are sought; all others after."""
+
+ON_THEIR_WAY = 2
+"""Best single effects that go on while a fit's steps still bring something, where nothing explains the data yet."""
 
 STARTS = 4
 """Starts of one effect that are fitted, of all that are screened."""
@@ -133,11 +137,17 @@ def search(
     )
     if not found.explained:
         run_tasks(pool, found, heirs(found, found.one_of_each()[:TOP_FITTED]), report, "richer laws", stop=True)
+    unfinished = [t.label for t in ([] if found.explained else _unfinished(found))]
+    to_their_end(pool, found, unfinished[:ON_THEIR_WAY], report, "single effects, on their way")
     fading = changing(pool, found, CHANGING_FIRST)
     if found.explained:  # by so little as may be the change of what is named: its first step tells
         fading = [replace(t, patient=False, eager=True, hopeless=_near(t).cost - MARGIN) for t in fading]
     # before what is sought beside them: two make up for the fading of one
+    explained = found.explained
     run_tasks(pool, found, fading, report, "the best, changing over the trials", stop=True)
+    for task in fading if explained else []:  # what does not change is no other explanation
+        if task.label in found.fits and found.fits[task.label].cost > _near(task).cost - MARGIN:
+            del found.fits[task.label]
     pairs(pool, found, first, report)
     formed(pool, found, report)
     more(pool, found, report)

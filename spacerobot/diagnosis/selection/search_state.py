@@ -23,6 +23,11 @@ EXPLAINED = 1.02
 WORTH_A_FIT = 15.0
 """Fall of the cost below which an effect is screened only: far from what it would have to earn."""
 
+STEPS, ROUNDS = 30, 12
+"""Of a fit that goes on where it ended, and how often it does: where a target bounces many times, the valley that leads
+to the truth is narrow and bent.
+"""
+
 PARTS = 4
 """Parts of a screening, each done by one process; however many there are, the scores are the same."""
 
@@ -133,6 +138,17 @@ def run_tasks(
         if stop and not already and found.explained:
             break
     return given_up
+
+
+def to_their_end(pool: Pool, found: Found, labels: Sequence[Label], report: Report, what: str) -> None:
+    """Go on with the fits of sets that were not finished, while one of them still gains something."""
+    for _ in range(ROUNDS):
+        fits = [found.fits[label] for label in labels if label in found.fits]
+        on = [f for f in fits if not f.converged]
+        tasks = [Task(f.hypothesis.label, {}, near=f, max_iterations=STEPS, patient=True) for f in on]
+        run_tasks(pool, found, tasks, report, what)
+        if not any(found.fits[f.hypothesis.label].cost < f.cost - WORTH_A_FIT for f in on):
+            break
 
 
 def screened(pool: Pool, fit: Fit, sites: Sequence[Site], *, full: bool = False) -> Screen:
