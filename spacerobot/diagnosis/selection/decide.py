@@ -14,12 +14,11 @@ from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.workshop import Workshop
 from spacerobot.diagnosis.selection.judge import Judgement, judge
 from spacerobot.diagnosis.selection.rebase import rebased
-from spacerobot.diagnosis.selection.search import search
 from spacerobot.diagnosis.selection.search_state import Found, Report
 from spacerobot.diagnosis.selection.without_prior import baseline_freed, set_free
 from spacerobot.diagnosis.terms.candidates import contains
 from spacerobot.diagnosis.terms.decision import SLIGHT, SMALL
-from spacerobot.diagnosis.terms.hypothesis import Label, Site
+from spacerobot.diagnosis.terms.hypothesis import Label
 
 FINALISTS = 4
 CLOSE = 100.0
@@ -77,11 +76,6 @@ class Decided:
         left_of[id(better)] = workshop.left_by(better)
         said = judge(self.found, left_of, freed, (), self.withdrawn)
         return replace(self, left_of=left_of, freed=freed, judgement=said)
-
-
-def decide(pool: Pool, sites: Sequence[Site], report: Report, near: Fit | None = None) -> Decided:
-    """Search among these effects and places, and judge what was found; arguments as of `search`."""
-    return conclude(pool, search(pool, sites, report, near), report)
 
 
 def conclude(pool: Pool, found: Found, report: Report) -> Decided:
