@@ -32,7 +32,7 @@ from spacerobot.diagnosis.selection.decide import conclude
 from spacerobot.diagnosis.selection.glimpse import glimpsed
 from spacerobot.diagnosis.selection.intervals import with_intervals
 from spacerobot.diagnosis.selection.limits import Limit, Limits
-from spacerobot.diagnosis.selection.own_filter import beside, sought, with_filters
+from spacerobot.diagnosis.selection.own_filter import own_labels, sought, with_filters
 from spacerobot.diagnosis.selection.own_filter import told as own_filters_told
 from spacerobot.diagnosis.selection.precompile import help_compiling
 from spacerobot.diagnosis.selection.search import search
@@ -121,7 +121,7 @@ def diagnose(
             if number < PASSES - 1 and (own or apart(workshop, chosen) > NEAR):
                 locating.cancel()
                 if own:
-                    begin = partial(beside, found=found, before=workshop, report=report)
+                    begin = partial(again, found=found, report=report, but_for=partial(own_labels, workshop))
                     workshop = with_filters(workshop, own)
                 else:
                     begin = partial(again, found=found, report=report)

@@ -107,6 +107,4 @@ class HigherOrder(SensorEffect):
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
         """The filter on each of the sensor's channels."""
         (value,) = values.values()
-        return mechanism.with_map(
-            *(ChannelMap(c, self.map_kind, value, form=self.form) for c in mechanism.sensors[where])
-        )
+        return mechanism.with_map(*(filter_of(c, value, *self.form) for c in mechanism.sensors[where]))

@@ -70,4 +70,4 @@ def draft_of(learnt: Learnt) -> str | None:
     site, values = learnt.site, learnt.fit.values()
     if not isinstance(site.effect, FormulaLaw):
         return None
-    return law_file(site.effect, {p.name: values[site.key(p.name)] for p in site.effect.parameters}, site.where)
+    return law_file(site.effect, site.own(values), site.where)

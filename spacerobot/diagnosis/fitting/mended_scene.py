@@ -17,7 +17,7 @@ from spacerobot.simulation.scene import Scene
 
 def _as_it_is(site: Site, free: Mapping[str, float], number: int) -> EffectAt:
     """An effect with its fitted values; one that changes over the trials as strong as it is in this one."""
-    values = {p.name: free[site.key(p.name)] for p in site.effect.parameters}
+    values = site.own(free)
     if isinstance(site.effect, Trend):
         return EffectAt(site.effect.steady.name, site.where, site.effect.in_trial(values, number))
     return EffectAt(site.effect.name, site.where, values)

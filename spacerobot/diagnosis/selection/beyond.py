@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Collection
 from dataclasses import replace
 from functools import partial
 
@@ -14,7 +15,7 @@ from spacerobot.diagnosis.selection.bending import LEVEL, beyond
 from spacerobot.diagnosis.selection.confirm import difference
 from spacerobot.diagnosis.selection.precompile import as_believed
 from spacerobot.diagnosis.selection.search_state import Found, Report, implausible_of, noise_of, run_tasks
-from spacerobot.diagnosis.terms.hypothesis import hypothesis
+from spacerobot.diagnosis.terms.hypothesis import Label, hypothesis
 from spacerobot.support.errors import SpacerobotError
 
 ROUNDS = 6
@@ -61,16 +62,22 @@ def as_whole_robot(workshop: Workshop) -> Workshop:
         return workshop
 
 
-def again(pool: Pool, found: Found, report: Report) -> Found:
-    """The baseline and the best sets of a search fitted again, by a machine that is bent about what it found.
+def again(
+    pool: Pool, found: Found, report: Report, but_for: Callable[[Fit], Collection[tuple[str, str]]] = lambda fit: ()
+) -> Found:
+    """The baseline and the best sets of a search fitted again, by a machine that knows what it found.
 
     Args:
-        pool: of that machine.
-        found: by the search, of the machine as it was bent before.
+        pool: of that machine: it is bent about what was found, or has a part of it.
+        found: by the search, of the machine as it was before.
         report: told of progress.
+        but_for: effects and places of a fit that the machine itself has now.
     """
-    baseline = pool.here(Task((), {}, near=found.baseline))
-    fits = sorted(found.fits.values(), key=lambda f: f.cost)[:AGAIN]
+    near: dict[Label, Fit] = {}
+    for fit in sorted(found.fits.values(), key=lambda f: f.cost)[:AGAIN]:
+        known = but_for(fit)
+        near.setdefault(tuple(one for one in fit.hypothesis.label if one not in known), fit)
+    baseline = pool.here(Task((), {}, near=near.pop((), found.baseline)))
     new = replace(
         found,
         baseline=found.baseline if baseline is None else baseline,
@@ -78,7 +85,8 @@ def again(pool: Pool, found: Found, report: Report) -> Found:
         noise=noise_of(pool.workshop),
         implausible=implausible_of(pool.workshop),
     )
-    run_tasks(pool, new, [Task(f.hypothesis.label, {}, near=f) for f in fits], report, "the best sets, once more")
+    tasks = [Task(label, {}, near=fit) for label, fit in near.items()]
+    run_tasks(pool, new, tasks, report, "the best sets, once more")
     return new
 
 

@@ -49,7 +49,7 @@ def formed(pool: Pool, found: Found, report: Report) -> None:
             run_tasks(pool, found, tasks, report, "other forms of effects")
             if found.explained:
                 break
-        if not found.explained and found.singles_by_cost()[0].hypothesis.label == (site.label,):
+        if not found.explained and [f.hypothesis.label for f in found.singles_by_cost()[:1]] == [(site.label,)]:
             # what a filter hides has bent the values of all that was fitted without it
             afresh = [Task((o.label,), start, max_iterations=30) for o in others for start in effect_starts([o])]
             run_tasks(pool, found, afresh, report, "other forms of effects, afresh", stop=True)

@@ -145,7 +145,6 @@ def implausible(sites: Sequence[Site], values: Mapping[str, float], size_at: Cal
     if redundant([s.label for s in sites]):
         return "two laws of one thing at one place"
     for site in sites:
-        own = {p.name: values[site.key(p.name)] for p in site.effect.parameters}
-        if why := site.effect.implausible(own, size_at(site.where)):
+        if why := site.effect.implausible(site.own(values), size_at(site.where)):
             return why
     return ""

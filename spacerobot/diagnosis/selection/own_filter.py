@@ -7,17 +7,16 @@ filter without delay. It is then taken as the sensor's own, as if the study had 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 
 import numpy as np
 
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
-from spacerobot.diagnosis.selection.beyond import AGAIN
-from spacerobot.diagnosis.selection.search_state import Found, Report, implausible_of, noise_of, run_tasks
+from spacerobot.diagnosis.selection.search_state import Found, Report, run_tasks
+from spacerobot.diagnosis.terms.candidates import exchanged
 from spacerobot.diagnosis.terms.decision import MARGIN
-from spacerobot.diagnosis.terms.hypothesis import Label, Site
+from spacerobot.diagnosis.terms.hypothesis import Site
 from spacerobot.effects.effect import FORM
 from spacerobot.effects.registry import effect
 from spacerobot.recordings.sensor_filter import SensorFilter
@@ -39,14 +38,14 @@ def sought(pool: Pool, found: Found, fit: Fit, report: Report) -> dict[str, Sens
     own = own_filters(workshop, fit)
     if own:
         return own
-    tasks = [
-        Task(tuple(sorted(new.label if one == site.label else one for one in fit.hypothesis.label)), start, near=fit)
-        for site in _free_of_stated(workshop, fit)
-        for form in site.effect.forms
-        for new in [workshop.model.site(effect(site.effect.name + FORM + form), site.where)]
-        if new.effect.innate({p.name: p.null for p in new.effect.parameters}, _rate_of(workshop, site))
-        for start in [{new.key(p.name): fit.values()[site.key(p.name)] for p in site.effect.parameters}]
-    ]
+    tasks = []
+    for site in _free_of_stated(workshop, fit):
+        values = site.own(fit.values())
+        for form in site.effect.forms:
+            new = workshop.model.site(effect(site.effect.name + FORM + form), site.where)
+            if new.effect.innate({p.name: p.null for p in new.effect.parameters}, _rate_of(workshop, site)):
+                label = exchanged(fit.hypothesis.label, site.label, new.label)
+                tasks.append(Task(label, {new.key(name): x for name, x in values.items()}, near=fit))
     run_tasks(pool, found, tasks, report, "filters that are a sensor's own")
     others = sorted((found.fits[t.label] for t in tasks if t.label in found.fits), key=lambda f: f.cost)
     return next((o for f in others if f.cost < fit.cost + MARGIN and (o := own_filters(workshop, f))), {})
@@ -54,13 +53,17 @@ def sought(pool: Pool, found: Found, fit: Fit, report: Report) -> dict[str, Sens
 
 def own_filters(workshop: Workshop, fit: Fit) -> dict[str, SensorFilter]:
     """Channel -> the filter of a fit that is its sensor's own."""
-    plain = workshop.model.plain()
     found: dict[str, SensorFilter] = {}
     for site in _own(workshop, fit):
-        values = {p.name: fit.values()[site.key(p.name)] for p in site.effect.parameters}
-        added = site.effect.edit(plain, site.where, values).maps[len(plain.maps) :]
+        plain = workshop.model.plain()
+        added = site.effect.edit(plain, site.where, site.own(fit.values())).maps[len(plain.maps) :]
         found |= {m.channel: SensorFilter(m.value, *m.form) for m in added}
     return found
+
+
+def own_labels(workshop: Workshop, fit: Fit) -> set[tuple[str, str]]:
+    """The effects and places of a fit that are its sensors' own."""
+    return {site.label for site in _own(workshop, fit)}
 
 
 def with_filters(workshop: Workshop, filters: Mapping[str, SensorFilter]) -> Workshop:
@@ -69,34 +72,6 @@ def with_filters(workshop: Workshop, filters: Mapping[str, SensorFilter]) -> Wor
     for channel, own in filters.items():
         study = study.with_filter(channel, own)
     return Workshop(study, workshop.make_model)
-
-
-def beside(pool: Pool, found: Found, before: Workshop, report: Report) -> Found:
-    """The baseline and the best sets of a search fitted again, without the filters that are their sensors' own.
-
-    Args:
-        pool: of the workshop in which these are stated.
-        found: by the search, before they were.
-        before: its workshop.
-        report: told of progress.
-    """
-    fits = sorted(found.fits.values(), key=lambda f: f.cost)[:AGAIN]
-    rest: dict[Label, Fit] = {}
-    for fit in fits:
-        own = {site.label for site in _own(before, fit)}
-        rest.setdefault(tuple(x for x in fit.hypothesis.label if x not in own), fit)
-    base = pool.here(Task((), {}, near=rest.pop((), found.baseline)))
-    workshop = pool.workshop
-    new = replace(
-        found,
-        baseline=found.baseline if base is None else base,
-        fits={},
-        noise=noise_of(workshop),
-        implausible=implausible_of(workshop),
-    )
-    tasks = [Task(label, {}, near=fit) for label, fit in rest.items()]
-    run_tasks(pool, new, tasks, report, "the best sets, beside the sensor's own filter")
-    return new
 
 
 def told(study: Study, workshop: Workshop) -> list[str]:
@@ -112,14 +87,8 @@ def told(study: Study, workshop: Workshop) -> list[str]:
 
 def _own(workshop: Workshop, fit: Fit) -> list[Site]:
     """The effects of a fit that are their sensors' own."""
-    values = fit.values()
-    return [
-        site
-        for site in _free_of_stated(workshop, fit)
-        if site.effect.innate(
-            {p.name: values[site.key(p.name)] for p in site.effect.parameters}, _rate_of(workshop, site)
-        )
-    ]
+    values, sites = fit.values(), _free_of_stated(workshop, fit)
+    return [site for site in sites if site.effect.innate(site.own(values), _rate_of(workshop, site))]
 
 
 def _free_of_stated(workshop: Workshop, fit: Fit) -> list[Site]:

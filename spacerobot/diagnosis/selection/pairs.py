@@ -23,7 +23,7 @@ from spacerobot.diagnosis.selection.search_state import (
     screened,
     share_of,
 )
-from spacerobot.diagnosis.terms.candidates import by_name, contains, mirrored, plainest, redundant, simpler
+from spacerobot.diagnosis.terms.candidates import by_name, contains, exchanged, mirrored, plainest, redundant, simpler
 from spacerobot.diagnosis.terms.decision import MARGIN
 from spacerobot.diagnosis.terms.hypothesis import Label, Site
 from spacerobot.effects.registry import effect
@@ -139,7 +139,7 @@ def changing(pool: Pool, found: Found, most: int = TOP_SINGLES) -> list[Task]:
             if site.trials or not may_change(site.effect):
                 continue
             new = pool.workshop.model.site(effect(site.effect.name + SUFFIX), site.where)
-            label = tuple(sorted(new.label if one == site.label else one for one in fit.hypothesis.label))
+            label = exchanged(fit.hypothesis.label, site.label, new.label)
             values = {new.key(p.name): fit.values()[site.key(p.name)] for p in site.effect.parameters}
             start = {**effect_values(fit), **values, new.key(TREND): 0.0}
             tasks.append(Task(label, start, near=fit, max_iterations=30, patient=True))

@@ -137,13 +137,13 @@ def search(
     )
     if not found.explained:
         run_tasks(pool, found, heirs(found, found.one_of_each()[:TOP_FITTED]), report, "richer laws", stop=True)
-    unfinished = [t.label for t in ([] if found.explained else _unfinished(found))]
-    to_their_end(pool, found, unfinished[:ON_THEIR_WAY], report, "single effects, on their way")
-    fading = changing(pool, found, CHANGING_FIRST)
-    if found.explained:  # by so little as may be the change of what is named: its first step tells
+    if not found.explained:
+        unfinished = [t.label for t in _unfinished(found)[:ON_THEIR_WAY]]
+        to_their_end(pool, found, unfinished, report, "single effects, on their way")
+    fading, explained = changing(pool, found, CHANGING_FIRST), found.explained
+    if explained:  # but for so little as may be the change of what is named: its first step tells
         fading = [replace(t, patient=False, eager=True, hopeless=_near(t).cost - MARGIN) for t in fading]
     # before what is sought beside them: two make up for the fading of one
-    explained = found.explained
     run_tasks(pool, found, fading, report, "the best, changing over the trials", stop=True)
     for task in fading if explained else []:  # what does not change is no other explanation
         if task.label in found.fits and found.fits[task.label].cost > _near(task).cost - MARGIN:

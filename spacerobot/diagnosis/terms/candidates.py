@@ -55,6 +55,13 @@ def by_name(label: Sequence[tuple[str, str]]) -> tuple[tuple[str, str], ...]:
     return tuple(sorted((said_name(name), where) for name, where in label))
 
 
+def exchanged(
+    label: Sequence[tuple[str, str]], old: tuple[str, str], new: tuple[str, str]
+) -> tuple[tuple[str, str], ...]:
+    """A set with one effect in the place of another."""
+    return tuple(sorted(new if one == old else one for one in label))
+
+
 def redundant(label: Sequence[tuple[str, str]]) -> bool:
     """Whether one place has two laws of the same thing; so are two forms of one effect."""
     laws = [(name.split(FORM)[0], where) for name, where in plainest(label)]

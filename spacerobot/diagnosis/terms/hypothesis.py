@@ -51,6 +51,10 @@ class Site:
         """Key of one of its parameters among the free ones."""
         return f"{self.effect.name}@{self.where}.{parameter}"
 
+    def own(self, values: Mapping[str, float]) -> dict[str, float]:
+        """Its parameters by name, of values by key."""
+        return {p.name: values[self.key(p.name)] for p in self.effect.parameters}
+
 
 def label_of(sites: Iterable[Site]) -> Label:
     """What a set of sites is called, in whatever order they stand."""
@@ -205,7 +209,7 @@ class Hypothesis:
         """
         try:
             for site in self.acting(trial):
-                inside = {p.name: free[site.key(p.name)] for p in site.effect.parameters}
+                inside = site.own(free)
                 if site.effect.name.endswith(SUFFIX):
                     inside[NUMBER] = float(number)
                 mechanism = site.effect.edit(mechanism, site.where, inside)
