@@ -29,11 +29,12 @@ def write_study(
     weighed: float = 1.0,
     tracking: float = POSITION_NOISE,
     pressed: bool = True,
+    alone: Mapping[str, Sequence[tuple[str, str, Mapping[str, float]]]] | None = None,
 ) -> Study:
     """A study of len(masses) x len(speeds) trials with sensor noise; `truth` and `believed` set them apart.
 
     `weighed`: what the lab's scale shows of a target, over its mass. `tracking`: the camera's noise [m]. `pressed`:
-    whether the force sensor's readings are known.
+    whether the force sensor's readings are known. `alone`: by trial, what is planted in it and in no other.
     """
     random = np.random.default_rng(seed)
     values = {**BELIEVED, "wrist.equivalent_damping": 5.0, "contact.damping": 60.0, **(truth or {})}
@@ -45,7 +46,7 @@ def write_study(
         for s, speed in enumerate(speeds):
             name = f"{m}{s}"
             mechanism = rig({**values, "target.mass": mass})
-            for label, where, parameters in planted:
+            for label, where, parameters in (*planted, *(alone or {}).get(name, ())):
                 mechanism = effect(label).apply(mechanism, where, parameters)
             end = 0.02 / speed + 1.4
             run = simulate(mechanism, position={"target": -0.02}, velocity={"target": speed}, end=end)

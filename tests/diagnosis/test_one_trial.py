@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import shutil
 from pathlib import Path
-from types import SimpleNamespace
 
-import numpy as np
 import pytest
 
 from spacerobot.diagnosis.diagnose import diagnose
-from spacerobot.diagnosis.selection.one_trial import odd_one_out
+from spacerobot.diagnosis.fitting.pool import Pool
+from spacerobot.diagnosis.fitting.workshop import Task, Workshop
+from spacerobot.diagnosis.selection.one_trial import knocks
+from spacerobot.diagnosis.selection.search import search
+from spacerobot.diagnosis.selection.search_state import silent
 from spacerobot.diagnosis.terms.hypothesis import Believed, Site, hypothesis
 from spacerobot.effects.registry import effect
 from spacerobot.recordings.study import load_study
 from spacerobot.simulation.rig import rig
+from tests.diagnosis.rigs import write_study
 from tests.overlay.studies import DATA
 
 TRIAL, MOMENT, IMPULSE = "05", 2.0, -0.05
@@ -32,13 +35,28 @@ def test_an_effect_of_one_trial_is_in_no_other() -> None:
     assert made.idle("06") == {"external_impulse@target.impulse_Ns", "external_impulse@target.time_s"}
 
 
-@pytest.mark.parametrize(("levels", "odd"), [((1, 1, 1, 9), "3"), ((1, 1, 1, 1), None), ((1, 9, 1, 9), None)])
-def test_the_odd_one(levels: tuple[float, ...], odd: str | None) -> None:
-    rng = np.random.default_rng(1)
-    trials = tuple(SimpleNamespace(id=str(i)) for i in range(len(levels)))
-    left = {str(i): SimpleNamespace(residual=np.sqrt(v) * rng.normal(size=2000)) for i, v in enumerate(levels)}
-    found = odd_one_out(SimpleNamespace(trials=left), trials)  # type: ignore[arg-type]
-    assert (None if found is None else found.id) == odd
+def test_a_knock_is_sought_although_a_law_for_all_trials_leaves_little(tmp_path: Path) -> None:
+    """Diluted in the other trials' readings, all that it leaves over without it is less than noise may."""
+    knock = ("external_impulse", "target", {"impulse_Ns": 0.04, "time_s": 0.5})
+    study = write_study(tmp_path, masses=(9.0, 23.2, 51.0), speeds=(0.05, 0.065, 0.08, 0.1), alone={"23": [knock]})
+    workshop = Workshop(study)
+    law, own = ("cubic_stiffness", "wrist"), ("external_impulse", "target")
+    sites = [workshop.model.site(effect(name), where) for name, where in (law, own)]
+    with Pool(workshop, 1) as pool:
+        found = search(pool, sites, silent)
+    assert found.explains(found.baseline)
+    chosen = found.preferred([found.baseline, *found.fits.values()])
+    assert chosen.hypothesis.label == (own,)
+    assert chosen.hypothesis.only == ((own, ("23",)),)
+    assert chosen.values()["external_impulse@target.impulse_Ns"] == pytest.approx(0.04, rel=0.2)
+
+
+def test_no_knock_is_sought_where_noise_alone_is_left(tmp_path: Path) -> None:
+    workshop = Workshop(write_study(tmp_path))
+    baseline = workshop.run(Task((), {}))
+    assert baseline is not None
+    site = workshop.model.site(effect("external_impulse"), "target")
+    assert not knocks(workshop.fitter(), workshop.model.believed, baseline, [site])
 
 
 @pytest.mark.slow

@@ -1,6 +1,9 @@
-"""What acts in one trial alone: a knock that nobody meant, sought in the trial that fits far worse than the rest."""
+"""What acts in one trial alone: a knock that nobody meant, sought in every trial."""
 
 from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -10,90 +13,108 @@ from spacerobot.diagnosis.fitting.screen import FAINT
 from spacerobot.diagnosis.fitting.starts import moments
 from spacerobot.diagnosis.fitting.workshop import Task
 from spacerobot.diagnosis.terms.data import TrialData
+from spacerobot.diagnosis.terms.decision import EARN, PENALTY
 from spacerobot.diagnosis.terms.hypothesis import Believed, Site, hypothesis
 from spacerobot.support.errors import SimulationError
 
 SHARE = 0.6
-"""Part of all that is left over, beyond what the other trials leave, that the one trial must hold."""
+"""Part of all that is left over, beyond the level of most trials, that one trial must hold."""
 
-STANDS_OUT, CHANCE = 4.0, 2.0
-"""Excess of the trial's chi-squared in its standard errors, and how much of it any trial may have by chance."""
+CHANCE = 2.0
+"""Standard errors of what is left over that noise may leave."""
 
 TRIED = 3
 """Starts that are fitted."""
 
 
-def odd_one_out(fit: Fit, trials: tuple[TrialData, ...]) -> TrialData | None:
-    """The trial that fits far worse than all others, if there is one such."""
-    level, counts = {}, {}
-    for trial in trials:
-        count = max(int((fit.trials[trial.id].residual != 0.0).sum()), 1)
-        level[trial.id] = float(np.square(fit.trials[trial.id].residual).sum()) / count
-        counts[trial.id] = count
-    usual = float(np.median(list(level.values())))
-    error = {t: usual * np.sqrt(2.0 * counts[t]) for t in level}
-    over = {t: (level[t] - usual) * counts[t] - CHANCE * error[t] for t in level}
-    total = sum(max(v, 0.0) for v in over.values())
-    worst = max(over, key=lambda t: over[t])
-    significant = over[worst] > (STANDS_OUT - CHANCE) * error[worst]
-    if len(trials) < 3 or not significant or over[worst] < SHARE * total:
-        return None
-    return next(t for t in trials if t.id == worst)
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """A trial as a fit predicts it.
+
+    Attributes:
+        trial: its readings.
+        initial: its start, shape (N,).
+        residual: weighted, shape (K,), of the samples that count.
+        keep: which do, shape (S,).
+        own: orthonormal columns of what its start explains, shape (K, N).
+    """
+
+    trial: TrialData
+    initial: np.ndarray
+    residual: np.ndarray
+    keep: np.ndarray
+    own: np.ndarray
 
 
-def knocks(fitter: Fitter, believed: Believed, near: Fit, sites: tuple[Site, ...]) -> list[Task]:
-    """Fits to make: momentary effects in the odd trial alone, from the moments that promise most.
+def seen(fitter: Fitter, near: Fit) -> list[Seen]:
+    """All trials that can be simulated at a fit."""
+    found, rows = [], fitter.rows_at(near)
+    for trial in fitter.trials:
+        initial = near.trials[trial.id].initial
+        try:
+            residual, keep = fitter.residual(near.hypothesis, near.z, trial, initial)
+        except SimulationError:
+            continue
+        own, _ = np.linalg.qr(rows[trial.id][keep][:, len(near.hypothesis.free) :])
+        found.append(Seen(trial, initial, residual[keep], keep, own))
+    return found
+
+
+def knocks(fitter: Fitter, believed: Believed, near: Fit, sites: Sequence[Site]) -> list[Task]:
+    """Fits to make: momentary effects in one trial alone, in those trials and from those moments that promise most.
 
     Args:
         fitter: of all trials.
         believed: what the study says.
-        near: the best fit so far without them.
+        near: a fit without them.
         sites: all that may be missing.
     """
-    odd = odd_one_out(near, fitter.trials)
-    if odd is None:
-        return []
-    rows = fitter.rows_at(near)[odd.id]
+    momentary = [s for s in sites if s.effect.once and s.label not in near.hypothesis.label]
+    trials = seen(fitter, near) if momentary and len(fitter.trials) > 2 else []
+    left = SHARE * left_over(trials)
     tasks = []
-    for site in sites:
-        if site.label in near.hypothesis.label:
-            continue
-        alone = Site(site.effect, site.where, (odd.id,))
+    for site in momentary:
         strength = site.key(site.effect.parameters[0].name)
-        promised = []
-        for moment in moments(site, [odd]):
-            start = {**moment, strength: FAINT * moment[strength]}
-            gain, amplitude = promise(fitter, believed, near, alone, start, odd, rows)
-            promised.append((gain, {**start, strength: float(start[strength] * np.clip(amplitude, -1e3, 1e3))}))
+        bar = max(left, EARN + PENALTY * (len(site.effect.parameters) + 1))
+        promised: list[tuple[float, str, dict[str, float]]] = []
+        for one in trials:
+            alone = Site(site.effect, site.where, (one.trial.id,))
+            for moment in moments(site, [one.trial]):
+                start = {**moment, strength: FAINT * moment[strength]}
+                gain, amplitude = promise(fitter, believed, near, alone, start, one)
+                if gain > bar:
+                    start[strength] *= float(np.clip(amplitude, -1e3, 1e3))
+                    promised.append((gain, one.trial.id, start))
         promised.sort(key=lambda p: -p[0])
         label = tuple(sorted((*near.hypothesis.label, site.label)))
-        only = ((site.label, (odd.id,)),)
-        tasks += [Task(label, start, near=near, max_iterations=30, only=only) for _, start in promised[:TRIED]]
+        for _, trial, start in promised[:TRIED]:
+            tasks.append(Task(label, start, near=near, max_iterations=30, only=((site.label, (trial,)),)))
     return tasks
 
 
+def left_over(trials: Sequence[Seen]) -> float:
+    """chi-squared beyond the level of most trials, and beyond what noise may leave of it."""
+    counts = np.array([max(np.count_nonzero(t.residual), 1) for t in trials])
+    squares = np.array([float(t.residual @ t.residual) for t in trials])
+    if not counts.size:
+        return 0.0
+    usual = float(np.median(squares / counts))
+    return float(squares.sum() - usual * counts.sum() - CHANCE * usual * np.sqrt(2.0 * counts.sum()))
+
+
 def promise(
-    fitter: Fitter,
-    believed: Believed,
-    near: Fit,
-    site: Site,
-    start: dict[str, float],
-    trial: TrialData,
-    rows: np.ndarray,
+    fitter: Fitter, believed: Believed, near: Fit, site: Site, start: Mapping[str, float], one: Seen
 ) -> tuple[float, float]:
     """By how much chi-squared of the trial would fall, and at which multiple of the start's strength."""
     made = hypothesis(believed, (*near.hypothesis.sites, site), start)
-    initial = near.trials[trial.id].initial
     try:
-        before, keep = fitter.residual(near.hypothesis, near.z, trial, initial)
-        moved, _ = fitter.residual(made, made.start({**near.values(), **start}), trial, initial)
+        moved, _ = fitter.residual(made, made.start({**near.values(), **start}), one.trial, one.initial)
     except SimulationError:
         return 0.0, 0.0
-    own, _ = np.linalg.qr(rows[keep][:, len(near.hypothesis.free) :])
-    column = (moved - before)[keep]
-    column = column - own @ (own.T @ column)
+    column = moved[one.keep] - one.residual
+    column = column - one.own @ (one.own.T @ column)
     norm = float(column @ column)
     if norm < 1e-12:
         return 0.0, 0.0
-    amplitude = -float(column @ before[keep]) / norm
+    amplitude = -float(column @ one.residual) / norm
     return amplitude**2 * norm, amplitude

@@ -105,9 +105,11 @@ def search(
         run_tasks(pool, found, _unfinished(found), report, "single effects, the best to their end")
     if not found.explained:  # then what its first step promised may have been too little to go by
         run_tasks(pool, found, [replace(t, eager=False) for t in given_up], report, "single effects, at leisure")
-    if not found.explained:
-        alone = knocks(workshop.fitter(), workshop.model.believed, found.baseline, found.singles)
+    # whatever explains the data: of one trial in many, a law for all may take up all but what noise would leave
+    for near in (found.baseline, *found.one_of_each()[:1]):
+        alone = knocks(workshop.fitter(), workshop.model.believed, near, found.singles)
         run_tasks(pool, found, alone, report, "knocks in one trial alone")
+    if not found.explained:
         run_tasks(pool, found, at_full_size(pool, found, baseline, sites, report), report, "single effects, full size")
         run_tasks(pool, found, _resized(found), report, "single effects, from other sizes")
     known = {(s.label,) for s in found.singles}

@@ -9,7 +9,7 @@ from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.fitting.screen import FAINT
 from spacerobot.diagnosis.fitting.starts import effect_starts
 from spacerobot.diagnosis.fitting.workshop import Task
-from spacerobot.diagnosis.selection.one_trial import promise
+from spacerobot.diagnosis.selection.one_trial import promise, seen
 from spacerobot.diagnosis.selection.search_state import WORTH_A_FIT
 from spacerobot.diagnosis.terms.hypothesis import Believed, Site
 
@@ -31,7 +31,7 @@ def since(fitter: Fitter, believed: Believed, near: Fit, sites: tuple[Site, ...]
         near: the best fit so far without it.
         sites: all that may be missing.
     """
-    rows = fitter.rows_at(near)
+    trials = seen(fitter, near)
     found: list[tuple[float, Task]] = []
     for site in sites:
         if site.effect.kind != "sensor" or len(site.effect.parameters) > 1 or site.label in near.hypothesis.label:
@@ -41,10 +41,10 @@ def since(fitter: Fitter, believed: Believed, near: Fit, sites: tuple[Site, ...]
             continue
         start = effect_starts([site])[0]
         faint = {key: null + FAINT * (start[key] - null)}
-        gains, sizes = np.array([promise(fitter, believed, near, site, faint, t, rows[t.id]) for t in fitter.trials]).T
+        gains, sizes = np.array([promise(fitter, believed, near, site, faint, t) for t in trials]).T
         weights = np.divide(gains, sizes**2, out=np.zeros_like(gains), where=sizes != 0.0)
         steps = []
-        for k in range(FEWEST, len(fitter.trials) - FEWEST + 1):
+        for k in range(FEWEST, len(trials) - FEWEST + 1):
             total = float(weights[k:].sum())
             mean = float(weights[k:] @ sizes[k:]) / total if total > 0.0 else 0.0
             steps.append((mean**2 * total, k, mean))
@@ -53,7 +53,7 @@ def since(fitter: Fitter, believed: Believed, near: Fit, sites: tuple[Site, ...]
         gain, k, mean = max(steps)
         if gain > WORTH_A_FIT:
             label = tuple(sorted((*near.hypothesis.label, site.label)))
-            only = ((site.label, tuple(t.id for t in fitter.trials[k:])),)
+            only = ((site.label, tuple(t.trial.id for t in trials[k:])),)
             size = {key: null + float(np.clip(mean, -1e3, 1e3)) * (faint[key] - null)}
             found.append((gain, Task(label, size, near=near, max_iterations=30, only=only)))
     return [task for _, task in sorted(found, key=lambda f: -f[0])[:TRIED]]

@@ -133,7 +133,8 @@ def _one(model: RigModel, fit: Fit, trial: TrialData, unseen: Sequence[TrialData
     )
     own = {k: found.values()[k] for k in keys}
     plain = found.trials[trial.id].initial, own, found.prior
-    if found.cost < found.samples + EARN:
+    # a curve says nothing where no other trial has been: there it would tell a trial by itself
+    if found.cost < found.samples + EARN or any(s.effect.learned for s in fit.hypothesis.sites):
         return plain
     within = _left_open(model, fit, trial, {**values, **own}, plain[0])
     return plain if within is None or within[1] > found.cost - EARN else within[0]
