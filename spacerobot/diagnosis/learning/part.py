@@ -146,12 +146,12 @@ def take(growth: Growth, report: Report) -> Taken | NotLearned:
 
 def refused(taken: Taken) -> NotLearned | None:
     """Why a law is not believed; None where it is."""
-    trials = taken.bench.trials
+    trials, share = taken.bench.trials, ratio(taken.better, taken.best)
+    beats = share < 1.0 - WORTH_OF_REST
     if not pays(taken.better, taken.best, trials):
-        share = ratio(taken.better, taken.best)
-        return NotLearned(leaves(taken.law, share), refuted=not surely(taken.better, taken.best, trials))
+        return NotLearned(leaves(taken.law, share), not surely(taken.better, taken.best, trials), beats)
     if loud := louder(taken.bench, taken.curve.fit):
-        return NotLearned(f"{_best(taken.law)} still leaves {loud:.3g} times the stated noise")
+        return NotLearned(f"{_best(taken.law)} still leaves {loud:.3g} times the stated noise", beats=beats)
     if why := unshownbeside(taken.curve.fit):
         return NotLearned(f"{_best(taken.law)} is told from no effect beside it: {why}")
     return None

@@ -51,10 +51,12 @@ class NotLearned:
     Attributes:
         why: in words.
         refuted: whether laws were tried, and none says anything of unseen trials.
+        beats: whether one that is not believed predicts unseen trials clearly better all the same than what is named.
     """
 
     why: str
     refuted: bool = False
+    beats: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,6 +191,8 @@ class Part:
         if any(x > LOUD for x in self.loudness.values()):
             return UNKNOWN
         if self.fit.hypothesis.sites:
+            if self.not_learned is not None and self.not_learned.beats:  # a curve knows more: the name is not the physics
+                return UNKNOWN
             return AMBIGUOUS if self.rivals else NAMED
         if self.knocks:  # pushes make up for much; what they leave must not be a force that nobody knows
             return UNKNOWN if self.unexplained else NAMED

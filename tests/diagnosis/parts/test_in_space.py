@@ -25,8 +25,13 @@ MASS, CAMERA = 0.06, 1e-3
 DIRECTIONS = ("target", "target.y", "target.z")
 
 
-def thrown(folder: Path, resists: Callable[[np.ndarray], np.ndarray], *, fall: np.ndarray = DOWN) -> Study:
-    """Five throws in all directions, a camera at 120 Hz; `resists` is force by velocity, `fall` what pulls."""
+def thrown(
+    folder: Path, resists: Callable[[np.ndarray], np.ndarray], *, fall: np.ndarray = DOWN, stated: bool = False
+) -> Study:
+    """Five throws in all directions, a camera at 120 Hz; `resists` is force by velocity, `fall` what pulls.
+
+    `stated`: whether the study tells the camera's noise.
+    """
     random = np.random.default_rng(7)
     time = np.arange(0.0, 1.0, 1.0 / 120.0)
     text = (
@@ -34,7 +39,8 @@ def thrown(folder: Path, resists: Callable[[np.ndarray], np.ndarray], *, fall: n
         f"[baseline.body]\nmass = {MASS}\n"
         '[streams.camera]\ntime = "t"\n[streams.camera.channels]\n'
     )
-    text += "".join(f'{a} = {{ is = "body.position.{a}" }}\n' for a in "xyz")
+    noise = f", sigma = {CAMERA}" if stated else ""
+    text += "".join(f'{a} = {{ is = "body.position.{a}"{noise} }}\n' for a in "xyz")
     for n in range(5):
         start = np.concatenate([[0.0, 0.0, 1.5], random.normal(size=3) * [3.0, 3.0, 2.0]])
         path = solve_ivp(
@@ -64,6 +70,16 @@ def test_drag_in_the_air_is_one_law_in_three_directions(name: str, power: int, s
     (value,) = parameters.values()
     assert value["value"] == pytest.approx(size, rel=0.03)
     assert set(verdict["held_out"]["channels"]) == {f"body.position.{a}" for a in "xyz"}
+
+
+@pytest.mark.slow
+def test_drag_in_moving_air_is_none_of_the_catalogue(tmp_path: Path) -> None:
+    """Against air at rest it would be another law, which leaves several times the camera's noise."""
+    wind = np.array([-0.7, -1.1, 0.0])
+    study = thrown(tmp_path, lambda v: -0.004 * float(np.linalg.norm(v - wind)) * (v - wind), stated=True)
+    verdict = diagnose(study, jobs=1).verdict
+    assert verdict["verdict"] in ("unknown", "learned")
+    assert not [e for e in verdict["effects"] if e["effect"] != "learned_law"]
 
 
 @pytest.mark.slow
