@@ -191,7 +191,7 @@ class Part:
         if any(x > LOUD for x in self.loudness.values()):
             return UNKNOWN
         if self.fit.hypothesis.sites:
-            if self.not_learned is not None and self.not_learned.beats:  # a curve knows more: the name is not the physics
+            if self.not_learned is not None and self.not_learned.beats:  # the name is not the physics
                 return UNKNOWN
             return AMBIGUOUS if self.rivals else NAMED
         if self.knocks:  # pushes make up for much; what they leave must not be a force that nobody knows

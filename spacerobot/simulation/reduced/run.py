@@ -98,7 +98,7 @@ class ReducedRun:
 
     @property
     def pieces(self) -> int:
-        """A step of the series, the longest there is, spans 3 to 5 rad of the fastest motion: 0.3 rad a piece at most."""
+        """A step of the series, the longest there is, spans 3 to 5 rad of the fastest motion: 0.3 rad a piece."""
         return 16
 
     def contact_modes(self, times: np.ndarray) -> np.ndarray:
