@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from spacerobot.diagnosis.learning.learnt import Learnt
-from spacerobot.diagnosis.learning.part import Taken, louder, noise, refused, take, words
+from spacerobot.diagnosis.learning.part import Taken, louder, refused, take, words
 from spacerobot.diagnosis.learning.part_held import kept_aside
 from spacerobot.diagnosis.selection.candidate import Candidate, tried
 from spacerobot.diagnosis.selection.growth import Growth
@@ -53,7 +53,7 @@ def room_for_a_law(part: Part) -> bool:
     Where nothing is said to be missing and no noise is stated, a law that predicts better is what tells.
     """
     said, bench = part.verdict, part.growth.bench
-    stated = bool(noise(bench, part.fit))
+    stated = bool(bench.model.stated_noise(part.fit.values()))
     if said in (NOTHING_MISSING, WRONG_PARAMETER):
         return not stated and part.shown
     if said not in (NAMED, AMBIGUOUS) or not stated:

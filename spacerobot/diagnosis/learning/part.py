@@ -173,21 +173,10 @@ def words(law: Law) -> str:
     return f"{'dry friction' if law.kind == 'friction' else 'a force'} of its {of} at {law.where}"
 
 
-def noise(bench: Bench, fit: Fit) -> dict[str, float]:
-    """By channel, the noise that is stated of what is compared; empty where none is."""
-    expected = dict(bench.model.expected(fit.values()))
-    for trial in bench.model.trials:
-        for block in trial.blocks:
-            for channel, weight in zip(block.channels, block.weight, strict=True):
-                if channel in bench.model.stated and weight.any():
-                    expected.setdefault(channel, 1.0 / float(weight.max()))
-    return expected
-
-
 def louder(bench: Bench, fit: Fit) -> float:
     """What a fit leaves over the stated noise of the loudest channel; nothing where none is stated or it is no more."""
     left = levels_of(fit.residuals(), bench.trials)
-    most = max((left[c] / s for c, s in noise(bench, fit).items()), default=0.0)
+    most = max((left[c] / s for c, s in bench.model.stated_noise(fit.values()).items()), default=0.0)
     return most if most > LOUD else 0.0
 
 

@@ -176,6 +176,16 @@ class Machine(ABC):
         """
         return {}
 
+    def stated_noise(self, values: Mapping[str, float]) -> dict[str, float]:
+        """Channel -> noise that is stated of what is compared, readings among it [SI]; empty where none is."""
+        found = dict(self.expected(values))
+        for trial in self.trials:
+            for block in trial.blocks:
+                for channel, weight in zip(block.channels, block.weight, strict=True):
+                    if channel in self.stated and weight.any():
+                        found.setdefault(channel, 1.0 / float(weight.max()))
+        return found
+
     def logged(self, values: Mapping[str, float]) -> Mapping[str, float]:
         """The same as the logs themselves show noise, or a study states that of readings; a lower bound of it."""
         return {}

@@ -203,7 +203,7 @@ def _richer(favourite: Fit, ranked: Sequence[Fit], scores: Mapping[int, float], 
     """Odds that the nearest set that holds the favourite is meant: even where it would earn its place by so much."""
     label = favourite.hypothesis.label
     gains = [scores[id(favourite)] - scores[id(f)] for f in ranked if contains(f.hypothesis.label, label)]
-    return float(np.exp(0.5 * min(max(gains, default=-np.inf) - owed, 0.0)))
+    return float(np.exp(0.5 * MARGIN * min(max(gains, default=-np.inf) / owed - 1.0, 0.0)))
 
 
 def _unnamed(said: Judgement, better: Sequence[Fit]) -> Judgement:

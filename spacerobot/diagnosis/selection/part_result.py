@@ -184,6 +184,12 @@ class Part:
         )
 
     @property
+    def louder(self) -> bool:
+        """Whether more is left than the noise that is stated, and goes on: no other noise than stated, but a motion."""
+        left = levels_of(self.fit.residuals(), self.trials)
+        return self.shown and any(left[c] > LOUD * s for c, s in self.model.stated_noise(self.fit.values()).items())
+
+    @property
     def verdict(self) -> Kind:
         """As in verdict.json, of this part alone."""
         if self.model.not_measured or not all(c.passed for c in self.checks):
@@ -196,7 +202,7 @@ class Part:
             return AMBIGUOUS if self.rivals else NAMED
         if self.knocks:  # pushes make up for much; what they leave must not be a force that nobody knows
             return UNKNOWN if self.unexplained else NAMED
-        if self.borne_out or self.unexplained:
+        if self.borne_out or self.unexplained or self.louder:
             return UNKNOWN
         return WRONG_PARAMETER if self.moved else NOTHING_MISSING
 

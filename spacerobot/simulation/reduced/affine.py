@@ -51,7 +51,7 @@ from spacerobot.support.jit import lean
 DEGREE = 16
 """Of the series; 1/17! is 3e-15."""
 
-REACH = 10.0
+REACH = 20.0
 """Longest step times the bound of the mode's fastest rate, two to four times that rate where there are many. What moves
 holds its step by the last term; this keeps what rests, a servo's stiff mode, from growing out of rounding.
 """
