@@ -368,6 +368,26 @@ def test_effects_that_are_not_there_predict_no_better_on_average(tmp_path: Path)
     assert np.mean(gained) < 0.0 < np.mean(fitted)
 
 
+def test_what_began_one_day_goes_on_in_trials_that_were_kept_aside(tmp_path: Path) -> None:
+    """A force sensor that reads five per cent more from the third trial on; each condition has trials of both days."""
+    study = write_study(tmp_path, masses=(9.0, 23.2, 51.0), speeds=(0.08,))
+    later = ("10", "20")
+    for name in later:
+        path = tmp_path / f"{name}_force.csv"
+        rows = np.loadtxt(path, delimiter=",", skiprows=1)
+        rows[:, 1] *= 1.05
+        np.savetxt(path, rows, "%.6f", ",", header="time_s,f_contact_N", comments="")
+    workshop = Workshop(load_study(study.path))
+    label = (("scale", "force_sensor"),)
+    fit = workshop.run(Task(label, {}, max_iterations=30, only=((label[0], later),)))
+    assert fit is not None
+    with Pool(workshop, 1) as pool:
+        held = hold_out(pool, Judgement("ambiguous", 0.5, fit, (), (), ()))()
+    assert held is not None
+    for trial in later:
+        assert held.after.chi2[trial] < held.before.chi2[trial]
+
+
 def test_what_is_known_of_values_is_the_inverse_of_their_covariance(workshop: Workshop) -> None:
     """Counted from a fit, nothing is off there; what rounding alone tells apart is not known."""
     fit = off_by(workshop, 0.0, 0.2)

@@ -7,8 +7,8 @@ back, by the curvature of the fold's fits.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
 from operator import attrgetter
 
 import numpy as np
@@ -89,7 +89,8 @@ def folded(
     after = said.chosen if best == label else _fit_of(found, sites)
     others = [_fit_of(found, seen_sites(r, out)) for r in rivals]
     asked = {id(f): f for f in (found.baseline, after, said.chosen, *others)}
-    told = {key: foretell(workshop.model, fit, unseen) for key, fit in asked.items()}
+    sets = {label_of(seen_sites(one, out)): one for one in (*rivals, chosen)}
+    told = {key: foretell(workshop.model, _going_on(fit, sets), unseen) for key, fit in asked.items()}
     leads_to: LeadsTo
     if best == label:
         leads_to = SAME
@@ -99,6 +100,15 @@ def folded(
         leads_to = PART if contains(label, best) else OTHER
     rest = tuple(told[id(f)] for f in others)
     return Predictions(out, told[id(found.baseline)], told[id(after)], told[id(said.chosen)], leads_to, rest)
+
+
+def _going_on(fit: Fit | None, sets: Mapping[Label, Sequence[Site]]) -> Fit | None:
+    """A fit to others, with its effects in the unseen trials too that a set has them in: what began one day goes on."""
+    if fit is None:
+        return None
+    meant = {s.label: s for s in sets.get(fit.hypothesis.label, ())}
+    sites = tuple(meant.get(s.label, s) if s.trials else s for s in fit.hypothesis.sites)
+    return replace(fit, hypothesis=replace(fit.hypothesis, sites=sites))
 
 
 def _fit_of(found: Found, sites: Sequence[Site]) -> Fit | None:

@@ -109,6 +109,9 @@ def search(
     for near in (found.baseline, *found.one_of_each()[:1]):
         alone = knocks(workshop.fitter(), workshop.model.believed, near, found.singles)
         run_tasks(pool, found, alone, report, "knocks in one trial alone")
+        if not found.explained:
+            later = since(workshop.fitter(), workshop.model.believed, near, found.singles)
+            run_tasks(pool, found, later, report, "sensors that change from some trial on")
     if not found.explained:
         run_tasks(pool, found, at_full_size(pool, found, baseline, sites, report), report, "single effects, full size")
         run_tasks(pool, found, _resized(found), report, "single effects, from other sizes")
@@ -157,8 +160,8 @@ def search(
         tried = {(t.label, id(t.near)) for t in fading}
         others = [t for t in changing(pool, found) if (t.label, id(t.near)) not in tried]
         run_tasks(pool, found, others, report, "effects that change over the trials")
-        lone = {id(f): f for f in (found.baseline, found.preferred([*found.fits.values()] or [found.baseline]))}
-        later = [t for f in lone.values() for t in since(workshop.fitter(), workshop.model.believed, f, found.singles)]
+        lone = found.preferred([*found.fits.values()] or [found.baseline])
+        later = since(workshop.fitter(), workshop.model.believed, lone, found.singles)
         run_tasks(pool, found, later, report, "sensors that change from some trial on")
     chosen = found.preferred([*found.fits.values()])
     other_minima(pool, found, report)
