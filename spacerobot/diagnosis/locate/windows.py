@@ -12,10 +12,19 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from scipy.interpolate import BSpline
-from scipy.sparse import csr_array, diags_array, vstack
+from scipy.sparse import csr_array
 
 DEGREE = 3
+
+CUBIC = (
+    np.array([[-1.0, 3.0, -3.0, 1.0], [3.0, -6.0, 0.0, 4.0], [-3.0, 3.0, 3.0, 1.0], [1.0, 0.0, 0.0, 0.0]]) / 6.0,
+    np.array([[-1.0, 2.0, -1.0], [3.0, -4.0, 0.0], [-3.0, 2.0, 1.0], [1.0, 0.0, 0.0]]) / 2.0,
+    np.array([[-1.0, 1.0], [3.0, -2.0], [-3.0, 1.0], [1.0, 0.0]]),
+)
+"""The four pieces of an even cubic B-spline and of its derivatives, the last first, as polynomials of 0 to 1."""
+
+Entries = tuple[np.ndarray, np.ndarray, np.ndarray]
+"""Values, and the test function and the time of each."""
 
 
 @dataclass(frozen=True)
@@ -52,23 +61,16 @@ class Splines:
         """Time of each peak, shape (count,) [s]."""
         return self.start + self.spacing * (np.arange(self.count) + 0.5 * (DEGREE + 1))
 
-    def values(self, times: np.ndarray, order: int) -> csr_array:
-        """Derivative of this order (0, 1 or 2) at ascending times, shape (count, len(times)) [s^-order]."""
-        degree = DEGREE - order
+    def entries(self, times: np.ndarray, order: int) -> Entries:
+        """Derivative of this order (0, 1 or 2) at ascending times [s^-order], where it is not zero."""
         first, last = np.searchsorted(times, [self.start, self.end])
-        inside = times[first:last]
-        h = self.spacing
-        if inside.size == 0:
-            return csr_array((self.count, times.size))
-        knots = self.start + h * np.arange(-degree, self.pieces + degree + 1)
-        basis = BSpline.design_matrix(np.clip(inside, knots[degree], knots[-degree - 1]), knots, degree)
-        basis = csr_array(basis.T)[degree : self.pieces]  # those that start at a knot inside and end inside
-        for _ in range(order):  # B_n' is the difference of two neighbours of the lower degree, over h
-            rows = basis.shape[0] - 1
-            both = [np.full(rows, 1.0 / h).tolist(), np.full(rows, -1.0 / h).tolist()]
-            basis = csr_array(diags_array(both, offsets=[0, 1], shape=(rows, rows + 1)) @ basis)
-        out = csr_array(basis).tocoo()
-        return csr_array((out.data, (out.row, out.col + first)), shape=(self.count, times.size))
+        along = (times[first:last] - self.start) / self.spacing
+        piece = np.minimum(along.astype(int), self.pieces - 1)
+        u = along - piece
+        value = np.array([np.polyval(p, u) for p in CUBIC[order]]) / self.spacing**order
+        row = piece + np.arange(-DEGREE, 1)[:, None]
+        kept = (row >= 0) & (row < self.count)
+        return value[kept], row[kept], np.broadcast_to(np.arange(first, last), row.shape)[kept]
 
 
 @dataclass(frozen=True)
@@ -91,12 +93,14 @@ class Plateau:
         """Middle of the flat part, shape (1,) [s]."""
         return np.array([0.5 * (self.flat_start + self.flat_end)])
 
-    def values(self, times: np.ndarray, order: int) -> csr_array:
-        """Derivative of this order (0, 1 or 2) at ascending times, shape (1, len(times)) [s^-order]."""
+    def entries(self, times: np.ndarray, order: int) -> Entries:
+        """Derivative of this order (0, 1 or 2) at ascending times [s^-order], where it is not zero."""
         rise, fall = self.flat_start - self.start, self.end - self.flat_end
         up = _ramp(np.clip((times - self.start) / rise, 0.0, 1.0), order) / rise**order
         down = _ramp(np.clip((self.end - times) / fall, 0.0, 1.0), order) / (-fall) ** order
-        return csr_array((up * down if order == 0 else up + down)[None, :])
+        value = up * down if order == 0 else up + down
+        column = np.flatnonzero(value)
+        return value[column], np.zeros(column.size, dtype=int), column
 
     def breaks(self) -> tuple[float, float, float, float]:
         """Where its formula changes [s]."""
@@ -129,7 +133,11 @@ class Windows:
 
     def values(self, times: np.ndarray, order: int) -> csr_array:
         """Derivative of this order at ascending times, shape (I, len(times)) [s^-order]."""
-        return csr_array(vstack([p.values(times, order) for p in self.parts], format="csr"))
+        first = np.cumsum([0, *(p.count for p in self.parts)])
+        found = [p.entries(times, order) for p in self.parts]
+        value, row, column = (np.concatenate([f[k] for f in found]) for k in range(3))
+        row += np.repeat(first[:-1], [f[0].size for f in found])
+        return csr_array((value, (row, column)), shape=(int(first[-1]), times.size))
 
     def nodes(self, per_piece: int = 5) -> tuple[np.ndarray, np.ndarray]:
         """Gauss-Legendre nodes and weights between all knots and breaks, shape (Q,) [s] each."""
