@@ -34,6 +34,9 @@ from spacerobot.support.errors import SimulationError
 TRIED = 3
 """Kinds of law, those that fit best, that are tried on unseen trials."""
 
+REPEATS = 2
+"""Trials that say nothing against a name, though a curve predicts each by the other."""
+
 LEVEL = "a level of friction"
 """The curve of effects where dry friction may act."""
 
@@ -147,7 +150,8 @@ def take(growth: Growth, report: Report) -> Taken | NotLearned:
 def refused(taken: Taken) -> NotLearned | None:
     """Why a law is not believed; None where it is."""
     trials, share = taken.bench.trials, ratio(taken.better, taken.best)
-    beats = share < 1.0 - WORTH_OF_REST
+    # two that begin alike repeat whatever is wrong with them, and a curve of the place foretells that
+    beats = share < 1.0 - WORTH_OF_REST and len({t.recorded for t in trials}) > REPEATS
     if not pays(taken.better, taken.best, trials):
         return NotLearned(leaves(taken.law, share), not surely(taken.better, taken.best, trials), beats)
     if loud := louder(taken.bench, taken.curve.fit):
