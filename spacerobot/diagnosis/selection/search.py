@@ -53,6 +53,9 @@ NEAR_ITERATIONS, OTHER_ITERATIONS = 8, 3
 """Steps of a fit from the best-scored start of an effect, and from its others; the best of all go on from there."""
 
 
+SINCE = "sensors that change from some trial on"
+"""What progress calls it."""
+
 TRAPPED = 0.5
 """Share of its misfit that a baseline loses by beginning elsewhere, from which on it had been trapped."""
 
@@ -105,13 +108,7 @@ def search(
         run_tasks(pool, found, _unfinished(found), report, "single effects, the best to their end")
     if not found.explained:  # then what its first step promised may have been too little to go by
         run_tasks(pool, found, [replace(t, eager=False) for t in given_up], report, "single effects, at leisure")
-    # whatever explains the data: of one trial in many, a law for all may take up all but what noise would leave
-    for near in (found.baseline, *found.one_of_each()[:1]):
-        alone = knocks(workshop.fitter(), workshop.model.believed, near, found.singles)
-        run_tasks(pool, found, alone, report, "knocks in one trial alone")
-        if not found.explained:
-            later = since(workshop.fitter(), workshop.model.believed, near, found.singles)
-            run_tasks(pool, found, later, report, "sensors that change from some trial on")
+    _in_some_trials(pool, found, report)
     if not found.explained:
         run_tasks(pool, found, at_full_size(pool, found, baseline, sites, report), report, "single effects, full size")
         run_tasks(pool, found, _resized(found), report, "single effects, from other sizes")
@@ -162,12 +159,26 @@ def search(
         run_tasks(pool, found, others, report, "effects that change over the trials")
         lone = found.preferred([*found.fits.values()] or [found.baseline])
         later = since(workshop.fitter(), workshop.model.believed, lone, found.singles)
-        run_tasks(pool, found, later, report, "sensors that change from some trial on")
+        run_tasks(pool, found, later, report, SINCE)
     chosen = found.preferred([*found.fits.values()])
     other_minima(pool, found, report)
     if found.preferred([*found.fits.values()]) is not chosen:
         simplify(pool, found, report)
     return found
+
+
+def _in_some_trials(pool: Pool, found: Found, report: Report) -> None:
+    """What acts in one trial, or from some trial on, beside the baseline and the best single effect.
+
+    A knock whatever explains the data: of one trial in many a law for all may take up all but what noise would leave.
+    """
+    workshop = pool.workshop
+    for near in (found.baseline, *found.one_of_each()[:1]):
+        alone = knocks(workshop.fitter(), workshop.model.believed, near, found.singles)
+        run_tasks(pool, found, alone, report, "knocks in one trial alone")
+        if not found.explained:
+            later = since(workshop.fitter(), workshop.model.believed, near, found.singles)
+            run_tasks(pool, found, later, report, SINCE)
 
 
 def _starts(found: Found, labels: Sequence[Label], trials: Sequence[TrialData]) -> list[Task]:
