@@ -21,6 +21,11 @@ from spacerobot.recordings.trial import Trial
 FINER = 4
 """Points a reading on which the known motion is followed."""
 
+LEAD, SHARE = 1.0, 0.1
+"""For so long [s], but no more than this share of a run, nothing is compared: what is late or smoothed shows then how
+it moved before anything was recorded.
+"""
+
 
 class Prescribed(Machine):
     """A channel that should show a recorded motion, up to where the two count from, and in which direction."""
@@ -43,7 +48,8 @@ class Prescribed(Machine):
             grid = np.arange(known_time[0], known_time[-1] + 0.5 * step, step)
             path = np.interp(grid, known_time, known)
             path = path * float(np.sign(np.corrcoef(np.interp(time, grid, path), value)[0, 1]))
-            inside = (time >= grid[0]) & (time <= grid[-1])
+            lead = min(LEAD, SHARE * (grid[-1] - grid[0]))
+            inside = (time >= grid[0] + lead) & (time <= grid[-1])
             parts.append((trial, time[inside], value[inside], series))
             self._grid[trial.id] = (grid, path)
             seen.append((path, np.gradient(path, grid)))

@@ -36,8 +36,8 @@ class Candidate:
 
     @property
     def size(self) -> int:
-        """Number of parameters that the effects bring along."""
-        return sum(len(s.effect.parameters) for s in self.sites)
+        """Number of parameters that the effects bring along; which of several forms an effect has is one too."""
+        return sum(len(s.effect.parameters) + (s.effect.choices > 1) for s in self.sites)
 
     @property
     def simplicity(self) -> tuple[int, int]:

@@ -227,6 +227,8 @@ class _Search:
         tested += self.varied(chosen, tested, self.reworded(chosen))
         chosen = choice(tested, baseline, self.bench.trials)
         tested += self.varied(chosen, tested, self.exchanged(chosen, tested))
+        chosen = choice(tested, baseline, self.bench.trials)
+        tested += self.varied(chosen, tested, self.formed(chosen))
         return self.concluded(tested, baseline)
 
     def waiting(self, size: int, ahead: Mapping[int, Mapping[Label, Ahead]]) -> bool:
@@ -374,6 +376,23 @@ class _Search:
                 if other.label not in chosen.label:
                     start = {k: v for k, v in {**twin.fit.values(), **chosen.fit.values()}.items() if "@" in k}
                     yield [*(s for s in chosen.sites if s is not site), other], start
+
+    def formed(self, chosen: Candidate) -> Iterator[Variant]:
+        """The chosen model with a filter of higher order in the place of its plain one, and of all that stands there.
+
+        Such a one is late as well: a plain filter and a delay make up for it.
+        """
+        for site in chosen.sites:
+            if not site.effect.forms or any(p.reach for p in site.effect.parameters):
+                continue
+            others = [s for s in chosen.sites if s is not site]
+            elsewhere = [s for s in others if s.where != site.where]
+            for form in site.effect.forms:
+                other = self.bench.model.site(site.effect.in_form(form), site.where)
+                self.sites[other.label] = other
+                start = {other.key(p.name): chosen.fit.values()[site.key(p.name)] for p in site.effect.parameters}
+                yield [*elsewhere, other], start
+                yield [*others, other], start
 
     def twins(self, site: Site, tested: Sequence[Candidate]) -> Iterator[tuple[Site, Candidate]]:
         """Effects that predicted, beside others, what this one did there, where these alone did not; with that set."""

@@ -114,6 +114,7 @@ def more(pool: Pool, found: Found, report: Report) -> None:
     for _ in range(MOST if grown else 0):  # what is left of a set may be too much still
         before = found.preferred([*found.fits.values()])
         simplify(pool, found, report)
+        run_tasks(pool, found, _mirrored(found), report, "late for early")
         if found.preferred([*found.fits.values()]) is before:
             break
 
@@ -228,9 +229,21 @@ def _of_singles(found: Found) -> list[Task]:
 
 
 def _mirrored(found: Found) -> list[Task]:
-    """Where the best fit has a stream that is early, the other stream late, from where it ended."""
-    other = mirrored(found.best.hypothesis.label, effect_values(found.best), [s.label for s in found.singles])
-    return [] if other is None else [Task(other[0], {**found.best.values(), **other[1]})]
+    """Where a stream is early in the best fit, or in the smallest that explains the data, the other stream late, from
+    where it ended: what comes before it was caused has no name.
+    """
+    explaining = [f for f in found.fits.values() if found.explains(f)]
+    smallest = min(explaining, key=lambda f: (len(f.hypothesis.sites), f.cost), default=found.best)
+    tasks = []
+    for fit in (found.best, smallest)[: 1 + (smallest is not found.best)]:
+        label = fit.hypothesis.label
+        other = mirrored(label, effect_values(fit), [s.label for s in found.singles])
+        if other is None or (other[0] in found.fits and found.fits[other[0]].cost < fit.cost + MARGIN):
+            continue
+        (late,) = set(other[0]) - set(label)
+        only = tuple((one if one in other[0] else late, trials) for one, trials in fit.hypothesis.only)
+        tasks.append(Task(other[0], {**fit.values(), **other[1]}, fit.initials(), only=only))
+    return tasks
 
 
 def _twins(found: Found, first: Screen) -> list[Task]:

@@ -183,11 +183,10 @@ class Part:
             left[c] > max(QUIET * noise, GOOD_PART * spread(self.trials, c)) for c, noise in quiet.items()
         )
 
-    @property
-    def louder(self) -> bool:
-        """Whether more is left than the noise that is stated, and goes on: no other noise than stated, but a motion."""
+    def louder(self, times: float) -> bool:
+        """Whether so many times the noise that is stated is left, and goes on: no other noise, but a motion."""
         left = levels_of(self.fit.residuals(), self.trials)
-        return self.shown and any(left[c] > LOUD * s for c, s in self.model.stated_noise(self.fit.values()).items())
+        return self.shown and any(left[c] > times * s for c, s in self.model.stated_noise(self.fit.values()).items())
 
     @property
     def verdict(self) -> Kind:
@@ -197,12 +196,13 @@ class Part:
         if any(x > LOUD for x in self.loudness.values()):
             return UNKNOWN
         if self.fit.hypothesis.sites:
-            if self.not_learned is not None and self.not_learned.beats:  # the name is not the physics
+            beaten = self.not_learned is not None and self.not_learned.beats
+            if beaten or self.louder(QUIET):  # the name is not the physics
                 return UNKNOWN
             return AMBIGUOUS if self.rivals else NAMED
         if self.knocks:  # pushes make up for much; what they leave must not be a force that nobody knows
             return UNKNOWN if self.unexplained else NAMED
-        if self.borne_out or self.unexplained or self.louder:
+        if self.borne_out or self.unexplained or self.louder(LOUD):
             return UNKNOWN
         return WRONG_PARAMETER if self.moved else NOTHING_MISSING
 

@@ -94,7 +94,8 @@ less may be rounding, and filters of the loggers."""
 
 QUIET, GOOD_PART = 5.0, 0.1
 """Where no noise is stated something is missing from so many times on what the logs' own scatter makes of a balance, if
-it is that share of what is read: sensors err by more than they scatter, models of arms by a few per cent."""
+it is that share of what is read: sensors err by more than they scatter, models of arms by a few per cent. So many times
+the stated noise of readings no name may leave: it explains much, and is not the physics."""
 
 STRIKING = 0.2
 """Share of what a balance leaves over that one pattern must explain to be called a mismatch: an effect size."""

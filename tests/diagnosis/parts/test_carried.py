@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy import signal
 
 from spacerobot.diagnosis.diagnose import diagnose
 from spacerobot.recordings.study import Study, load_study
@@ -31,8 +32,27 @@ yaw = {{ is = "body.yaw", sigma = {SIGMA} }}
 """
 
 
-def turned(folder: Path, shown: Callable[[np.ndarray], np.ndarray]) -> Study:
-    """Three runs of 12 s; `shown` is what the camera would read without noise, by time and angle at each."""
+Motion = Callable[[np.ndarray], np.ndarray]
+"""Angle [rad] by time [s]."""
+
+
+def filtered(cutoff: float, order: int) -> Callable[[np.ndarray, Motion], np.ndarray]:
+    """A camera whose readings went through a Bessel filter, long before they were recorded."""
+
+    def shown(time: np.ndarray, angle: Motion) -> np.ndarray:
+        step = 1e-3
+        fine = np.arange(-5.0, float(time[-1]) + step, step)
+        poles = signal.bessel(order, 2.0 * np.pi * cutoff, analog=True, norm="mag")
+        b, a = signal.bilinear(*poles, fs=1.0 / step)
+        path = angle(fine)
+        out, _ = signal.lfilter(b, a, path, zi=signal.lfilter_zi(b, a) * path[0])
+        return np.interp(time, fine, out)
+
+    return shown
+
+
+def turned(folder: Path, shown: Callable[[np.ndarray, Motion], np.ndarray]) -> Study:
+    """Three runs of 12 s; `shown` is what the camera would read without noise."""
     random = np.random.default_rng(3)
     text = HEAD
     for n in range(3):
@@ -41,12 +61,9 @@ def turned(folder: Path, shown: Callable[[np.ndarray], np.ndarray]) -> Study:
         def angle(t: np.ndarray, rates: np.ndarray = rates, sizes: np.ndarray = sizes) -> np.ndarray:
             return np.asarray(np.sin(np.outer(t, rates)) @ sizes)
 
-        for name, head, time in (
-            ("servo", "angle", np.arange(0.0, 12.0, 0.01)),
-            ("camera", "yaw", np.arange(0, 12.0, 1 / 60)),
-        ):
-            value = angle(time) if name == "servo" else shown(np.array([time, angle(time), angle(time - 0.05)]))
-            value = value + SIGMA * random.standard_normal(time.size) * (name == "camera")
+        for name, head, rate in (("servo", "angle", 100.0), ("camera", "yaw", 60.0)):
+            time = np.arange(0.0, 12.0, 1.0 / rate)
+            value = angle(time) if name == "servo" else shown(time, angle) + SIGMA * random.standard_normal(time.size)
             np.savetxt(folder / f"{name}{n}.csv", np.c_[time, value], "%.8f", ",", header=f"t,{head}", comments="")
         text += f'[[trials]]\nid = "{n}"\nservo = "servo{n}.csv"\ncamera = "camera{n}.csv"\n'
     (folder / "study.toml").write_text(text, encoding="utf-8")
@@ -56,15 +73,17 @@ def turned(folder: Path, shown: Callable[[np.ndarray], np.ndarray]) -> Study:
 @pytest.mark.parametrize(
     ("shown", "expected", "effects"),
     [
-        (lambda seen: seen[1], "nothing_missing", []),
-        (lambda seen: 1.02 * seen[1], "named", ["scale"]),
-        (lambda seen: seen[2], "named", ["time_offset"]),
-        (lambda seen: seen[1] + 1.5e-3 * seen[0], "unknown", []),  # it slips on the table
+        (lambda t, angle: angle(t), "nothing_missing", []),
+        (lambda t, angle: 1.02 * angle(t), "named", ["scale"]),
+        (lambda t, angle: angle(t - 0.05), "named", ["time_offset"]),
+        (lambda t, angle: angle(t) + 1.5e-3 * t, "unknown", []),  # it slips on the table
+        (filtered(1.5, 2), "named", ["low_pass"]),
+        (filtered(0.15, 1), "unknown", []),  # what is left of the motion is another one
     ],
-    ids=["as it is", "enlarged", "late", "slipping"],
+    ids=["as it is", "enlarged", "late", "slipping", "filtered", "blurred"],
 )
 def test_what_a_camera_shows_of_a_known_motion(
-    shown: Callable[[np.ndarray], np.ndarray], expected: str, effects: list[str], tmp_path: Path
+    shown: Callable[[np.ndarray, Motion], np.ndarray], expected: str, effects: list[str], tmp_path: Path
 ) -> None:
     verdict = diagnose(turned(tmp_path, shown), jobs=1).verdict
     assert verdict["verdict"] == expected
