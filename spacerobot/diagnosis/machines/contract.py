@@ -157,6 +157,8 @@ class Machine(ABC):
     """What else could be measured where no other trial tells more."""
     free_mass: str = "body.mass"
     """Name of the mass that another trial may change."""
+    one_lag: bool = False
+    """Whether what is sluggish is asked how it changes, so that a filter can be of the first order alone."""
     strides: bool = True
     """Whether a step of a fit may double what a value stands at."""
 

@@ -73,6 +73,7 @@ class InverseDynamics(Machine):
     """
 
     metric = "torque balance"
+    one_lag = True
 
     def __init__(
         self,

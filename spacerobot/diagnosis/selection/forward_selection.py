@@ -382,7 +382,7 @@ class _Search:
 
         Such a one is late as well: a plain filter and a delay make up for it.
         """
-        for site in chosen.sites:
+        for site in () if self.bench.model.one_lag else chosen.sites:
             if not site.effect.forms or any(p.reach for p in site.effect.parameters):
                 continue
             others = [s for s in chosen.sites if s is not site]
