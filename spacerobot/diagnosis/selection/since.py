@@ -32,6 +32,8 @@ def since(fitter: Fitter, believed: Believed, near: Fit, sites: tuple[Site, ...]
         sites: all that may be missing.
     """
     trials = seen(fitter, near)
+    if len(trials) < 2 * FEWEST:
+        return []
     found: list[tuple[float, Task]] = []
     for site in sites:
         if site.effect.kind != "sensor" or len(site.effect.parameters) > 1 or site.label in near.hypothesis.label:
