@@ -14,7 +14,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from spacerobot.diagnosis.fitting.fitted import Fit
-from spacerobot.diagnosis.fitting.noise import levels_of
 from spacerobot.diagnosis.learning.beside import beside_it, better_of, form_of, from_where_it_is, tested, without_curve
 from spacerobot.diagnosis.learning.curves import Curve
 from spacerobot.diagnosis.learning.describe import Described
@@ -27,15 +26,12 @@ from spacerobot.diagnosis.selection.growth import Growth
 from spacerobot.diagnosis.selection.model_choice import pays, ratio, surely
 from spacerobot.diagnosis.selection.part_result import NotLearned
 from spacerobot.diagnosis.selection.search_state import Report
-from spacerobot.diagnosis.terms.decision import LOUD, TIE, WORTH_OF_REST
+from spacerobot.diagnosis.terms.decision import LOUD, REPEATS, TIE, WORTH_OF_REST
 from spacerobot.effects.plane import across
 from spacerobot.support.errors import SimulationError
 
 TRIED = 3
 """Kinds of law, those that fit best, that are tried on unseen trials."""
-
-REPEATS = 2
-"""Trials that say nothing against a name, though a curve predicts each by the other."""
 
 LEVEL = "a level of friction"
 """The curve of effects where dry friction may act."""
@@ -150,7 +146,6 @@ def take(growth: Growth, report: Report) -> Taken | NotLearned:
 def refused(taken: Taken) -> NotLearned | None:
     """Why a law is not believed; None where it is."""
     trials, share = taken.bench.trials, ratio(taken.better, taken.best)
-    # two that begin alike repeat whatever is wrong with them, and a curve of the place foretells that
     beats = share < 1.0 - WORTH_OF_REST and len({t.recorded for t in trials}) > REPEATS
     if not pays(taken.better, taken.best, trials):
         return NotLearned(leaves(taken.law, share), not surely(taken.better, taken.best, trials), beats)
@@ -179,8 +174,7 @@ def words(law: Law) -> str:
 
 def louder(bench: Bench, fit: Fit) -> float:
     """What a fit leaves over the stated noise of the loudest channel; nothing where none is stated or it is no more."""
-    left = levels_of(fit.residuals(), bench.trials)
-    most = max((left[c] / s for c, s in bench.model.stated_noise(fit.values()).items()), default=0.0)
+    most = max(bench.loudness(fit).values(), default=0.0)
     return most if most > LOUD else 0.0
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from spacerobot.diagnosis.fitting.fit_store import Kept, of_fit
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
-from spacerobot.diagnosis.fitting.noise import common_level, floor_of, reweighted, rms_of
+from spacerobot.diagnosis.fitting.noise import common_level, floor_of, levels_of, reweighted, rms_of
 from spacerobot.diagnosis.fitting.screen import FAINT, Screen, Screened, Screener, faint
 from spacerobot.diagnosis.fitting.starts import fit_near
 from spacerobot.diagnosis.machines.contract import Machine
@@ -124,6 +124,11 @@ class Bench:
     def left(self, fit: Fit) -> float:
         """What a fit leaves over of all channels together."""
         return self._left(np.concatenate([fit.trials[t.id].residual for t in self.trials]))
+
+    def loudness(self, fit: Fit) -> dict[str, float]:
+        """By channel, rms of what a fit leaves over the noise that is stated, readings' too; empty where none is."""
+        left = levels_of(fit.residuals(), self.trials)
+        return {c: left[c] / noise for c, noise in self.model.stated_noise(fit.values()).items()}
 
     def _left(self, residual: np.ndarray) -> float:
         """The same of all trials' residuals in a row, shape (S,)."""

@@ -345,6 +345,8 @@ class _Search:
             known.add(label)
             fit = self.bench.fitted_as(chosen.fit, sites, start)
             if fit is not None:
+                for site in sites:
+                    self.sites.setdefault(site.label, site)
                 out.append(self.tested(Candidate(fit)))
         return out
 
@@ -389,8 +391,7 @@ class _Search:
             elsewhere = [s for s in others if s.where != site.where]
             for form in site.effect.forms:
                 other = self.bench.model.site(site.effect.in_form(form), site.where)
-                self.sites[other.label] = other
-                start = {other.key(p.name): chosen.fit.values()[site.key(p.name)] for p in site.effect.parameters}
+                start = inherited(other, site, chosen.fit)
                 yield [*elsewhere, other], start
                 yield [*others, other], start
 

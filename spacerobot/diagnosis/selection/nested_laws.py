@@ -54,7 +54,7 @@ def level_of(special: Site, general: Site, fit: Fit) -> dict[str, float]:
 
 def inherited(new: Site, special: Site, fit: Fit) -> dict[str, float]:
     """Start values of a general effect: its special case's own of the same name, or its first where the units agree."""
-    own = {p.name: fit.values()[special.key(p.name)] for p in special.effect.parameters}
+    own = special.own(fit.values())
     first = special.effect.parameters[0]
     return {
         new.key(p.name): own.get(p.name, own[first.name] if p.unit == first.unit else p.starts[0])

@@ -13,6 +13,7 @@ import numpy as np
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
+from spacerobot.diagnosis.selection.nested_laws import inherited
 from spacerobot.diagnosis.selection.search_state import Found, Report, run_tasks
 from spacerobot.diagnosis.terms.candidates import exchanged
 from spacerobot.diagnosis.terms.decision import MARGIN
@@ -40,12 +41,11 @@ def sought(pool: Pool, found: Found, fit: Fit, report: Report) -> dict[str, Sens
         return own
     tasks = []
     for site in _free_of_stated(workshop, fit):
-        values = site.own(fit.values())
         for form in site.effect.forms:
             new = workshop.model.site(effect(site.effect.name + FORM + form), site.where)
             if new.effect.innate({p.name: p.null for p in new.effect.parameters}, _rate_of(workshop, site)):
                 label = exchanged(fit.hypothesis.label, site.label, new.label)
-                tasks.append(Task(label, {new.key(name): x for name, x in values.items()}, near=fit))
+                tasks.append(Task(label, inherited(new, site, fit), near=fit))
     run_tasks(pool, found, tasks, report, "filters that are a sensor's own")
     others = sorted((found.fits[t.label] for t in tasks if t.label in found.fits), key=lambda f: f.cost)
     return next((o for f in others if f.cost < fit.cost + MARGIN and (o := own_filters(workshop, f))), {})

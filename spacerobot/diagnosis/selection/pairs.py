@@ -14,6 +14,7 @@ from spacerobot.diagnosis.fitting.screen import Screen, faint
 from spacerobot.diagnosis.fitting.starts import EVERY, SIZES, effect_starts, moments, sized
 from spacerobot.diagnosis.fitting.workshop import Task
 from spacerobot.diagnosis.selection.nameable import held_labels
+from spacerobot.diagnosis.selection.nested_laws import inherited
 from spacerobot.diagnosis.selection.search_state import (
     WORTH_A_FIT,
     Found,
@@ -141,8 +142,7 @@ def changing(pool: Pool, found: Found, most: int = TOP_SINGLES) -> list[Task]:
                 continue
             new = pool.workshop.model.site(effect(site.effect.name + SUFFIX), site.where)
             label = exchanged(fit.hypothesis.label, site.label, new.label)
-            values = {new.key(p.name): fit.values()[site.key(p.name)] for p in site.effect.parameters}
-            start = {**effect_values(fit), **values, new.key(TREND): 0.0}
+            start = {**effect_values(fit), **inherited(new, site, fit), new.key(TREND): 0.0}
             tasks.append(Task(label, start, near=fit, max_iterations=30, patient=True))
     return tasks
 
@@ -235,7 +235,7 @@ def _mirrored(found: Found) -> list[Task]:
     explaining = [f for f in found.fits.values() if found.explains(f)]
     smallest = min(explaining, key=lambda f: (len(f.hypothesis.sites), f.cost), default=found.best)
     tasks = []
-    for fit in (found.best, smallest)[: 1 + (smallest is not found.best)]:
+    for fit in {id(f): f for f in (found.best, smallest)}.values():
         label = fit.hypothesis.label
         other = mirrored(label, effect_values(fit), [s.label for s in found.singles])
         if other is None or (other[0] in found.fits and found.fits[other[0]].cost < fit.cost + MARGIN):

@@ -185,8 +185,7 @@ class Part:
 
     def louder(self, times: float) -> bool:
         """Whether so many times the noise that is stated is left, and goes on: no other noise, but a motion."""
-        left = levels_of(self.fit.residuals(), self.trials)
-        return self.shown and any(left[c] > times * s for c, s in self.model.stated_noise(self.fit.values()).items())
+        return self.shown and any(x > times for x in self.growth.bench.loudness(self.fit).values())
 
     @property
     def verdict(self) -> Kind:

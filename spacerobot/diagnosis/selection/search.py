@@ -53,9 +53,6 @@ NEAR_ITERATIONS, OTHER_ITERATIONS = 8, 3
 """Steps of a fit from the best-scored start of an effect, and from its others; the best of all go on from there."""
 
 
-SINCE = "sensors that change from some trial on"
-"""What progress calls it."""
-
 TRAPPED = 0.5
 """Share of its misfit that a baseline loses by beginning elsewhere, from which on it had been trapped."""
 
@@ -157,9 +154,7 @@ def search(
         tried = {(t.label, id(t.near)) for t in fading}
         others = [t for t in changing(pool, found) if (t.label, id(t.near)) not in tried]
         run_tasks(pool, found, others, report, "effects that change over the trials")
-        lone = found.preferred([*found.fits.values()] or [found.baseline])
-        later = since(workshop.fitter(), workshop.model.believed, lone, found.singles)
-        run_tasks(pool, found, later, report, SINCE)
+        _from_some_trial_on(pool, found, found.preferred([*found.fits.values()] or [found.baseline]), report)
     chosen = found.preferred([*found.fits.values()])
     other_minima(pool, found, report)
     if found.preferred([*found.fits.values()]) is not chosen:
@@ -177,8 +172,12 @@ def _in_some_trials(pool: Pool, found: Found, report: Report) -> None:
         alone = knocks(workshop.fitter(), workshop.model.believed, near, found.singles)
         run_tasks(pool, found, alone, report, "knocks in one trial alone")
         if not found.explained:
-            later = since(workshop.fitter(), workshop.model.believed, near, found.singles)
-            run_tasks(pool, found, later, report, SINCE)
+            _from_some_trial_on(pool, found, near, report)
+
+
+def _from_some_trial_on(pool: Pool, found: Found, near: Fit, report: Report) -> None:
+    later = since(pool.workshop.fitter(), pool.workshop.model.believed, near, found.singles)
+    run_tasks(pool, found, later, report, "sensors that change from some trial on")
 
 
 def _starts(found: Found, labels: Sequence[Label], trials: Sequence[TrialData]) -> list[Task]:

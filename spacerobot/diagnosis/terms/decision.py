@@ -62,6 +62,11 @@ nothing, where a joint or a counter stood still, would outweigh every other tria
 TIE = 0.01
 """Rivals whose held-out rms differ by less than this share are not told apart."""
 
+REPEATS = 2
+"""Trials of a part up to which no curve that is not believed takes a name back: two that begin alike repeat whatever is
+wrong with them, and a curve of the place foretells that (a ball's two drops from one bridge).
+"""
+
 REWORDED = 1e-4
 """Candidates of one size whose held-out rms agree to this share are one model in two wordings."""
 
