@@ -58,3 +58,17 @@ def test_a_few_lost_markers_are_no_zero(tmp_path: Path) -> None:
         table[lost, 1:] = random.uniform(-1.0, 1.0, (lost.sum(), 2))
         np.savetxt(path, table, "%.7f", ",", header="time_s,x_target_m,x_wrist_m", comments="")
     admit(load_study(tmp_path))
+
+
+@pytest.mark.parametrize("by", [1.234, -0.15])
+def test_a_force_tells_it_where_no_wrist_is_tracked(tmp_path: Path, by: float) -> None:
+    write_study(tmp_path, masses=(9.0,))
+    path = tmp_path / "study.toml"
+    path.write_text("".join(x for x in path.read_text().splitlines(True) if "wrist.x" not in x))
+    admit(load_study(tmp_path))
+    moved(tmp_path, 1, by)
+    with pytest.raises(InputError, match=r"target\.x reads .* its zero is elsewhere") as refused:
+        admit(load_study(tmp_path))
+    told = re.search(r'offset\."target\.x" = (\S+) in', str(refused.value))
+    assert told is not None
+    assert float(told[1]) == pytest.approx(-by, abs=2e-3)  # what a target goes on by until a force shows

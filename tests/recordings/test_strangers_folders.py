@@ -126,6 +126,13 @@ def test_a_slider_whose_name_nobody_knows(tmp_path: Path) -> None:
     assert "# ? wrist.x by what it does in a hit" in (tmp_path / "rig" / "study.toml").read_text()
 
 
+@pytest.mark.parametrize(("power", "channel"), [(0, "wrist.x"), (-1, "hand.x")])
+def test_a_hand_is_the_wrist_where_it_goes_as_far_as_the_target(tmp_path: Path, power: int, channel: str) -> None:
+    row = f"{{t:.6f}},{{x:.8f}},{{s:.8f}}e{power},{{f:.4f}}"
+    study = written(tmp_path, "time,floater_x,end_effector_x,force", row)
+    assert {"target.x", channel, "contact.force"} == {*columns_of(study)}
+
+
 def test_final_beside_initial_is_no_force(tmp_path: Path) -> None:
     rng = np.random.default_rng(2)
     np.savez(tmp_path / "a.npz", states_i=rng.normal(size=(50, 6)), states_f=rng.normal(size=(50, 6)))

@@ -93,7 +93,7 @@ def left_over(fit: Fit, trials: Sequence[TrialData], touches: dict[str, float]) 
                 before.setdefault(channel, []).append(r[good & early])
                 after.setdefault(channel, []).append((trial.id, r[good & ~early]))
     found = tuple(_channel(name, before[name], after[name]) for name in after)
-    weights = np.array([c.samples for c in found], dtype=float)
+    weights = np.array([max(c.samples, 1) for c in found], dtype=float)  # none where nothing touches
     colour = np.array([max(c.lag1_before, 0.0) for c in found])
     noise = np.array([max(c.noise, 1.0) for c in found])
     inflation = float(np.average(noise * (1.0 + colour) / (1.0 - np.minimum(colour, 0.9)), weights=weights))

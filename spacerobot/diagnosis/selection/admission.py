@@ -12,7 +12,7 @@ from scipy.ndimage import median_filter
 from spacerobot.diagnosis.machines.mechanism_cache import MOST
 from spacerobot.diagnosis.machines.whole_rig import rig_model
 from spacerobot.diagnosis.machines.wrist_rig import LEAST, RigModel, readable
-from spacerobot.diagnosis.terms.alignment import TRACK
+from spacerobot.diagnosis.terms.alignment import TRACK, first_seen
 from spacerobot.diagnosis.terms.data import TrialData, one_trial
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.recordings.recording import Recording
@@ -237,6 +237,8 @@ def misplaced(study: Study, recording: Recording, where: str) -> Iterator[InputE
     The wrist's zero is where its spring is relaxed, the target's where it touches: there and then both read the same.
     Of a robot that moves, only the hand's own track tells how far the spring is pressed.
     """
+    if TRACK in recording and "wrist.x" not in recording:
+        yield from _misplaced_track(recording, where)
     if "wrist.x" not in recording or TRACK not in recording:
         return
     if "hand.x" not in recording and (study.baseline.base, study.baseline.joints) != ("fixed", "locked"):
@@ -259,9 +261,26 @@ def misplaced(study: Study, recording: Recording, where: str) -> Iterator[InputE
         told.append((target, rest + apart, "when it touches"))
     for series, by, at in told:
         if abs(by) > moved:
-            what = f"{series.name} reads {by:.4g} m {at}, the wrist moves by {moved:.3g} m: its zero is elsewhere"
-            valid = f'0 m there: offset."{series.name}" = {-by:.4g} in the trial, or an offset on the channel'
-            yield InputError(f"{what}, in trial {recording.trial.id}", valid=valid, where=where)
+            yield _elsewhere(recording, series, by, f"{at}, the wrist moves by {moved:.3g} m", where)
+
+
+def _misplaced_track(recording: Recording, where: str) -> Iterator[InputError]:
+    """The same of a track beside no wrist's: by where the target is when a force or a hand first shows the touch."""
+    target = recording[TRACK]
+    touch = first_seen([s for s in recording.values() if s.clock == target.clock])
+    time, track = target.good()
+    if touch is None or track.size < LEAST or not time[0] < touch < time[-1]:
+        return
+    by = float(np.interp(touch, time, track))
+    moved = float(median_filter(track, GLITCH)[time >= touch].max(initial=by)) - by
+    if moved > CLEARLY * target.sigma and abs(by) > moved:
+        yield _elsewhere(recording, target, by, f"when it touches, and goes on by {moved:.3g} m", where)
+
+
+def _elsewhere(recording: Recording, series: Series, by: float, at: str, where: str) -> InputError:
+    what = f"{series.name} reads {by:.4g} m {at}: its zero is elsewhere, in trial {recording.trial.id}"
+    valid = f'0 m there: offset."{series.name}" = {-by:.4g} in the trial, or an offset on the channel'
+    return InputError(what, valid=valid, where=where)
 
 
 def weighable(series: Series) -> tuple[str, str] | None:

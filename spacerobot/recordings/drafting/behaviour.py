@@ -63,15 +63,27 @@ def by_behaviour(
 
 
 def with_slider(readings: Mapping[str, Sequence[Reading]], trials: Sequence[Trial]) -> dict[str, list[Reading]]:
-    """The readings, with the wrist where none is called so: what is pushed as far as the target goes on."""
-    told = by_behaviour(readings, trials, slider=True) or readings
-    return {
-        stream: [
-            new if new.thing == "wrist" and old.quantity != "force" else old
-            for old, new in zip(found, told[stream], strict=True)
+    """The readings, with the wrist where none is called so: what is pushed as far as the target goes on.
+
+    A tip that is called a hand and goes with the target is the wrist too: the hand proper is behind the spring.
+    """
+    silent = {stream: [replace(r, thing="") if _a_hand(r) else r for r in found] for stream, found in readings.items()}
+    told = by_behaviour(silent, trials, slider=True) or readings
+    out: dict[str, list[Reading]] = {}
+    for stream, found in readings.items():
+        pairs = list(zip(found, told[stream], strict=True))
+        tip = any(_a_hand(old) and new.thing == "wrist" for old, new in pairs)
+        out[stream] = [
+            (replace(old, thing="wrist") if tip else old)
+            if _a_hand(old)
+            else (new if new.thing == "wrist" and old.quantity != "force" else old)
+            for old, new in pairs
         ]
-        for stream, found in readings.items()
-    }
+    return out
+
+
+def _a_hand(reading: Reading) -> bool:
+    return reading.thing == "hand" and reading.quantity == "position" and not reading.command
 
 
 def with_target(readings: Mapping[str, Sequence[Reading]], trials: Sequence[Trial]) -> dict[str, list[Reading]]:
@@ -157,12 +169,15 @@ def _turned_back(own: Track) -> float:
 
 
 def _share(target: Track, own: Track, still: Rest) -> float:
-    """How far the target goes on while a sensor is pushed from half to the whole of its peak, over that half."""
+    """How far the target moves while a sensor is beyond half of its peak, over how far the sensor does (rms)."""
     away = np.abs(own.value - still.zero)
     peak = int(np.argmax(away))
-    before = np.flatnonzero(away[:peak] < 0.5 * away[peak])
-    if not len(before) or not away[peak] > 0.0:
+    less = np.flatnonzero(away < 0.5 * away[peak])
+    before, after = less[less < peak], less[less > peak]
+    if not len(before):
         return 0.0
-    first, last = own.time[before[-1]], own.time[peak]
-    went = np.interp([first, last], target.time, target.value)
-    return float(abs(went[1] - went[0]) / (away[peak] - away[before[-1]]))
+    pushed = slice(before[-1] + 1, after[0] if len(after) else None)
+    went = np.interp(own.time[pushed], target.time, target.value)
+    spread = np.var(away[pushed]) - still.sigma**2
+    moved = np.var(went) - estimate_noise(target.value) ** 2
+    return float(np.sqrt(moved / spread)) if moved > 0.0 and spread > 0.0 else 0.0
