@@ -160,6 +160,14 @@ def lean(function: Any) -> Any:
     return _part(function, _nrt=False)
 
 
+def lean_sum(function: Any) -> Any:
+    """As `lean`, for sums along rows in whatever order is quickest: in the written one each term waits for the last.
+
+    All else is IEEE arithmetic: nothing is taken to be finite.
+    """
+    return _part(function, _nrt=False, fastmath={"reassoc"})
+
+
 def lean_twin(compiled: Any) -> Any:
     """The `lean` form of what `jit` compiled, for compiled callers: what it returns must not reach Python.
 

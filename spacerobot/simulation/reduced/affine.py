@@ -46,7 +46,7 @@ from spacerobot.simulation.reduced.arrays import (
 )
 from spacerobot.simulation.reduced.forces import PRESSED, STICK, TINY, call_law, level, remember
 from spacerobot.simulation.reduced.ports import kinematics
-from spacerobot.support.jit import lean
+from spacerobot.support.jit import lean, lean_sum
 
 DEGREE = 16
 """Of the series; 1/17! is 3e-15."""
@@ -235,28 +235,31 @@ def _hold(x: Any, c: Any, modes: Any, w: Any, a: Any, held: Any) -> None:
                 a[i, j] += w[row + i] * held[r, j]
 
 
-@lean
-def series(y: Any, a: Any, h: float, rtol: float, atol: Any, q: Any) -> float:
+@lean_sum
+def series(y: Any, a: Any, h: float, rtol: float, atol: Any, q: Any, term: Any, total: Any) -> float:
     """Fills q, shape (2n + S, DEGREE), with y(t + theta h) = y + h theta (q0 + theta (q1 + ...)); returns h, shortened
-    until the last term is within SHARE of the tolerance."""
-    size = y.size
-    n = size - a.shape[0]
-    for i in range(n):
-        q[i, 0] = y[n + i]
-    for i in range(a.shape[0]):
-        total = a[i, size]
-        for j in range(size):
-            total += a[i, j] * y[j]
-        q[n + i, 0] = total
-    for k in range(1, DEGREE):
-        factor = h / (k + 1)
-        for i in range(n):
-            q[i, k] = factor * q[n + i, k - 1]
-        for i in range(a.shape[0]):
-            total = 0.0
+    until the last term is within SHARE of the tolerance.
+
+    Args:
+        term, total: room for (2n + S) and (n + S) numbers: a sum along what lies together is done several at a time.
+    """
+    size, own = y.size, a.shape[0]
+    n = size - own
+    for j in range(size):
+        term[j] = y[j]
+    for k in range(DEGREE):
+        factor = h / (k + 1) if k > 0 else 1.0
+        for i in range(own):
+            along = a[i, size] if k == 0 else 0.0
             for j in range(size):
-                total += a[i, j] * q[j, k - 1]
-            q[n + i, k] = factor * total
+                along += a[i, j] * term[j]
+            total[i] = along
+        for i in range(n):
+            term[i] = factor * term[n + i]
+        for i in range(own):
+            term[n + i] = factor * total[i]
+        for i in range(size):
+            q[i, k] = term[i]
     worst = 0.0
     for i in range(size):
         worst = max(worst, abs(h * q[i, DEGREE - 1]) / (atol[i] + rtol * abs(y[i])))
@@ -277,7 +280,7 @@ def shorten(q: Any, part: float) -> None:
         factor *= part
 
 
-@lean
+@lean_sum
 def advance(y: Any, h: float, q: Any, new: Any) -> None:
     """State at the end of the step."""
     for i in range(y.size):

@@ -141,12 +141,15 @@ def first_fall(g: Any, owner: Any, count: int, y: Any, h: float, q: Any, order: 
         p[0] = g[k, size]
         for i in range(size):
             p[0] += g[k, i] * y[i]
+        for d in range(order):
+            p[d + 1] = 0.0
+        for i in range(size):
+            if g[k, i] != 0.0:
+                for d in range(order):
+                    p[d + 1] += g[k, i] * q[i, d]
         spread = 0.0
         for d in range(order):
-            total = 0.0
-            for i in range(size):
-                total += g[k, i] * q[i, d]
-            p[d + 1] = h * total
+            p[d + 1] *= h
             spread += abs(p[d + 1])
         if p[0] > spread:
             continue

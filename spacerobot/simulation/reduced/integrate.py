@@ -132,7 +132,7 @@ def integrate(
     k = np.zeros((1 + STAGES, size))
     wide = DEGREE if c[INPUTS] == 0 else ORDER
     q = np.empty((size, wide))
-    a = np.empty((size - c[N], size + 1))
+    a, total = np.empty((size - c[N], size + 1)), np.empty(size - c[N])
     held = np.empty((c[FRICTIONS], size + 1))
     own, scale = size - c[N], atol.copy()
     o = Room(np.empty((own, size)), np.empty((own, own)), np.empty(own), np.empty(size), np.empty((2, size)))
@@ -187,7 +187,7 @@ def integrate(
         order = DEGREE if even else ORDER
         grow = 1.0
         if even:
-            part = series(y, a, full, rtol, atol, q)
+            part = series(y, a, full, rtol, atol, q, temp, total)
             if part < full:
                 full, final = part, False
             if not full > 0.0:

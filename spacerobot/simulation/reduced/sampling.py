@@ -33,7 +33,7 @@ from spacerobot.simulation.reduced.forces import PRESSED, say
 from spacerobot.simulation.reduced.motion import evaluate
 from spacerobot.simulation.reduced.ports import kinematics
 from spacerobot.simulation.reduced.stepper import ORDER, interpolate
-from spacerobot.support.jit import jit, lean
+from spacerobot.support.jit import jit, lean, lean_sum
 
 
 def _gauss(count: int) -> tuple[np.ndarray, np.ndarray]:
@@ -62,12 +62,29 @@ def _step_at(time: Any, length: Any, step: int, t: float) -> Any:
 @jit
 def sample_states(time: Any, length: Any, state: Any, dense: Any, order: Any, at: Any, count: int) -> Any:
     """The first `count` numbers of the states at the times `at`, shape (T, count), without any force."""
-    out = np.empty((at.size, count))
+    out, powers = np.empty((at.size, count)), np.empty(DEGREE)
     step = 0
     for i in range(at.size):
         step, theta = _step_at(time, length, step, at[i])
-        interpolate(state[step, :count], length[step], dense[step], order[step], theta, out[i])
+        if order[step] == DEGREE:
+            _along(state[step, :count], length[step], dense[step], theta, powers, out[i])
+        else:
+            interpolate(state[step, :count], length[step], dense[step], order[step], theta, out[i])
     return out
+
+
+@lean_sum
+def _along(y: Any, h: float, q: Any, theta: float, powers: Any, out: Any) -> None:
+    """State at t + theta h of a series; `powers` is room for DEGREE numbers."""
+    power = 1.0
+    for k in range(DEGREE):
+        power *= theta
+        powers[k] = power
+    for i in range(y.size):
+        total = 0.0
+        for k in range(DEGREE):
+            total += q[i, k] * powers[k]
+        out[i] = y[i] + h * total
 
 
 @jit
