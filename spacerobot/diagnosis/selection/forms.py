@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.screen import faint
@@ -9,6 +11,7 @@ from spacerobot.diagnosis.fitting.starts import effect_starts
 from spacerobot.diagnosis.fitting.workshop import Task
 from spacerobot.diagnosis.selection.pairs import simplify
 from spacerobot.diagnosis.selection.search_state import WORTH_A_FIT, Found, Report, run_tasks, screened, share_of
+from spacerobot.diagnosis.terms.hypothesis import Site, label_of
 from spacerobot.effects.effect import FORM
 from spacerobot.effects.registry import effect
 
@@ -29,15 +32,15 @@ def formed(pool: Pool, found: Found, report: Report) -> None:
     for site in found.singles:
         if not site.effect.forms:
             continue
-        there = [name for name, where in found.best.hypothesis.label if where == site.where]
         model, explained = pool.workshop.model, found.explained
+        there = [s.effect.name for s in found.best.hypothesis.sites if _at(s, site.where, model.sensors)]
         late = site.where in model.sensors and len(there) == 1 and there != [site.effect.name]
         if explained and not (late or len(there) > 1):
             continue
         lightly = explained and late  # what is there does it alone: another form must do it as well
         forms = site.effect.forms_at(model.visited(site.where))
         others = [model.site(effect(site.effect.name + FORM + f), site.where) for f in forms]
-        for beside in _rest(found, site.where) if lightly else _without(found, site.where):
+        for beside in (_rest if lightly else _without)(found, site.where, model.sensors):
             report("screening forms", 0, len(others))
             tasks = []
             for label, item in screened(pool, beside, others).best().items():
@@ -57,15 +60,20 @@ def formed(pool: Pool, found: Found, report: Report) -> None:
         simplify(pool, found, report)
 
 
-def _rest(found: Found, where: str) -> list[Fit]:
+def _at(site: Site, where: str, sensors: Collection[str]) -> bool:
+    """Whether an effect is at a place: of a sensor also what makes another one early, which is this one late."""
+    return site.where == where or (site.effect.relative and where in sensors)
+
+
+def _rest(found: Found, where: str, sensors: Collection[str]) -> list[Fit]:
     """The best set without what it has at a place, and the baseline where that was never fitted."""
-    rest = tuple(one for one in found.best.hypothesis.label if one[1] != where)
+    rest = label_of(s for s in found.best.hypothesis.sites if not _at(s, where, sensors))
     return [found.fits.get(rest, found.baseline)]
 
 
-def _without(found: Found, where: str) -> list[Fit]:
+def _without(found: Found, where: str, sensors: Collection[str]) -> list[Fit]:
     """The baseline, and the best single effect and the best set of those that have none at a place."""
-    others = [f for f in found.fits.values() if all(own != where for _, own in f.hypothesis.label)]
+    others = [f for f in found.fits.values() if not any(_at(s, where, sensors) for s in f.hypothesis.sites)]
     singles = [f for f in others if len(f.hypothesis.label) == 1]
     best = [min(some, key=lambda f: f.cost) for some in (singles, others) if some]
     return list({id(f): f for f in (found.baseline, *best)}.values())
