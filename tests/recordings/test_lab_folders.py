@@ -38,6 +38,31 @@ def test_a_folder_a_trial_and_a_file_a_sensor(tmp_path: Path, lag: float) -> Non
         assert target.value[-1] < target.value.max()
 
 
+@pytest.mark.parametrize("late", [0.0, 0.5])
+def test_a_slow_camera_sees_a_touch_a_frame_later_than_a_fast_force(tmp_path: Path, late: float) -> None:
+    """That makes no clock its own, and a push of a dozen frames still tells where the target's zero is."""
+    random = np.random.default_rng(5)
+    for n, speed in enumerate(SPEEDS, 1):
+        for name, rate, sigma in (("mocap", 60.0, 2e-5), ("force", 1000.0, 0.05)):
+            t = np.arange(0.0, 2.0, 1.0 / rate)
+            pushed = np.where(t > 1.0, speed / 16 * np.sin(np.clip(16 * (t - 1.0), 0, np.pi)), 0.0)
+            back = np.clip(t - 1.0 - np.pi / 16, 0, None)
+            target = 0.3 + np.where(t > 1.0, pushed - speed * back, speed * (t - 1.0))
+            shown = [800 * pushed] if name == "force" else [target, pushed]
+            columns = [
+                t + (late if name == "force" else 0.0),
+                *(x + sigma * random.standard_normal(t.size) for x in shown),
+            ]
+            head = "time,force" if name == "force" else "time,target_x,wrist_x"
+            np.savetxt(tmp_path / f"{name}_{n}.csv", np.column_stack(columns), "%.6f", ",", header=head, comments="")
+    (tmp_path / "study.toml").write_text(draft_study(tmp_path))
+    study = load_study(tmp_path)
+    assert {n for n, s in study.streams.items() if s.own_clock} == ({"force"} if late else set())
+    for trial in study.trials:
+        target = study.recording(trial)["target.x"]
+        assert abs(np.interp(1.0, target.time, target.value)) < 1e-4
+
+
 @pytest.mark.parametrize(
     "names", [("ch0", "ch1", "ch2", "ch3"), ("時", "ア", "イ", "ウ"), ("tid", "maal x [mm]", "b", "c")]
 )

@@ -49,6 +49,7 @@ class Rest:
         sigma: its noise, file's unit.
         leaves: when it leaves its rest, s; None where it never does.
         sign: +1 where its first movement grows, -1 where it falls.
+        step: from one sample to the next, s.
     """
 
     zero: float
@@ -56,6 +57,7 @@ class Rest:
     sigma: float
     leaves: float | None
     sign: int
+    step: float
 
 
 def rest(track: Track) -> Rest | None:
@@ -73,7 +75,8 @@ def rest(track: Track) -> Rest | None:
     still = track.value[: max(FEWEST, end - max(2, end // 20))]
     error = float(1.2533 * sigma / np.sqrt(len(still)))  # of a median of Gaussian readings
     leaves = float(track.time[end]) if len(out) else None
-    return Rest(float(np.median(still)), error, sigma, leaves, int(beyond[end]) if len(out) else 1)
+    step = float(np.median(np.diff(track.time)))
+    return Rest(float(np.median(still)), error, sigma, leaves, int(beyond[end]) if len(out) else 1, step)
 
 
 @dataclass(frozen=True)
@@ -179,7 +182,7 @@ def contact_zero(target: Track, wrist: Track, wrist_rest: Rest, sign: int) -> tu
     after &= np.cumsum(after & (pushed > 0.8 * peak)) > 0  # knocked away at first, it is caught again by then
     first_back = np.flatnonzero(after & (pushed < 0.15 * peak))
     together = after & (np.arange(len(pushed)) < (first_back[0] if len(first_back) else len(pushed)))
-    if together.sum() < 2 * FEWEST or not peak > CLEAR * wrist_rest.sigma:
+    if together.sum() < FEWEST or not peak > CLEAR * wrist_rest.sigma:
         return None
     x, y = pushed[together], gap[together]
     for _ in range(4):
@@ -189,7 +192,7 @@ def contact_zero(target: Track, wrist: Track, wrist_rest: Rest, sign: int) -> tu
         if kept.all():
             break
         x, y = x[kept], y[kept]
-    if len(x) < FEWEST:
+    if len(x) <= FEWEST // 2:
         return None
     covariance = np.linalg.inv(np.array([[x @ x, x.sum()], [x.sum(), len(x)]]))
     scatter = float(np.std(y - slope * x - zero, ddof=2))

@@ -25,6 +25,9 @@ FEW = 4
 ALIKE = 0.15
 """Share by which a slider's push may differ from how far the target goes on: bounces, and the contact's own give."""
 
+AT_ALL_ALIKE = 0.5
+"""The same of what is called a hand: an arm behind the spring gives a fraction of it, a contact as much as a half."""
+
 _MEANT = {"target": ("target", "position"), "wrist": ("wrist", "position"), "force": ("", "force")}
 """Role -> thing and quantity."""
 
@@ -53,9 +56,12 @@ def by_behaviour(
         return None
     out: dict[str, list[Reading]] = {}
     for stream, found in readings.items():
+        tip = any(_a_hand(r) and (stream, r.column) in told for r in found)
         for reading in found:
             own = reading
-            if not reading.thing and (stream, reading.column) in told:
+            if tip and _a_hand(reading):
+                own = replace(reading, thing="wrist")
+            elif not reading.thing and (stream, reading.column) in told:
                 thing, quantity = _MEANT[told[stream, reading.column]]
                 own = replace(reading, thing=thing, quantity=quantity, axis="")
             out.setdefault(stream, []).append(own)
@@ -63,26 +69,19 @@ def by_behaviour(
 
 
 def with_slider(readings: Mapping[str, Sequence[Reading]], trials: Sequence[Trial]) -> dict[str, list[Reading]]:
-    """The readings, with the wrist where none is called so: what is pushed as far as the target goes on.
-
-    A tip that is called a hand and goes with the target is the wrist too: the hand proper is behind the spring.
-    """
-    silent = {stream: [replace(r, thing="") if _a_hand(r) else r for r in found] for stream, found in readings.items()}
-    told = by_behaviour(silent, trials, slider=True) or readings
-    out: dict[str, list[Reading]] = {}
-    for stream, found in readings.items():
-        pairs = list(zip(found, told[stream], strict=True))
-        tip = any(_a_hand(old) and new.thing == "wrist" for old, new in pairs)
-        out[stream] = [
-            (replace(old, thing="wrist") if tip else old)
-            if _a_hand(old)
-            else (new if new.thing == "wrist" and old.quantity != "force" else old)
-            for old, new in pairs
+    """The readings, with the wrist where none is called so: what is pushed as far as the target goes on."""
+    told = by_behaviour(readings, trials, slider=True) or readings
+    return {
+        stream: [
+            new if new.thing == "wrist" and old.quantity != "force" else old
+            for old, new in zip(found, told[stream], strict=True)
         ]
-    return out
+        for stream, found in readings.items()
+    }
 
 
 def _a_hand(reading: Reading) -> bool:
+    """Whether a column is called a hand's place: the hand proper is behind the spring, a tip goes with the target."""
     return reading.thing == "hand" and reading.quantity == "position" and not reading.command
 
 
@@ -112,17 +111,22 @@ def _roles(readings: Mapping[str, Sequence[Reading]], trial: Trial) -> dict[tupl
     pushed: dict[tuple[str, str], tuple[Track, Rest]] = {}
     metres: dict[tuple[str, str], float] = {}
     named: set[tuple[str, str]] = set()
+    hands: set[tuple[str, str]] = set()
+    wristless = not any(r.thing == "wrist" for found in readings.values() for r in found)
     for stream, found in readings.items():
         for reading in found if stream in trial.files else ():
             own = track(trial.files[stream], reading.column)
             slid = reading.thing == "wrist" and reading.quantity == "position"
-            if reading.command or not (slid or reading.thing in ("", "target")) or own is None:
+            tip = wristless and _a_hand(reading)
+            if reading.command or not (slid or tip or reading.thing in ("", "target")) or own is None:
                 continue
             if in_steps(own.value) or turn_of(own.value):
                 continue  # a status, or an angle that starts anew
             if reading.unit and UNITS[reading.unit].dimension == "length":
                 metres[stream, reading.column] = UNITS[reading.unit].factor
-            if reading.thing and not slid:
+            if tip:
+                hands.add((stream, reading.column))
+            if reading.thing and not (slid or tip):
                 if reading.quantity == "position":
                     moving[stream, reading.column] = (True, _turned_back(own)), own
                 continue
@@ -131,7 +135,7 @@ def _roles(readings: Mapping[str, Sequence[Reading]], trial: Trial) -> dict[tupl
                 named.add((stream, reading.column))
             if still is not None and still.leaves is not None and _strength(own, still) > 2 * CLEAR:
                 pushed[stream, reading.column] = own, still
-            elif still is None and not slid and (bent := _turned_back(own)) > 0.0:
+            elif still is None and not (slid or tip) and (bent := _turned_back(own)) > 0.0:
                 moving[stream, reading.column] = (False, bent), own
     if not moving or not pushed:
         return {}
@@ -143,9 +147,10 @@ def _roles(readings: Mapping[str, Sequence[Reading]], trial: Trial) -> dict[tupl
     }
     slider = min(further, key=lambda p: abs(further[p] - 1.0))
     out = {place: "target"}
-    if abs(further[slider] - 1.0) < ALIKE:
+    if abs(further[slider] - 1.0) < (AT_ALL_ALIKE if slider in hands else ALIKE):
         out[slider] = "wrist"
-    forces = {p: _strength(*pushed[p]) for p in pushed if p not in named and (p != slider or slider not in out)}
+    others = named | hands
+    forces = {p: _strength(*pushed[p]) for p in pushed if p not in others and (p != slider or slider not in out)}
     if forces:
         out[max(forces, key=lambda p: forces[p])] = "force"
     return out

@@ -68,8 +68,9 @@ def out_of_step(
     apart: list[float] = []
     for name in shared:
         force, wrist = pulses[name].leaves, wrists[name].leaves
-        # The wrist shows itself only once it is CLEAR sigmas off its rest.
+        # The wrist shows itself only once it is CLEAR sigmas off its rest, and each by its next sample.
         late = CLEAR * wrists[name].sigma / speeds[name] if speeds.get(name, 0.0) > 0 else 0.1
+        late += wrists[name].step + pulses[name].step
         if force is not None and wrist is not None and not -3 * late < force - wrist < 3 * late:
             apart.append(force)
     if len(apart) <= len(shared) / 2 or not shared:
