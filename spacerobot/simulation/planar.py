@@ -52,6 +52,9 @@ def require_planar(scene: Outline, mechanism: Mechanism) -> None:
     inertia = turned @ target.inertia_matrix() @ turned.T
     contact = mechanism.contact
     turns = bool(spin[2]) or rubs or (contact is not None and contact.lateral != 0.0) or bool(target.attitude[2])
+    slid = [n for n, c in mechanism.coordinates.items() if not c.angular and mechanism.carrier_of(n) == "target"]
+    if turns and slid:
+        _refuse("what slides in a target that turns pulls it sideways", ", ".join(slid), "effects")
     if turns and np.abs(inertia[2, :2]).max() > SMALL * inertia[2, 2]:
         _refuse(
             "a yaw about an axis that is no principal one makes the target wobble", target.inertia, "target.inertia"
