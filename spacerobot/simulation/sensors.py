@@ -62,7 +62,7 @@ def read_channels(run: Run, mechanism: Mechanism, channels: Iterable[str], times
     """
     out: dict[str, np.ndarray] = dict.fromkeys(channels, times)  # in this order
     mapped = {m.channel for m in mechanism.maps}
-    both = any(r.kind == "velocity" for r in map(mechanism.readouts.get, channels) if r is not None)
+    both = any(r.kind == "velocity" for r in map(mechanism.readouts.get, out) if r is not None)
     taken: dict[float, _Taken] = {0.0: _Taken(run, times, both)}
     bare: dict[str, list[str]] = {}  # by kind, channels that show a port and nothing else
     for channel in out:

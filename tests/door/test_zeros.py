@@ -72,3 +72,15 @@ def test_a_force_tells_it_where_no_wrist_is_tracked(tmp_path: Path, by: float) -
     told = re.search(r'offset\."target\.x" = (\S+) in', str(refused.value))
     assert told is not None
     assert float(told[1]) == pytest.approx(-by, abs=2e-3)  # what a target goes on by until a force shows
+
+
+@pytest.mark.parametrize("late", [0.02, 0.06, 0.3])
+def test_a_force_that_is_late_is_no_zero_elsewhere(tmp_path: Path, late: float) -> None:
+    write_study(tmp_path, masses=(23.2,))
+    path = tmp_path / "study.toml"
+    path.write_text("".join(x for x in path.read_text().splitlines(True) if "wrist.x" not in x))
+    for force in tmp_path.glob("*_force.csv"):
+        table = np.loadtxt(force, delimiter=",", skiprows=1)
+        table[:, 1] = np.interp(table[:, 0] - late, table[:, 0], table[:, 1])
+        np.savetxt(force, table, "%.7f", ",", header=force.read_text().split("\n", 1)[0], comments="")
+    admit(load_study(tmp_path))

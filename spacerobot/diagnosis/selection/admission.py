@@ -265,15 +265,19 @@ def misplaced(study: Study, recording: Recording, where: str) -> Iterator[InputE
 
 
 def _misplaced_track(recording: Recording, where: str) -> Iterator[InputError]:
-    """The same of a track beside no wrist's: by where the target is when a force or a hand first shows the touch."""
+    """The same of a track beside no wrist's, that keeps to one side of its zero: by where the target is when a force or
+    a hand first shows the touch. A force that is late shows it further on, of a track that comes to its zero.
+    """
     target = recording[TRACK]
     touch = first_seen([s for s in recording.values() if s.clock == target.clock])
     time, track = target.good()
     if touch is None or track.size < LEAST or not time[0] < touch < time[-1]:
         return
+    smooth = median_filter(track, GLITCH)
     by = float(np.interp(touch, time, track))
-    moved = float(median_filter(track, GLITCH)[time >= touch].max(initial=by)) - by
-    if moved > CLEARLY * target.sigma and abs(by) > moved:
+    moved = float(smooth[time >= touch].max(initial=by)) - by
+    aside = smooth.max() < 0.0 or smooth.min() > 0.0
+    if aside and moved > CLEARLY * target.sigma and abs(by) > moved:
         yield _elsewhere(recording, target, by, f"when it touches, and goes on by {moved:.3g} m", where)
 
 
