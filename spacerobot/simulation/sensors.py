@@ -62,8 +62,7 @@ def read_channels(run: Run, mechanism: Mechanism, channels: Iterable[str], times
     """
     out: dict[str, np.ndarray] = dict.fromkeys(channels, times)  # in this order
     mapped = {m.channel for m in mechanism.maps}
-    both = any(r.kind == "velocity" for r in map(mechanism.readouts.get, out) if r is not None)
-    taken: dict[float, _Taken] = {0.0: _Taken(run, times, both)}
+    taken: dict[float, _Taken] = {0.0: _Taken(run, times)}
     bare: dict[str, list[str]] = {}  # by kind, channels that show a port and nothing else
     for channel in out:
         readout = mechanism.readouts.get(channel)
@@ -88,20 +87,14 @@ class _Taken:
 
     run: Run
     times: np.ndarray
-    moving: bool = False
-    """Whether velocities are asked for too."""
-
-    @functools.cached_property
-    def _states(self) -> tuple[np.ndarray, np.ndarray]:
-        return self.run.states(self.times)
 
     @functools.cached_property
     def position(self) -> np.ndarray:
-        return self._states[0] if self.moving else self.run.positions(self.times)
+        return self.run.positions(self.times)
 
     @functools.cached_property
     def velocity(self) -> np.ndarray:
-        return self._states[1]
+        return self.run.states(self.times)[1]
 
     @functools.cached_property
     def acceleration(self) -> np.ndarray:

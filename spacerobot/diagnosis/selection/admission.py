@@ -237,9 +237,10 @@ def misplaced(study: Study, recording: Recording, where: str) -> Iterator[InputE
     The wrist's zero is where its spring is relaxed, the target's where it touches: there and then both read the same.
     Of a robot that moves, only the hand's own track tells how far the spring is pressed.
     """
-    if TRACK in recording and "wrist.x" not in recording:
+    if TRACK not in recording:
+        return
+    if "wrist.x" not in recording:
         yield from _misplaced_track(recording, where)
-    if "wrist.x" not in recording or TRACK not in recording:
         return
     if "hand.x" not in recording and (study.baseline.base, study.baseline.joints) != ("fixed", "locked"):
         return

@@ -111,22 +111,18 @@ def _roles(readings: Mapping[str, Sequence[Reading]], trial: Trial) -> dict[tupl
     pushed: dict[tuple[str, str], tuple[Track, Rest]] = {}
     metres: dict[tuple[str, str], float] = {}
     named: set[tuple[str, str]] = set()
-    hands: set[tuple[str, str]] = set()
     wristless = not any(r.thing == "wrist" for found in readings.values() for r in found)
     for stream, found in readings.items():
         for reading in found if stream in trial.files else ():
             own = track(trial.files[stream], reading.column)
-            slid = reading.thing == "wrist" and reading.quantity == "position"
-            tip = wristless and _a_hand(reading)
-            if reading.command or not (slid or tip or reading.thing in ("", "target")) or own is None:
+            slid = _a_hand(reading) if wristless else reading.thing == "wrist" and reading.quantity == "position"
+            if reading.command or not (slid or reading.thing in ("", "target")) or own is None:
                 continue
             if in_steps(own.value) or turn_of(own.value):
                 continue  # a status, or an angle that starts anew
             if reading.unit and UNITS[reading.unit].dimension == "length":
                 metres[stream, reading.column] = UNITS[reading.unit].factor
-            if tip:
-                hands.add((stream, reading.column))
-            if reading.thing and not (slid or tip):
+            if reading.thing and not slid:
                 if reading.quantity == "position":
                     moving[stream, reading.column] = (True, _turned_back(own)), own
                 continue
@@ -135,7 +131,7 @@ def _roles(readings: Mapping[str, Sequence[Reading]], trial: Trial) -> dict[tupl
                 named.add((stream, reading.column))
             if still is not None and still.leaves is not None and _strength(own, still) > 2 * CLEAR:
                 pushed[stream, reading.column] = own, still
-            elif still is None and not (slid or tip) and (bent := _turned_back(own)) > 0.0:
+            elif still is None and not slid and (bent := _turned_back(own)) > 0.0:
                 moving[stream, reading.column] = (False, bent), own
     if not moving or not pushed:
         return {}
@@ -147,10 +143,9 @@ def _roles(readings: Mapping[str, Sequence[Reading]], trial: Trial) -> dict[tupl
     }
     slider = min(further, key=lambda p: abs(further[p] - 1.0))
     out = {place: "target"}
-    if abs(further[slider] - 1.0) < (AT_ALL_ALIKE if slider in hands else ALIKE):
+    if abs(further[slider] - 1.0) < (AT_ALL_ALIKE if wristless and slider in named else ALIKE):
         out[slider] = "wrist"
-    others = named | hands
-    forces = {p: _strength(*pushed[p]) for p in pushed if p not in others and (p != slider or slider not in out)}
+    forces = {p: _strength(*pushed[p]) for p in pushed if p not in named and (p != slider or slider not in out)}
     if forces:
         out[max(forces, key=lambda p: forces[p])] = "force"
     return out
