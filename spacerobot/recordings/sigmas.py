@@ -27,7 +27,7 @@ def read_sigma(
     does not state it.
 
     Raises:
-        InputError: a negative number, another unit, or a size of a value that is not stated.
+        InputError: a negative number, another unit, a size of a value that is not stated, or a share of zero.
     """
     shares: dict[str, float] = {}
     sizes: dict[str, float] = {}
@@ -36,6 +36,9 @@ def read_sigma(
         known = kind(name, where=where)
         if not isinstance(raw, str):
             shares[name] = _share(document, "sigma", name, raw)
+            if shares[name] > 0.0 and values.get(name) == 0.0:
+                valid = f'a size with its unit, such as "0.1 {known.unit}"'
+                raise InputError(f"{name} is 0, and a share of 0 is 0", given=raw, valid=valid, where=where)
             continue
         size = _size(raw, name, known.unit, where)
         if values.get(name):

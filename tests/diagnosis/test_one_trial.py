@@ -83,3 +83,18 @@ def test_a_knock_is_named(tmp_path: Path) -> None:
     assert (named["effect"], named["where"], named["trials"]) == ("external_impulse", "target", [TRIAL])
     assert named["parameters"]["impulse_Ns"]["value"] == pytest.approx(IMPULSE, rel=0.1)
     assert named["parameters"]["time_s"]["value"] == pytest.approx(MOMENT, abs=0.05)
+
+
+@pytest.mark.parametrize("stated", [8.98, 8.94])
+def test_a_target_weighed_a_little_wrong_is_no_knock(stated: float, tmp_path: Path) -> None:
+    """A target that is in no other trial: its mass may be off within what is stated of it, in that trial alone."""
+    study = write_study(tmp_path, masses=(9.0, 15.0, 23.2, 51.0), speeds=(0.1,), tracking=2e-5)
+    text = study.path.read_text()
+    study.path.write_text(text.replace("target.mass = 9\n", f"target.mass = {stated}\n", 1))
+    right, wrong = Workshop(study), Workshop(load_study(tmp_path))
+    fits = [shop.run(Task((), {})) for shop in (right, wrong)]
+    assert fits[0] is not None
+    assert fits[1] is not None
+    assert fits[1].cost > fits[0].cost + 60.0  # a knock would earn its place
+    site = wrong.model.site(effect("external_impulse"), "target")
+    assert not knocks(wrong.fitter(), wrong.model.believed, fits[1], [site])

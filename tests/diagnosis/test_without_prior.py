@@ -156,3 +156,18 @@ def test_one_wrong_value_stays_a_wrong_value(tmp_path: Path) -> None:
     judgement, _ = judged(shop, scale)
     assert judgement.verdict == WRONG_PARAMETER
     assert judgement.moved == ("wrist.mass",)
+
+
+def test_a_damper_several_times_what_is_stated_is_the_one_value_that_is_wrong(tmp_path: Path) -> None:
+    """Held off, it drags the spring and the masses with it; set free together with them it brings them back."""
+    study = write_study(tmp_path, truth={DAMPING: 0.0, "wrist.damping": 14.0}, pressed=False)
+    lines = study.path.read_text().splitlines(keepends=True)
+    study.path.write_text("".join(line for line in lines if "equivalent_damping" not in line))
+    shop = Workshop(load_study(tmp_path))
+    base = fitted(shop)
+    assert len(moved(base)) > 1
+    with Pool(shop, 1) as pool:
+        fit = freed.baseline_freed(pool, base)
+    assert fit is not None and fit.hypothesis.freed == ("wrist.damping",)
+    assert fit.values()["wrist.damping"] == pytest.approx(14.0, rel=0.03)
+    assert fit.prior < 6.0  # what is given up counts for nothing more

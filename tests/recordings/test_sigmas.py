@@ -72,6 +72,7 @@ def test_a_size_of_what_is_not_zero_is_a_share(tmp_path: Path) -> None:
         ('wrist.stiffness = "5 N/m"', "needs the value itself"),
         ('joint.a.damping = "5 N"', "another unit"),
         ('wrist.nothing = "5 N"', "value"),
+        ("wrist.preload = 0.05", "a share of 0 is 0"),
     ],
 )
 def test_refused_with_the_line(tmp_path: Path, line: str, said: str) -> None:

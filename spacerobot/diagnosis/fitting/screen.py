@@ -246,7 +246,7 @@ class Projector:
         self.fitter = fitter
         self.weights = {t.id: (state.weights(t) if robust else 1.0) * state.keep[t.id] for t in fitter.trials}
         count = len(made.free)
-        self.pull = np.sqrt([float(f.prior) for f in made.free])
+        self.pull = np.sqrt([f.prior for f in made.free])
         self.pull /= np.where([f.key in loose for f in made.free], LOOSE, 1.0)
         self.global_rows = []
         self.own = []

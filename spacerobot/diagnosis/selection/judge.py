@@ -68,6 +68,11 @@ def moved(fit: Fit) -> tuple[str, ...]:
     return tuple(k for k, s in fit.hypothesis.sigmas(fit.z).items() if abs(s) > MOVED)
 
 
+def _wrong(base: Fit, freed: Fit | None) -> tuple[str, ...]:
+    """Believed values that are stated wrongly where no effect is missing: those set free, and any still moved."""
+    return moved(base) if freed is None else tuple(dict.fromkeys((*freed.hypothesis.freed, *moved(freed))))
+
+
 def judge(
     found: Found,
     left_of: Mapping[int, Left],
@@ -89,7 +94,7 @@ def judge(
     candidates = [base, *(f for f in found.fits.values() if means(f) and f not in nameless)]
     inflation = min((left_of[id(f)].inflation for f in [*candidates, *nameless] if id(f) in left_of), default=1.0)
     scores = {id(f): score(f, inflation) for f in [*candidates, *nameless]}
-    many = freed is not None and len(moved(base)) > FEW
+    many = freed is not None and len(_wrong(base, freed)) > FEW
     at_will = np.inf if freed is None else score(freed, inflation)
     if not many:
         scores[id(base)] = min(scores[id(base)], at_will)
@@ -252,7 +257,7 @@ def _without_effect(
     failed: Sequence[str],
 ) -> Judgement:
     left = left_of[id(freed)] if freed is not None and id(freed) in left_of else left_of[id(base)]
-    out = moved(base)
+    out = _wrong(base, freed)
     verdict: Kind
     if failed:
         verdict = NOT_TRUSTED

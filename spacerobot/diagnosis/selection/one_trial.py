@@ -36,7 +36,8 @@ class Seen:
         initial: its start, shape (N,).
         residual: weighted, shape (K,), of the samples that count.
         keep: which do, shape (S,).
-        own: orthonormal columns of what its start explains, shape (K, N).
+        own: orthonormal columns of what its start explains, and of the values that it alone has (a target that is in
+            no other trial) within what is stated of them, shape (K + V, N + V): a row for each such value.
     """
 
     trial: TrialData
@@ -55,7 +56,14 @@ def seen(fitter: Fitter, near: Fit) -> list[Seen]:
             residual, keep = fitter.residual(near.hypothesis, near.z, trial, initial)
         except SimulationError:
             continue
-        own, _ = np.linalg.qr(rows[trial.id][keep][:, len(near.hypothesis.free) :])
+        free = near.hypothesis.free
+        others = [t.overrides for t in fitter.trials if t is not trial]
+        alone = {k for k, v in trial.overrides.items() if v not in [o.get(k) for o in others]}
+        stated = [g for g, f in enumerate(free) if f.kind == "believed" and f.key in alone]
+        columns = rows[trial.id][keep][:, [*stated, *range(len(free), rows[trial.id].shape[1])]]
+        known = np.zeros((len(stated), columns.shape[1]))
+        known[:, : len(stated)] = np.diag(np.sqrt([free[g].prior for g in stated]))
+        own, _ = np.linalg.qr(np.vstack([columns, known]))
         found.append(Seen(trial, initial, residual[keep], keep, own))
     return found
 
@@ -111,10 +119,11 @@ def promise(
         moved, _ = fitter.residual(made, made.start({**near.values(), **start}), one.trial, one.initial)
     except SimulationError:
         return 0.0, 0.0
-    column = moved[one.keep] - one.residual
+    beside = (0, one.own.shape[0] - one.residual.size)
+    column = np.pad(moved[one.keep] - one.residual, beside)
     column = column - one.own @ (one.own.T @ column)
     norm = float(column @ column)
     if norm < 1e-12:
         return 0.0, 0.0
-    amplitude = -float(column @ one.residual) / norm
+    amplitude = -float(column @ np.pad(one.residual, beside)) / norm
     return amplitude**2 * norm, amplitude

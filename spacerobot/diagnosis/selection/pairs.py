@@ -294,19 +294,27 @@ def simplify(pool: Pool, found: Found, report: Report) -> None:
     first; what a bound holds is left out of what is tried. Those that were fitted already too: contact makes
     many minima, and what is left out may have led to a better one.
     """
-    tasks, known = [], {s.label for s in found.singles}
-    for best in {id(f): f for f in (found.preferred([*found.fits.values()]), found.in_play)}.values():
-        bound = held_labels(best)
-        for label in simpler(best.hypothesis.label):
-            if not known.issuperset(by_name(label)):  # a special case that the catalogue was to do without
-                continue
-            if bound.intersection(label):  # it would be held there too
-                continue
-            sites = [pool.workshop.model.site(effect(name), where) for name, where in label]
-            starts = effect_starts(sites, effect_values(best))[: 1 if label in found.fits else 2]
-            starts += [{**starts[0], **own} for own in _inherited(sites, best)]
-            tasks += [Task(label, start, near=best, max_iterations=20) for start in starts]
-    run_tasks(pool, found, tasks, report, "simpler sets of effects")
+    done: set[int] = set()
+    while best := [f for f in (found.preferred([*found.fits.values()]), found.in_play) if id(f) not in done]:
+        done.update(id(f) for f in best)  # a special case that is preferred now has special cases of its own
+        tasks = [task for f in {id(f): f for f in best}.values() for task in _without(pool, found, f)]
+        run_tasks(pool, found, tasks, report, "simpler sets of effects")
+
+
+def _without(pool: Pool, found: Found, best: Fit) -> list[Task]:
+    """The special cases and subsets of one set, from where it ended."""
+    tasks: list[Task] = []
+    known, bound = {s.label for s in found.singles}, held_labels(best)
+    for label in simpler(best.hypothesis.label):
+        if not known.issuperset(by_name(label)):  # a special case that the catalogue was to do without
+            continue
+        if bound.intersection(label):  # it would be held there too
+            continue
+        sites = [pool.workshop.model.site(effect(name), where) for name, where in label]
+        starts = effect_starts(sites, effect_values(best))[: 1 if label in found.fits else 2]
+        starts += [{**starts[0], **own} for own in _inherited(sites, best)]
+        tasks += [Task(label, start, near=best, max_iterations=20) for start in starts]
+    return tasks
 
 
 def _inherited(sites: Sequence[Site], general: Fit) -> list[dict[str, float]]:

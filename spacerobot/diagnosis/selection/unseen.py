@@ -78,7 +78,7 @@ class Foretold:
 def frozen(made: Hypothesis, values: Mapping[str, float], free: tuple[str, ...]) -> Hypothesis:
     """The hypothesis with all but some parameters held at given values."""
     held = tuple(
-        f if f.key in free else replace(f, lower=values[f.key], upper=values[f.key], prior=False) for f in made.free
+        f if f.key in free else replace(f, lower=values[f.key], upper=values[f.key], prior=0.0) for f in made.free
     )
     return replace(made, free=held)
 

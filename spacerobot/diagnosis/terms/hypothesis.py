@@ -22,7 +22,12 @@ Label = tuple[tuple[str, str], ...]
 
 
 LOOSE = 30.0
-"""Factor on a believed value's sigma that sets it free."""
+"""Factor on a believed value's sigma that sets it free, or on what is believed to be zero."""
+
+ANYTHING = 5.0
+"""And its own relative deviation then, if that is more: what is given up at a price counts for nothing more. A damper
+that stands for a guide's friction as well is several times what is stated of it.
+"""
 
 
 ROUNDING = 1e-9
@@ -222,7 +227,7 @@ class Hypothesis:
         """Inverse covariance of what is believed of z, shape (G, G); what is held at a value has no part in it."""
         if self.known is not None:
             return self.known
-        out = np.diag([float(f.prior) for f in self.free])
+        out = np.diag([f.prior for f in self.free])
         for site in self.sites:
             block = site.effect.precision
             index = [self.keys.index(site.key(p.name)) for p in site.effect.parameters] if block is not None else []
@@ -275,7 +280,8 @@ def hypothesis(believed: Believed, sites: Sequence[Site], starts: Mapping[str, f
         if name in believed.absorbing and name in replaced and value is not None:
             free.append(parameters.absorbing(name, value, sigma))
         else:
-            free.append(parameters.believed(name, value, sigma))
+            prior = min(sigma / ANYTHING, 1.0) ** 2 if name in believed.freed else 1.0
+            free.append(parameters.believed(name, value, sigma, prior))
     for name, sigma in believed.absolute.items():
         most = believed.within.get(name, math.inf)
         free.append(parameters.around_zero(name, sigma, max(least_of(name), -most), most))

@@ -27,7 +27,7 @@ class Free:
         kind: "believed", "unknown", "absorbing", "zero", "scatter" or "effect".
         centre: value at z = 0, where that is counted from nothing.
         step: change of the value per unit of z (of its logarithm if `log`).
-        prior: whether z has a standard normal prior.
+        prior: precision of z's normal prior about 0; none at 0.
         log: value = centre * exp(step * z).
         lower, upper: bounds of the value.
         stated: False where the study gives each trial its own value: the value here is a factor on those.
@@ -38,7 +38,7 @@ class Free:
     kind: str
     centre: float
     step: float
-    prior: bool = False
+    prior: float = 0.0
     log: bool = False
     lower: float = -math.inf
     upper: float = math.inf
@@ -70,16 +70,23 @@ class Free:
         return self.step * self.value(z) if self.log else self.step
 
 
-def believed(name: str, value: float | None, sigma: float) -> Free:
-    """A believed value with its stated relative deviation; None where each trial states its own."""
+def believed(name: str, value: float | None, sigma: float, prior: float = 1.0) -> Free:
+    """A believed value with its stated relative deviation; None where each trial states its own.
+
+    Args:
+        name: dotted.
+        value: what is believed.
+        sigma: relative deviation.
+        prior: precision of its deviation, counted in sigma: less than 1 for a value that is given up.
+    """
     centre = 1.0 if value is None else value
     lower = 0.05 * centre if centre > 0.0 else -math.inf
-    return Free(name, "believed", centre, abs(centre) * sigma, prior=True, lower=lower, stated=value is not None)
+    return Free(name, "believed", centre, abs(centre) * sigma, prior=prior, lower=lower, stated=value is not None)
 
 
 def around_zero(name: str, sigma: float, lower: float = -math.inf, upper: float = math.inf) -> Free:
     """A value believed to be zero, with its standard deviation in its own unit."""
-    return Free(name, "believed", 0.0, sigma, prior=True, lower=lower, upper=upper)
+    return Free(name, "believed", 0.0, sigma, prior=1.0, lower=lower, upper=upper)
 
 
 def absorbing(name: str, value: float, sigma: float = UNHELD, lower: float = 0.0) -> Free:
@@ -89,7 +96,7 @@ def absorbing(name: str, value: float, sigma: float = UNHELD, lower: float = 0.0
 
 def zero(channel: str, sigma: float) -> Free:
     """Where a channel's readings are to be zero, found by the lab with this standard deviation."""
-    return Free(zero_key(channel), "zero", 0.0, sigma, prior=True)
+    return Free(zero_key(channel), "zero", 0.0, sigma, prior=1.0)
 
 
 def zero_key(channel: str) -> str:
@@ -108,7 +115,7 @@ def unknown(name: str, centre: float) -> Free:
 
 def scatter(condition: str, name: str, sigma: float) -> Free:
     """A condition's own relative change of a believed value; its value is a factor."""
-    return Free(f"{condition}|{name}", "scatter", 1.0, sigma, prior=True, lower=0.2)
+    return Free(f"{condition}|{name}", "scatter", 1.0, sigma, prior=1.0, lower=0.2)
 
 
 def of_effect(effect: str, where: str, parameter: Parameter, start: float) -> Free:
