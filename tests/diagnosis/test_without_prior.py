@@ -168,6 +168,7 @@ def test_a_damper_several_times_what_is_stated_is_the_one_value_that_is_wrong(tm
     assert len(moved(base)) > 1
     with Pool(shop, 1) as pool:
         fit = freed.baseline_freed(pool, base)
-    assert fit is not None and fit.hypothesis.freed == ("wrist.damping",)
+    assert fit is not None
+    assert fit.hypothesis.freed == ("wrist.damping",)
     assert fit.values()["wrist.damping"] == pytest.approx(14.0, rel=0.03)
     assert fit.prior < 6.0  # what is given up counts for nothing more
