@@ -31,14 +31,16 @@ from spacerobot.diagnosis.selection.check import why_not
 from spacerobot.diagnosis.selection.decide import conclude
 from spacerobot.diagnosis.selection.glimpse import glimpsed
 from spacerobot.diagnosis.selection.intervals import with_intervals
+from spacerobot.diagnosis.selection.judge import Judgement
 from spacerobot.diagnosis.selection.limits import Limit, Limits
 from spacerobot.diagnosis.selection.own_filter import own_labels, sought, with_filters
 from spacerobot.diagnosis.selection.own_filter import told as own_filters_told
 from spacerobot.diagnosis.selection.precompile import help_compiling
 from spacerobot.diagnosis.selection.search import search
 from spacerobot.diagnosis.selection.search_state import Found, Report, silent
+from spacerobot.diagnosis.terms.candidates import acting_as
 from spacerobot.diagnosis.terms.hypothesis import Label, Site
-from spacerobot.diagnosis.terms.kinds import AMBIGUOUS
+from spacerobot.diagnosis.terms.kinds import AMBIGUOUS, WRONG_PARAMETER
 from spacerobot.effects.effect import Effect
 from spacerobot.effects.registry import all_effects
 from spacerobot.recordings.lacking import refuse_draft
@@ -160,7 +162,12 @@ def diagnose(
         limits=smallest,
         next_experiment=further,
         profiled=settled.profiled,
-        why=[*why_not(settled.checks), *_not_shown(decided.withdrawn), *own_filters_told(study, workshop)],
+        why=[
+            *why_not(settled.checks),
+            *_not_shown(decided.withdrawn),
+            *own_filters_told(study, workshop),
+            *_stood_for(workshop, judgement),
+        ],
         learnt=learnt,
         clocks=clock_offsets(study, workshop, judgement.chosen, inflation),
     )
@@ -209,3 +216,16 @@ def _located(workshop: Workshop) -> Located:
     from spacerobot.diagnosis.locate.locate import locate  # takes half a second to load, best in another process
 
     return locate(workshop.model, workshop.model.from_rest(workshop.trials))
+
+
+def _stood_for(workshop: Workshop, judgement: Judgement) -> list[str]:
+    """Of values that are stated wrongly, what else acts exactly so."""
+    if judgement.verdict != WRONG_PARAMETER:
+        return []
+    free, values, plain = judgement.chosen.hypothesis.free, judgement.chosen.values(), workshop.model.plain()
+    return [
+        f"{one.phrase or one.title} at {f.key.rpartition('.')[0]} acts exactly as {f.key}: it may be that instead"
+        for f in free
+        if f.key in judgement.moved
+        for one in acting_as(plain, f.key, values[f.key] > f.centre)
+    ]

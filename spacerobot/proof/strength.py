@@ -41,6 +41,9 @@ DRAWN = 1.3
 
 ATTEMPTS = 6
 
+STEPS = 40
+"""Of a refit, as many as the diagnosis takes: short of its minimum a baseline leaves what no oracle can gain."""
+
 
 @cache
 def critical(parameters: int) -> float:
@@ -122,7 +125,7 @@ def _centred(campaign: Campaign) -> Campaign:
 
 def _refit(campaign: Campaign, clean: Readings, beyond: Beyond) -> Fit:
     model = _model(campaign, clean, beyond)
-    return fit_from(Fitter(model, model.trials), model.believed, (), {}, max_iterations=16)
+    return fit_from(Fitter(model, model.trials), model.believed, (), {}, max_iterations=STEPS)
 
 
 def _model(campaign: Campaign, clean: Readings, beyond: Beyond = NOTHING) -> RigModel:

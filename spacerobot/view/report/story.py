@@ -251,7 +251,8 @@ def _wrong_parameter(verdict: Mapping[str, Any], evidence: Evidence) -> Story:
     sentence = f"The physics is right, a believed value is not: {joined(parts)}"
     sentence += f"; with that, {gained}." if gained else "."
     names = joined([parameter_label(name) for name in verdict["parameters"]])
-    return Story("Wrong parameter", "found", f"{capital(names)}: not what was believed", sentence)
+    more = tuple(f"{capital(line)}." for line in verdict.get("why", ()) if "acts exactly as" in line)
+    return Story("Wrong parameter", "found", f"{capital(names)}: not what was believed", sentence, more)
 
 
 def _not_trusted(verdict: Mapping[str, Any], evidence: Evidence) -> Story:
