@@ -294,10 +294,14 @@ def simplify(pool: Pool, found: Found, report: Report) -> None:
     first; what a bound holds is left out of what is tried. Those that were fitted already too: contact makes
     many minima, and what is left out may have led to a better one.
     """
-    done: set[int] = set()
-    while best := [f for f in (found.preferred([*found.fits.values()]), found.in_play) if id(f) not in done]:
-        done.update(id(f) for f in best)  # a special case that is preferred now has special cases of its own
-        tasks = [task for f in {id(f): f for f in best}.values() for task in _without(pool, found, f)]
+    done: set[Label] = set()
+    while True:
+        both = {f.hypothesis.label: f for f in (found.preferred([*found.fits.values()]), found.in_play)}
+        fresh = [f for label, f in both.items() if label not in done]
+        if not fresh:
+            return
+        done.update(both)  # a special case that is preferred now has special cases of its own
+        tasks = [task for f in fresh for task in _without(pool, found, f)]
         run_tasks(pool, found, tasks, report, "simpler sets of effects")
 
 

@@ -133,6 +133,7 @@ def test_it_comes_back_from_a_process_of_its_own(rippling: tuple[Study, LearnedP
     )
 
 
+@pytest.mark.slow
 def test_friction_that_rises_over_a_worn_stretch_is_learned_with_its_place(tmp_path: Path) -> None:
     def level(q: np.ndarray) -> np.ndarray:
         return np.asarray(0.2 + 0.25 * np.exp(-(((q - 0.2) / 0.2) ** 2)))

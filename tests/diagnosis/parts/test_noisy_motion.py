@@ -83,7 +83,7 @@ def test_an_encoder_that_is_late_is_named_with_its_sign(tmp_path: Path) -> None:
     assert after.fit.values()["time_offset@log.delay_s"] == pytest.approx(-5.5 * STEP, rel=0.05)
 
 
-@pytest.mark.parametrize(("late", "where"), [(6, "drive"), (-5, "log")])
+@pytest.mark.parametrize(("late", "where"), [pytest.param(6, "drive", marks=pytest.mark.slow), (-5, "log")])
 def test_of_two_streams_the_late_one_is_named(late: int, where: str, tmp_path: Path) -> None:
     """A held command is early by half a sample, whatever else."""
     after = chosen(followed(tmp_path, viscous=9.0, late=late, apart=True))
