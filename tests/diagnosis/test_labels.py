@@ -83,3 +83,12 @@ def test_a_clipped_impulse_says_nothing() -> None:
     weight = np.where(own.value > 0.5 * own.value.max(), 0.0, own.weight)
     trials[4] = replace(trials[4], blocks=(trials[4].blocks[0], replace(own, weight=weight)))
     assert mislabelled(trials) == []
+
+
+def test_a_force_sensor_of_twenty_readings_a_second_says_nothing() -> None:
+    trials = []
+    for one in campaign(3):
+        camera, own = one.blocks
+        slow = replace(own, time=own.time[::50], value=own.value[:, ::50], weight=own.weight[:, ::50])
+        trials.append(replace(one, blocks=(camera, slow)))
+    assert mislabelled(trials) == []

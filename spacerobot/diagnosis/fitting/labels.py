@@ -103,8 +103,8 @@ def _shown(trial: TrialData) -> float | None:
     zero = float(np.mean(force[time < begin - BESIDE])) if (time < begin - BESIDE).sum() >= FEWEST else 0.0
     rows = (time > begin - BESIDE) & (time < end + BESIDE)
     steps = np.diff(time[rows])
-    if steps.max() > 2.5 * np.median(steps):
-        return None  # clipped or lost: not all of the impulse is there
+    if steps.size < 2 or steps.max() > 2.5 * np.median(steps):
+        return None  # clipped, lost or too slow for a touch: not all of the impulse is there
     impulse = float(np.trapezoid(force[rows] - zero, time[rows]))
     at, place, _ = trial.channel(TRACK)
     before = (at < begin - BESIDE) & (at > begin - LOOK)
