@@ -224,8 +224,8 @@ def _stood_for(workshop: Workshop, judgement: Judgement) -> list[str]:
         return []
     free, values, plain = judgement.chosen.hypothesis.free, judgement.chosen.values(), workshop.model.plain()
     return [
-        f"{one.phrase or one.title} at {f.key.rpartition('.')[0]} acts exactly as {f.key}: it may be that instead"
+        f"{one.phrase or one.title} at {where} acts exactly as {f.key}: it may be that instead"
         for f in free
         if f.key in judgement.moved
-        for one in acting_as(plain, f.key, values[f.key] > f.centre)
+        for one, where in acting_as(plain, f.key, values[f.key] > f.centre)
     ]

@@ -41,9 +41,6 @@ DRAWN = 1.3
 
 ATTEMPTS = 6
 
-STEPS = 40
-"""Of a refit, as many as the diagnosis takes: short of its minimum a baseline leaves what no oracle can gain."""
-
 
 @cache
 def critical(parameters: int) -> float:
@@ -124,8 +121,9 @@ def _centred(campaign: Campaign) -> Campaign:
 
 
 def _refit(campaign: Campaign, clean: Readings, beyond: Beyond) -> Fit:
+    """To its end, as the diagnosis fits: short of its minimum a baseline leaves what no oracle can gain."""
     model = _model(campaign, clean, beyond)
-    return fit_from(Fitter(model, model.trials), model.believed, (), {}, max_iterations=STEPS)
+    return fit_from(Fitter(model, model.trials), model.believed, (), {})
 
 
 def _model(campaign: Campaign, clean: Readings, beyond: Beyond = NOTHING) -> RigModel:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from spacerobot.diagnosis.terms.candidates import candidate_sites, contains, means, mirrored
+from spacerobot.diagnosis.terms.candidates import acting_as, candidate_sites, contains, means, mirrored
 from spacerobot.diagnosis.terms.hypothesis import Believed
 from spacerobot.effects.registry import all_effects
 from spacerobot.simulation.rig import rig
@@ -17,6 +17,16 @@ def labels(sigma: dict[str, float], without: tuple[str, ...] = ()) -> set[tuple[
 def test_a_believed_mass_covers_a_payload() -> None:
     assert ("payload", "target") in labels({})
     assert ("payload", "target") not in labels({"target.mass": 0.01})
+
+
+def test_a_value_says_what_acts_exactly_as_it_does() -> None:
+    def told(name: str, larger: bool) -> list[tuple[str, str]]:
+        return [(effect.name, where) for effect, where in acting_as(rig({}), name, larger)]
+
+    assert told("wrist.damping", True) == [("viscous_friction", "wrist")]
+    assert told("wrist.damping", False) == []  # no friction drives
+    assert told("target.mass", False) == [("payload", "target")]
+    assert told("wrist.stiffness", True) == []
 
 
 def test_effects_can_be_withheld() -> None:

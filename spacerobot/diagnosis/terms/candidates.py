@@ -23,11 +23,10 @@ def stood_for(effect: Effect, where: str, fitted: Container[str]) -> bool:
     return any(f"{where}.{word}" in fitted for word in effect.same_as)
 
 
-def acting_as(mechanism: Mechanism, name: str, larger: bool) -> list[Effect]:
-    """Effects that act exactly as a believed value that is larger, or smaller, than what is stated of it."""
-    where, _, word = name.rpartition(".")
-    effects = [e for e in all_effects().values() if word in e.same_as and where in e.places(mechanism)]
-    return [e for e in effects if larger or e.two_sided]
+def acting_as(mechanism: Mechanism, name: str, larger: bool) -> list[tuple[Effect, str]]:
+    """Effects and places that a believed value, larger or smaller than what is stated of it, stands for."""
+    signed = [e for e in all_effects().values() if larger or e.two_sided]
+    return [(e, where) for e in signed for where in e.places(mechanism) if stood_for(e, where, (name,))]
 
 
 def refines(general: str, special: str) -> bool:
