@@ -6,13 +6,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from spacerobot.diagnosis.answer.clock_offsets import clock_offsets
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
 from spacerobot.diagnosis.forward.wrist_rig import WristRig
+from spacerobot.diagnosis.machines.clock_scan import best_offset
 from spacerobot.diagnosis.selection.admission import admit
 from spacerobot.diagnosis.terms.candidates import candidate_sites
-from spacerobot.diagnosis.terms.data import trial_data
+from spacerobot.diagnosis.terms.data import Block, trial_data
 from spacerobot.recordings.study import Study, load_study
 from tests.diagnosis.rigs import write_study
 
@@ -74,6 +77,34 @@ def test_every_offset_and_the_physics_are_found(studies: tuple[Study, Study]) ->
         assert isinstance(high, float)
         assert 0.0 < high - low < 2e-3
         assert abs(delay.value - ahead) < high - low  # within twice the interval's half: four standard errors
+
+
+@pytest.mark.parametrize("off", [-0.06, 0.025, 0.11])
+def test_an_offset_is_found_from_other_rings_of_the_contact(studies: tuple[Study, Study], off: float) -> None:
+    """Begun where the force's rings fit one, two or many rings on: a fit has to come back from there."""
+    workshop = Workshop(studies[1])
+    task = Task((("coulomb_friction", "wrist"),), {"coulomb_friction@wrist.force_N": 0.3})
+    right = workshop.run(task)
+    assert right is not None
+    own = {name: start + np.array([*np.zeros(start.size - 1), off]) for name, start in right.initials().items()}
+    found = workshop.fitter().fit(right.hypothesis, warm=right.values(), initials=own)
+    assert found.cost < right.cost + 1.0
+    for name, start in right.initials().items():
+        assert abs(found.initials()[name][-1] - start[-1]) < 2e-4
+
+
+@given(late=st.floats(-0.2, 0.2), period=st.floats(0.008, 0.05), rate=st.floats(120.0, 2000.0))
+def test_a_ring_that_dies_out_tells_its_offset(late: float, period: float, rate: float) -> None:
+    """To half a step, whatever the sampling; the noise of one reading is a hundredth of the first peak."""
+
+    def ring(time: np.ndarray) -> np.ndarray:
+        since = np.maximum(time - 0.4, 0.0)
+        return np.asarray([np.sin(2.0 * np.pi * since / period) * np.exp(-since / (4.0 * period))])
+
+    time = np.arange(0.0, 1.2, 1.0 / rate)
+    value = ring(time - late)
+    block = Block("force", ("contact.force",), time, value, np.full_like(value, 100.0), "own")
+    assert abs(best_offset(block, ring) - late) < 1e-3
 
 
 def test_one_clock_has_no_offset(studies: tuple[Study, Study]) -> None:

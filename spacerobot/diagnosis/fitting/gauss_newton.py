@@ -133,20 +133,26 @@ class Fitter(Linearised):
     def rescue(self, hypothesis: Hypothesis, state: State) -> tuple[State, bool]:
         """Puts trials whose start has wandered back to what their free approach says, where that fits better.
 
-        The pattern of bounces depends on the moment of touch, so a trial's cost has many minima in its start.
+        The pattern of bounces depends on the moment of touch, so a trial's cost has many minima in its start; and in
+        the offset of a clock of its own, which is looked for from either start.
         """
 
         def one(trial: TrialData) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
-            raw, keep = state.raw[trial.id], state.keep[trial.id]
-            if not state.own[trial.id].size:
-                return None
-            initial = self.model.approach_start(trial, state.own[trial.id], raw)
-            try:
-                new, new_keep = self.residual(hypothesis, state.z, trial, initial)
-            except SimulationError:
-                return None
-            better = np.square(new[new_keep]).sum() < np.square(raw[keep]).sum() - RESCUE_GAIN
-            return (initial, new, new_keep) if better else None
+            own, raw, keep = state.own[trial.id], state.raw[trial.id], state.keep[trial.id]
+            found, least = None, np.square(raw[keep]).sum() - RESCUE_GAIN
+            for start in (self.model.approach_start(trial, own, raw), own):
+                try:
+                    mechanism = self.model.trial_mechanism(hypothesis, state.z, trial)
+                    initial = self.model.in_step(mechanism, trial, start)
+                    if np.array_equal(initial, own):
+                        continue
+                    new, new_keep = self.residual(hypothesis, state.z, trial, initial)
+                except SimulationError:
+                    continue
+                cost = np.square(new[new_keep]).sum()
+                if cost < least:
+                    found, least = (initial, new, new_keep), cost
+            return found
 
         found = {k: v for k, v in self.by_trial(one).items() if v is not None}
         if not found:

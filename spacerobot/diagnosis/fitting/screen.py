@@ -15,7 +15,7 @@ from spacerobot.diagnosis.fitting.fitted import Fit, State
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.fitting.starts import effect_starts, full_starts, informed_starts, moments, sized
 from spacerobot.diagnosis.terms.data import TrialData
-from spacerobot.diagnosis.terms.hypothesis import LOOSE, Believed, Site, hypothesis
+from spacerobot.diagnosis.terms.hypothesis import Believed, Site, hypothesis
 from spacerobot.support.errors import InputError, SimulationError
 
 FAINT = 0.1
@@ -247,7 +247,7 @@ class Projector:
         self.weights = {t.id: (state.weights(t) if robust else 1.0) * state.keep[t.id] for t in fitter.trials}
         count = len(made.free)
         self.pull = np.sqrt([f.prior for f in made.free])
-        self.pull /= np.where([f.key in loose for f in made.free], LOOSE, 1.0)
+        self.pull *= [fitter.model.believed.let_go(f.key) if f.key in loose else 1.0 for f in made.free]
         self.global_rows = []
         self.own = []
         for trial in fitter.trials:

@@ -200,6 +200,10 @@ class Machine(ABC):
         """Initial values to try again from, where a trial's cost has several minima; here it has one."""
         return initial
 
+    def in_step(self, mechanism: Mechanism, trial: TrialData, initial: np.ndarray) -> np.ndarray:
+        """Initial values with every clock of the trial's own where its readings fit best; here it has none."""
+        return initial
+
     def trial_mechanism(self, hypothesis: Hypothesis, z: np.ndarray, trial: TrialData) -> Mechanism:
         """The edited mechanism of one trial."""
         values = hypothesis.trial_values(z, dict(self.base), trial.condition, trial.overrides)

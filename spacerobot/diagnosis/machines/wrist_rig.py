@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from spacerobot.diagnosis.machines.clock_scan import best_offset
 from spacerobot.diagnosis.machines.contract import CLOCK, Machine, Nuisance, Predicted, Variant
 from spacerobot.diagnosis.machines.doubted import doubted
 from spacerobot.diagnosis.machines.mechanism_cache import MechanismCache
@@ -227,6 +228,25 @@ class RigModel(Machine):
                 slope, offset = np.polyfit(block.time[early] - trial.start, error, 1)
                 for n in own:
                     out[n] -= slope if nuisances[n].rate else offset
+        return out
+
+    def in_step(self, mechanism: Mechanism, trial: TrialData, initial: np.ndarray) -> np.ndarray:
+        """Initial values with every clock of the trial's own where its readings fit best, tried at every offset.
+
+        Raises:
+            SimulationError: the trial cannot be simulated from there.
+        """
+        at = {n.coordinate: k for k, n in enumerate(self._motion[trial.id])}
+        own = [b for b in trial.blocks if CLOCK + b.clock in at]
+        if not own:
+            return initial
+        run, out = self.predict(mechanism, trial, initial).run, initial.copy()
+        for block in own:
+
+            def shown(time: np.ndarray, of: tuple[str, ...] = block.channels) -> np.ndarray:
+                return np.array(list(read_channels(run, mechanism, of, time).values()))
+
+            out[at[CLOCK + block.clock]] = best_offset(block, shown)
         return out
 
     def trial_mechanism(self, hypothesis: Hypothesis, z: np.ndarray, trial: TrialData) -> Mechanism:

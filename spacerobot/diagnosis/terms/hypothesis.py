@@ -100,6 +100,10 @@ class Believed:
     absolute: Mapping[str, float] = field(default_factory=dict)
     within: Mapping[str, float] = field(default_factory=dict)
 
+    def let_go(self, name: str) -> float:
+        """Share of its pull towards what is stated that a value keeps when it is set free."""
+        return (_held(LOOSE * self.sigma[name]) if name in self.sigma else 1.0) / LOOSE
+
     @property
     def fitted(self) -> tuple[str, ...]:
         """Names of what is free in every hypothesis and may stand for an effect."""
@@ -263,6 +267,11 @@ class Hypothesis:
         return np.array([p[0] for p in pairs]), np.array([p[1] for p in pairs])
 
 
+def _held(sigma: float) -> float:
+    """Pull on a value that was set free, of this relative deviation then, as a share of what one deviation has."""
+    return min(sigma / ANYTHING, 1.0)
+
+
 def hypothesis(believed: Believed, sites: Sequence[Site], starts: Mapping[str, float] | None = None) -> Hypothesis:
     """The hypothesis that these effects are there.
 
@@ -280,7 +289,7 @@ def hypothesis(believed: Believed, sites: Sequence[Site], starts: Mapping[str, f
         if name in believed.absorbing and name in replaced and value is not None:
             free.append(parameters.absorbing(name, value, sigma))
         else:
-            prior = min(sigma / ANYTHING, 1.0) ** 2 if name in believed.freed else 1.0
+            prior = _held(sigma) ** 2 if name in believed.freed else 1.0
             free.append(parameters.believed(name, value, sigma, prior))
     for name, sigma in believed.absolute.items():
         most = believed.within.get(name, math.inf)
