@@ -18,7 +18,7 @@ _OTHERS = {
     "diagnosis/machines": "axis body choose grid impacts joint_torques platform prescribed simulated "
     "stated_noise test_functions tossed",
     "diagnosis/locate": "of_model series velocity_jump",
-    "diagnosis/selection": "forward_selection nested_laws part_fold part_limits",
+    "diagnosis/selection": "forward_selection part_fold part_limits",
     "diagnosis/answer": "alternatives events mended_model part_verdict",
 }
 ELSEWHERE = tuple(
