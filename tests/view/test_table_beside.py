@@ -6,6 +6,8 @@ from pathlib import Path
 
 from spacerobot.view.table.beside import beside
 from spacerobot.view.table.of_studies import BY_HAND, by_hand
+from spacerobot.view.table.page import page
+from tests.view import helpers_report
 
 
 def verdict(after: list[float], note: str = "") -> dict[str, object]:
@@ -43,3 +45,20 @@ def test_what_is_written_by_hand_below_the_line_is_kept(tmp_path: Path) -> None:
     assert by_hand(path) == ""
     page = Path(__file__).parents[2] / "docs" / "real-recordings.md"
     assert "\n## " in by_hand(page), "the next `make real-table` keeps it"
+
+
+def test_sets_that_cannot_be_told_apart_are_said_once() -> None:
+    """What they have in common, whatever joint it is at, and then in what they differ."""
+
+    def one_of(*sets: str) -> str:
+        effects = [[dict(zip(("effect", "where"), e.split("@"), strict=True)) for e in s.split()] for s in sets]
+        said = {**helpers_report.verdict("ambiguous"), "study": "Arm", "parts": [], "cpu_seconds": 1.0, "figures": []}
+        said |= {"effects": [], "alternatives": [{"effects": e} for e in effects]}
+        row = next(line for line in page({"arm": said}).splitlines() if line.startswith("| ["))
+        return row.split("|")[3].strip()
+
+    assert one_of("bias@log", "scale@log") == "bias or scale"
+    common = "preload@joint.1 coulomb_friction@joint.2 preload@joint.3"
+    told = one_of(f"asymmetric_friction@joint.1 {common}", f"coulomb_friction@joint.1 {common}")
+    assert told == "preload, Coulomb friction, asymmetric Coulomb friction or Coulomb friction"
+    assert one_of("preload@joint.1", "preload@joint.1 bias@log") == "preload, nothing more or bias"

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from typing import Any
 
 from spacerobot.view.report.when import happened
 from spacerobot.view.report.words import effect_title, number, of_body, place, quantity
 from spacerobot.view.table.beside import beside
+
+LISTED = 3
+"""Sets between which nothing decides, at most."""
 
 INTRO = """\
 # Real recordings
@@ -62,16 +65,26 @@ def _row(name: str, verdict: Mapping[str, Any]) -> str:
     overall = verdict["held_out"]["overall"]
     unit = " σ" if verdict["held_out"].get("unit", "sigma") == "sigma" else ""
     said = verdict["verdict"].replace("_", " ")
-    named = list(dict.fromkeys(_title(e) for e in verdict["effects"]))
+    named = _titles(verdict["effects"])
     if not named and verdict["verdict"] == "ambiguous":
-        named = [" or ".join(" + ".join(_title(e) for e in a["effects"]) for a in verdict["alternatives"][:3])]
+        named = _one_of([a["effects"] for a in verdict["alternatives"][:LISTED]])
     before, after = (f"{number(overall[k])}{unit}" for k in ("rms_before", "rms_after"))
     seconds = verdict.get("cpu_seconds")
     return f"| [{name}](#{name}) | {said} | {', '.join(named)} | {before} | {after} | {number(seconds, 2)} s |"
 
 
-def _title(entry: Mapping[str, Any]) -> str:
-    return effect_title(str(entry["effect"]))
+def _titles(entries: Iterable[Mapping[str, Any]]) -> list[str]:
+    """Each effect once, wherever it is."""
+    return list(dict.fromkeys(effect_title(str(e["effect"])) for e in entries))
+
+
+def _one_of(sets: Sequence[Sequence[Mapping[str, Any]]]) -> list[str]:
+    """What sets of effects have in common, and last in what they differ."""
+    places = [{(e["effect"], e["where"]): e for e in one} for one in sets]
+    shared = [key for key in places[0] if all(key in one for one in places)]
+    differ = [_titles(e for key, e in one.items() if key not in shared) for one in places]
+    either = " or ".join(" + ".join(titles) or "nothing more" for titles in differ)
+    return [*_titles(places[0][key] for key in shared), either]
 
 
 def _details(verdict: Mapping[str, Any]) -> list[str]:
