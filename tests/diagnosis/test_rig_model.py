@@ -11,7 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from spacerobot.diagnosis.machines.contract import Predicted
-from spacerobot.diagnosis.machines.wrist_rig import ONSET_MASK, RigModel, counted
+from spacerobot.diagnosis.machines.rig_trials import ONSET_MASK, counted
+from spacerobot.diagnosis.machines.wrist_rig import RigModel
 from spacerobot.diagnosis.terms.data import Block, TrialData, trial_data
 from spacerobot.effects.registry import effect
 from spacerobot.recordings.study import load_study

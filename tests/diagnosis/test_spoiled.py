@@ -122,7 +122,8 @@ def test_as_it_is_stated_the_noise_would_have_been_too_much(whole: Study, tmp_pa
     """The same fit to readings that nobody looked at: what the cleaning is for."""
     from spacerobot.diagnosis.fitting.gauss_newton import Fitter
     from spacerobot.diagnosis.fitting.starts import fit_from
-    from spacerobot.diagnosis.machines.wrist_rig import RigModel, readable
+    from spacerobot.diagnosis.machines.rig_channels import readable
+    from spacerobot.diagnosis.machines.wrist_rig import RigModel
     from spacerobot.diagnosis.terms.data import trial_data
 
     study = spoiled(whole, tmp_path / "outliers", "outliers")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
-from spacerobot.diagnosis.machines.wrist_rig import together
+from spacerobot.diagnosis.machines.rig_values import together
 from spacerobot.diagnosis.terms.candidates import candidate_sites
 from spacerobot.recordings.study import Study, load_study
 from tests.diagnosis.rigs import BELIEVED, write_study

@@ -9,7 +9,7 @@ import numpy as np
 from spacerobot.diagnosis.answer.record import NoiseFound, Spoiled
 from spacerobot.diagnosis.fitting.labels import FORCE, mislabelled
 from spacerobot.diagnosis.fitting.spoiled import cleaned
-from spacerobot.diagnosis.machines.wrist_rig import readable
+from spacerobot.diagnosis.machines.rig_channels import readable
 from spacerobot.diagnosis.terms.data import Block, TrialData, trial_data
 from spacerobot.recordings.study import Study
 

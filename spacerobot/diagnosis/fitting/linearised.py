@@ -11,7 +11,7 @@ import numpy as np
 from spacerobot.diagnosis.fitting.fitted import State
 from spacerobot.diagnosis.fitting.normal_equations import Normal
 from spacerobot.diagnosis.machines.contract import Machine
-from spacerobot.diagnosis.machines.wrist_rig import counted
+from spacerobot.diagnosis.machines.rig_trials import counted
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Hypothesis
 from spacerobot.support.errors import SimulationError

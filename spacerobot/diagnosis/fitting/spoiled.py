@@ -15,7 +15,7 @@ import numpy as np
 from spacerobot.diagnosis.fitting.glitches import SIDE, glitches
 from spacerobot.diagnosis.fitting.noise import reweighted
 from spacerobot.diagnosis.fitting.swaps import swapped
-from spacerobot.diagnosis.machines.wrist_rig import touch_time
+from spacerobot.diagnosis.machines.rig_trials import touch_time
 from spacerobot.diagnosis.terms.data import Block, TrialData
 from spacerobot.recordings.series import estimate_noise
 from spacerobot.support.errors import InputError

@@ -16,8 +16,9 @@ from spacerobot.diagnosis.fitting.spoiled import cleaned
 from spacerobot.diagnosis.fitting.starts import fit_from, fit_near
 from spacerobot.diagnosis.fitting.valleys import deepest
 from spacerobot.diagnosis.machines.contract import Machine
+from spacerobot.diagnosis.machines.rig_channels import readable
 from spacerobot.diagnosis.machines.whole_rig import rig_model
-from spacerobot.diagnosis.machines.wrist_rig import RigModel, readable
+from spacerobot.diagnosis.machines.wrist_rig import RigModel
 from spacerobot.diagnosis.terms.data import TrialData, trial_data
 from spacerobot.diagnosis.terms.hypothesis import Label, Site
 from spacerobot.effects.registry import effect

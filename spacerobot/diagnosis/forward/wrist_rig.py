@@ -12,9 +12,10 @@ from spacerobot.diagnosis.answer.spoiled import left_out, noise_told
 from spacerobot.diagnosis.fitting.spoiled import cleaned
 from spacerobot.diagnosis.fitting.workshop import Workshop
 from spacerobot.diagnosis.forward.base import ForwardModel, TrialOverlay, Value, channels_of, overlaid, unit_of
+from spacerobot.diagnosis.machines.rig_channels import readable
 from spacerobot.diagnosis.machines.robot_channels import robot_channels
 from spacerobot.diagnosis.machines.whole_rig import WholeRig
-from spacerobot.diagnosis.machines.wrist_rig import RigModel, readable
+from spacerobot.diagnosis.machines.wrist_rig import RigModel
 from spacerobot.diagnosis.selection.admission import misplaced, questions
 from spacerobot.diagnosis.selection.beyond import as_whole_robot
 from spacerobot.diagnosis.terms.data import TrialData, trial_data

@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from spacerobot.diagnosis.machines.wrist_rig import RigModel, together
+from spacerobot.diagnosis.machines.rig_values import together
+from spacerobot.diagnosis.machines.wrist_rig import RigModel
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.recordings.study import Study

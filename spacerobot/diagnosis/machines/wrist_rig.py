@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import math
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
@@ -15,8 +14,11 @@ from spacerobot.diagnosis.machines.clock_scan import best_offset
 from spacerobot.diagnosis.machines.contract import CLOCK, Machine, Nuisance, Predicted, Variant
 from spacerobot.diagnosis.machines.doubted import doubted
 from spacerobot.diagnosis.machines.mechanism_cache import MechanismCache
-from spacerobot.diagnosis.machines.robot_channels import robot_channels
+from spacerobot.diagnosis.machines.rig_channels import alone, sensors_of, turning, zeros_of
+from spacerobot.diagnosis.machines.rig_trials import CHANNEL_OF, lateness, nuisances_of, touch_time
+from spacerobot.diagnosis.machines.rig_values import together, unknown_values
 from spacerobot.diagnosis.machines.sizes import beside_usual, sizes_of_hits
+from spacerobot.diagnosis.terms.alignment import LEAST
 from spacerobot.diagnosis.terms.candidates import candidate_sites
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed, Hypothesis, Site
@@ -32,30 +34,8 @@ from spacerobot.simulation.rig import DEFAULTS, rig
 from spacerobot.simulation.sensors import read_channels
 from spacerobot.support.errors import InputError
 
-UNKNOWN_CENTRES = {
-    "contact.damping": 40.0,
-    "contact.stiffness": 5e4,
-    "wrist.mass": 1.0,
-    "wrist.stiffness": 1e3,
-    "target.mass": 10.0,
-}
-"""Where the search for an unstated value begins, SI; that for the wrist's stiffness where the recordings say."""
-
 STEP_LIMIT = 5000
 """Steps of one trial after which a fit calls its parameters too stiff to be true; a plain trial takes some 400."""
-
-CHANNEL_OF = {"target": "target.x", "target.y": "target.y", "target.yaw": "target.yaw"}
-"""The channel that shows a coordinate before contact."""
-
-LEAST = 4
-"""Readings of a coordinate that a straight line before contact is fitted to, at least."""
-
-CLOCK_SCALE = 1e-4
-"""Step [s] of a clock's offset in a fit: a force that rises within milliseconds tells it to some hundredths of one."""
-
-ONSET_MASK = 0.7e-3
-"""Force samples this close [s] to a predicted touch are left out: the force jumps there."""
-
 
 SHARE, STIFF = 0.03, 0.1
 """Of the largest force in the contact and of the port's spring: as which a further force and what remembers begin."""
@@ -109,9 +89,9 @@ class RigModel(Machine):
         if unstated:
             raise InputError("a value has a sigma but no believed value", given=unstated[0], where=str(study.path))
         scatter = {n: s for n, s in study.scatter.items() if n in names and s > 0.0}
-        self.sensors = _sensors(study)
+        self.sensors = sensors_of(study)
         self.filters = tuple(filter_of(c, own.cutoff, own.order, own.kind) for c, own in study.filters().items())
-        clocks = _alone(study, self.sensors)
+        clocks = alone(study, self.sensors)
         conditions = tuple(study.conditions())
         self.doubted = doubted(study, study.trials, channels, zeros=False)
         self.believed = Believed(
@@ -123,7 +103,7 @@ class RigModel(Machine):
             tuple(ABSORBING),
             clocks=clocks,
             unheld={**self.beliefs.free, **absent},
-            zeros={**_zeros(study, channels), **self.doubted.sigma},
+            zeros={**zeros_of(study, channels), **self.doubted.sigma},
             absolute={n: s for n, s in study.absolute.items() if n in names},
         )
         self._number = {t.id: k for k, t in enumerate(study.trials)}
@@ -139,7 +119,7 @@ class RigModel(Machine):
 
     def unstated(self, study: Study, known: Mapping[str, float], trials: tuple[TrialData, ...]) -> dict[str, float]:
         """Values that the study does not state, with where their search begins."""
-        return _unknown(study, known, trials)
+        return unknown_values(known, trials)
 
     def absent(self, known: Mapping[str, float]) -> dict[str, float]:
         """Values that are not stated and found from nothing on: there is something to absorb."""
@@ -147,7 +127,7 @@ class RigModel(Machine):
 
     def own(self, trial: TrialData) -> tuple[Nuisance, ...]:
         """What is free in a trial alone, from its recordings."""
-        return _nuisances(trial, self.turning, self.sideways)
+        return nuisances_of(trial, self.turning, self.sideways)
 
     def _know(self, trials: tuple[TrialData, ...]) -> None:
         self.trials = trials
@@ -273,7 +253,7 @@ class RigModel(Machine):
             tolerance=self.tolerance,
             step_limit=STEP_LIMIT,
         )
-        late = _late(trial, self._motion[trial.id], initial)
+        late = lateness(trial, self._motion[trial.id], initial)
         blocks = tuple(
             np.array(list(read_channels(run, mechanism, b.channels, b.time - by if by else b.time).values()))
             for b, by in zip(trial.blocks, late, strict=True)
@@ -323,131 +303,3 @@ class RigModel(Machine):
         """By the largest force in the contact, wherever the law acts, and by the port's spring."""
         spring = self.base["contact.stiffness" if port == "contact" else "wrist.stiffness"]
         return SHARE * max(abs(x) for x in seen["N"]), STIFF * spring
-
-
-def _late(trial: TrialData, nuisances: tuple[Nuisance, ...], initial: np.ndarray) -> tuple[float, ...]:
-    """By how much each block of a trial is late as its own clock goes [s]."""
-    of = {n.coordinate: float(v) for n, v in zip(nuisances, initial, strict=True) if n.coordinate.startswith(CLOCK)}
-    return tuple(of.get(CLOCK + b.clock, 0.0) for b in trial.blocks)
-
-
-def counted(mechanism: Mechanism, trial: TrialData, shown: Predicted) -> np.ndarray:
-    """Samples that count, shape (S,) bool: forces are left out around each touch as their sensor sees it."""
-    keep = trial.valid
-    if not shown.touches or "contact.force" not in trial.channels:
-        return keep
-    keep = keep.copy()
-    late = sum(m.value for m in mechanism.maps if m.channel == "contact.force" and m.kind == "delay")
-    row = 0
-    for block, by in zip(trial.blocks, shown.late or (0.0,) * len(trial.blocks), strict=True):
-        at = np.array(shown.touches) + (late + by)
-        for channel in block.channels:
-            if channel == "contact.force":
-                first, last = np.searchsorted(block.time, [at - ONSET_MASK, at + ONSET_MASK])
-                for a, b in zip(first.tolist(), last.tolist(), strict=True):
-                    keep[row + a : row + b] = False
-            row += block.time.size
-    return keep
-
-
-def together(values: Mapping[str, float]) -> dict[str, float]:
-    """A rig's values with no constant below zero: what it falls short by comes off the value that adds to it."""
-    out = dict(values)
-    for name, added in ABSORBING.items():
-        below = min(out.get(name, 0.0), 0.0)
-        if below < 0.0:
-            out[name], out[added] = 0.0, max(out.get(added, 0.0) + below, 0.0)
-    return out
-
-
-def _unknown(study: Study, known: Mapping[str, float], trials: tuple[TrialData, ...]) -> dict[str, float]:
-    """Values of the rig that the study does not state, with where their search begins."""
-    stated = {*known, *(n for n in UNKNOWN_CENTRES if trials and all(n in t.overrides for t in trials))}
-    unknown = {n: c for n, c in UNKNOWN_CENTRES.items() if n not in stated}
-    seen = [k for t in trials if (k := _spring(t, known)) is not None]
-    if seen and "wrist.stiffness" in unknown:
-        unknown["wrist.stiffness"] = float(np.median(seen))
-    return unknown
-
-
-def _spring(trial: TrialData, known: Mapping[str, float]) -> float | None:
-    """Stiffness that stops the target of a trial within the wrist's largest displacement: m (v / x)^2 [N/m]."""
-    if "wrist.x" not in trial.channels:
-        return None
-    mass = {**UNKNOWN_CENTRES, **known, **trial.overrides}["target.mass"]
-    furthest = float(trial.channel("wrist.x")[1].max())
-    speed = next(n.guess for n in _nuisances(trial, False, False) if n.coordinate == "target" and n.rate)
-    return mass * (speed / furthest) ** 2 if furthest > 0.0 and speed > 0.0 else None
-
-
-def _zeros(study: Study, shown: set[str]) -> dict[str, float]:
-    """Channels whose zero the lab has found, with its standard deviation [SI]."""
-    stated = {c.name for s in study.streams.values() for c in s.channels if c.name in shown and c.offset_sigma > 0.0}
-    rows = (study.recording(t) for t in study.trials) if stated else ()
-    return {name: r[name].zero for r in rows for name in r if name in stated}
-
-
-def turning(study: Study) -> bool:
-    """Whether the target may turn: its yaw inertia is stated."""
-    return math.isfinite(study.values().get("target.yaw_inertia", math.nan))
-
-
-def readable(study: Study) -> frozenset[str]:
-    """Channels that the rig of this baseline has a readout for; any other is left aside."""
-    own = rig({"target.yaw_inertia": 1.0} if turning(study) else {}, lateral=True).readouts
-    return frozenset(own) | robot_channels(study)
-
-
-def _sensors(study: Study) -> dict[str, tuple[str, ...]]:
-    """Sensors by the names verdicts use: force_sensor, mocap, otherwise the stream's own."""
-    found: dict[str, tuple[str, ...]] = {}
-    shown = readable(study)
-    for stream in study.streams.values():
-        names = tuple(c.name for c in stream.channels if c.name in shown)
-        if not names:
-            continue
-        if all(n == "contact.force" for n in names):
-            label = "force_sensor"
-        elif all(n.split(".")[-1] in ("x", "y", "z", "yaw") for n in names):
-            label = "mocap"
-        else:
-            label = stream.name
-        found[label] = (*found.get(label, ()), *names)
-    return found
-
-
-def _alone(study: Study, sensors: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:
-    """ "SENSOR.clock" of each sensor whose clocks no other sensor shares, where there are several clocks."""
-    clock_of = {c.name: s.clock for s in study.streams.values() for c in s.channels}
-    clocks = {sensor: {clock_of[c] for c in channels} for sensor, channels in sensors.items()}
-    if len(set().union(*clocks.values())) < 2:
-        return ()
-    others = {s: set().union(*(c for other, c in clocks.items() if other != s)) for s in clocks}
-    return tuple(f"{s}.clock" for s, own in clocks.items() if not own & others[s])
-
-
-def _nuisances(trial: TrialData, turning: bool, sideways: bool) -> tuple[Nuisance, ...]:
-    found: list[Nuisance] = []
-    wanted = [("target", "target.x", 5e-5, 1e-4)]
-    if sideways and "target.y" in trial.channels:
-        wanted.append(("target.y", "target.y", 5e-5, 1e-4))
-    if turning and "target.yaw" in trial.channels:
-        wanted.append(("target.yaw", "target.yaw", 1e-4, 3e-4))
-    touch = touch_time(trial)
-    for coordinate, channel, scale, rate_scale in wanted:
-        time, value, _ = trial.channel(channel)
-        early = time < touch
-        if early.sum() < LEAST:
-            early = np.arange(time.size) < max(LEAST, time.size // 20)
-        slope, offset = np.polyfit(time[early] - trial.start, value[early], 1)
-        found.append(Nuisance(coordinate, False, float(offset), scale))
-        found.append(Nuisance(coordinate, True, float(slope), rate_scale))
-    clocks = dict.fromkeys(b.clock for b in trial.blocks if b.clock)
-    return (*found, *(Nuisance(CLOCK + clock, False, 0.0, CLOCK_SCALE) for clock in clocks))
-
-
-def touch_time(trial: TrialData) -> float:
-    """When the target first comes to within half a millimetre of touching, from its own track."""
-    time, value, _ = trial.channel("target.x")
-    beyond = np.flatnonzero(value > -5e-4)
-    return float(time[beyond[0]]) if beyond.size else float(time[-1])

@@ -10,9 +10,10 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from spacerobot.diagnosis.machines.mechanism_cache import MOST
+from spacerobot.diagnosis.machines.rig_channels import readable
 from spacerobot.diagnosis.machines.whole_rig import rig_model
-from spacerobot.diagnosis.machines.wrist_rig import LEAST, RigModel, readable
-from spacerobot.diagnosis.terms.alignment import TRACK, first_seen
+from spacerobot.diagnosis.machines.wrist_rig import RigModel
+from spacerobot.diagnosis.terms.alignment import LEAST, TRACK, first_seen
 from spacerobot.diagnosis.terms.data import TrialData, one_trial
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.recordings.recording import Recording

@@ -7,8 +7,8 @@ import numpy as np
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.mended_scene import scene_of
 from spacerobot.diagnosis.fitting.workshop import Workshop
+from spacerobot.diagnosis.machines.rig_trials import counted
 from spacerobot.diagnosis.machines.robot_channels import of_robot
-from spacerobot.diagnosis.machines.wrist_rig import counted
 from spacerobot.diagnosis.selection.check import Check
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.parameters import zero_key
