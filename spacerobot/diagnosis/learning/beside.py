@@ -41,27 +41,33 @@ def better_of(bench: Bench, curve: Curve) -> Candidate:
     return one if form is None or form[1].error > one.error else form[1]
 
 
-def beside_it(growth: Growth, bench: Bench, curve: Curve) -> Curve:
-    """The curve with the effects that stand beside it: those that it makes idle go, and what shows beside it comes."""
+def beside_it(growth: Growth, bench: Bench, curve: Curve, here: Candidate) -> Curve:
+    """The curve with the effects that stand beside it: those that it makes idle go, and what shows beside it comes.
+
+    Args:
+        growth: of the part.
+        bench: under the weights that the curve asks for.
+        curve: beside what the catalogue had to offer.
+        here: its better model, of `better_of`.
+    """
     baseline = tested(bench, growth.before.fit)
     for _ in range(COMPANIONS + 1):
-        curve = _without_idle(bench, curve, baseline)
+        curve, here = _without_idle(bench, curve, here, baseline)
         more = _companion(growth, bench, curve)
-        if more is None or not pays(better_of(bench, more), better_of(bench, curve), bench.trials):
+        if more is None or not pays(there := better_of(bench, more), here, bench.trials):
             break
-        curve = more
+        curve, here = more, there
     ended = settled(bench, without_curve(curve), from_where_it_is(curve))
     return curve if ended is None else ended
 
 
-def _without_idle(bench: Bench, curve: Curve, baseline: Candidate) -> Curve:
-    here = better_of(bench, curve)
+def _without_idle(bench: Bench, curve: Curve, here: Candidate, baseline: Candidate) -> tuple[Curve, Candidate]:
     for site in without_curve(curve):
         rest = [s for s in curve.fit.hypothesis.sites if s.label not in (site.label, curve.site.label)]
         less = settled(bench, rest, from_where_it_is(curve), listen=False)
         if less is not None and as_good(one := better_of(bench, less), here, baseline):
             curve, here = less, one
-    return curve
+    return curve, here
 
 
 def tested(bench: Bench, fit: Fit) -> Candidate:

@@ -138,7 +138,7 @@ def take(growth: Growth, report: Report) -> Taken | NotLearned:
     if ratio(best, after) < 1.0 - WORTH_OF_REST:  # nothing that could stand beside it mends a law that misleads
         return NotLearned(leaves(law, ratio(after, best)), refuted=True)
     report("learning what stands beside it", 0, 1)
-    curve = beside_it(growth, bench, curve)
+    curve = beside_it(growth, bench, curve, after)
     after = Candidate(curve.fit, bench.held_out(curve.fit))
     return Taken(bench, law, curve, before, best, after, form_of(bench, curve), lead, following)
 

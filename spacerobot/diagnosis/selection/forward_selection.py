@@ -288,7 +288,7 @@ class _Search:
         if after is before:
             return ""
         if stated:
-            if by_chance(before.cost - after.cost, after.size):
+            if by_chance(before.cost - after.cost, after.size, len(self.sites)):
                 return "gains no more than chance would under the stated noise"
         elif not pays(after, before, self.bench.trials):
             return "predicts unseen data no better once readings weigh what it leaves over"

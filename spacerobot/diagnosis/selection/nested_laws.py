@@ -24,7 +24,12 @@ def by_chance(gain: float, parameters: int, looks: int = 1) -> bool:
         parameters: how many more there are.
         looks: effects and places that were tried and of which this is the best (Sidak).
     """
-    return gain <= float(chdtri(parameters, -math.expm1(math.log1p(-CHANCE) / max(looks, 1))))
+    return gain <= chance_edge(parameters, looks)
+
+
+def chance_edge(parameters: int, looks: int = 1) -> float:
+    """The fall of chi-squared that `by_chance` takes for chance's at most."""
+    return float(chdtri(parameters, -math.expm1(math.log1p(-CHANCE) / max(looks, 1))))
 
 
 Known = Mapping[tuple[str, str], Site]

@@ -23,6 +23,7 @@ from spacerobot.diagnosis.selection.candidate import tried
 from spacerobot.diagnosis.selection.growth import Growth
 from spacerobot.diagnosis.selection.limits import LARGEST, NEAR, Column, Label, Limit, Limits
 from spacerobot.diagnosis.selection.model_choice import Told, groups, slack
+from spacerobot.diagnosis.selection.nested_laws import chance_edge
 from spacerobot.diagnosis.terms.candidates import refines
 from spacerobot.diagnosis.terms.data import ends_of
 from spacerobot.diagnosis.terms.decision import TIE, TWICE
@@ -156,6 +157,8 @@ class _Drawn:
         trained = np.einsum("kl,lij->kij", limits.training, gram)
         heard = np.einsum("kl,bli->bki", limits.training, self.seen)
         self.trained, self.heard = trained, heard
+        count = len(item.site.effect.parameters)
+        self.least = chance_edge(count, len(limits.known)) if limits.bounded else NORMAL_95**2
         self.sides = np.array([item.site.effect.two_sided, *(c.site.effect.two_sided for c in alike)])
 
     def _fitted(self, of: int, size: float) -> np.ndarray:
@@ -189,7 +192,7 @@ class _Drawn:
             paid = told.better(self.limits.group)
         norm = float(self.gram[:, 0, 0].sum())
         found = (size * norm + self.seen[:, :, 0].sum(axis=1)) / math.sqrt(norm)
-        shown = np.abs(found) > NORMAL_95
+        shown = found**2 > self.least
         apart = np.ones((mine.shape[0], len(self.rivals)), dtype=bool)
         for r, rival in enumerate(self.rivals, 1):
             versus = self._told((r, self._fitted(r, size)), ours, size)

@@ -27,6 +27,7 @@ def chosen_rashly(
     monkeypatch: pytest.MonkeyPatch,
     hidden: tuple[Missing, ...] = (),
     known: tuple[str, ...] = ("coulomb_friction", "viscous_friction"),
+    seed: int = 4,
 ) -> Label:
     """What stands of a search that always wants an effect, whatever unseen trials say of it."""
 
@@ -34,7 +35,7 @@ def chosen_rashly(
         return min((c for c in tested if c.sites), key=lambda c: c.error, default=baseline)
 
     monkeypatch.setattr(module, "choice", rash)
-    (model,) = [m for m in models_for(driven_study(folder, *hidden)) if m.name == JOINT]
+    (model,) = [m for m in models_for(driven_study(folder, *hidden, seed=seed)) if m.name == JOINT]
     found = grow(model, effects=[effect(name) for name in known])
     assert (found.after is found.before) == (not found.after.sites)
     assert found.after.sites or not found.rivals
@@ -46,6 +47,13 @@ def test_what_gains_nothing_under_the_stated_noise_is_not_chosen(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert chosen_rashly(tmp_path, monkeypatch) == ()
+
+
+def test_the_best_of_many_places_must_gain_more_than_one_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of nine effects one gained 5.7 where nothing is missing: one in fifty alone would, of nine the best one in six."""
+    frictions = ("coulomb_friction", "viscous_friction", "asymmetric_friction", "quadratic_damping")
+    tried = (*frictions, "preload", "cubic_stiffness", "time_offset", "scale", "low_pass")
+    assert chosen_rashly(tmp_path, monkeypatch, known=tried, seed=1) == ()
 
 
 def test_what_is_there_stands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
