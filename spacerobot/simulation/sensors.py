@@ -62,7 +62,7 @@ def read_channels(run: Run, mechanism: Mechanism, channels: Iterable[str], times
     """
     out: dict[str, np.ndarray] = dict.fromkeys(channels, times)  # in this order
     mapped = {m.channel for m in mechanism.maps}
-    taken: dict[Any, _Taken] = {0.0: _Taken(run, times)}
+    taken: dict[object, _Taken] = {0.0: _Taken(run, times)}
     bare: dict[str, list[str]] = {}  # by kind, channels that show a port and nothing else
     for channel in out:
         readout = mechanism.readouts.get(channel)
@@ -110,7 +110,7 @@ MEMORY = 16.0
 
 
 def _read(
-    run: Run, readout: Readout, maps: list[ChannelMap], times: np.ndarray, taken: dict[Any, _Taken]
+    run: Run, readout: Readout, maps: list[ChannelMap], times: np.ndarray, taken: dict[object, _Taken]
 ) -> np.ndarray:
     late = sum(m.value for m in maps if m.kind == "delay")
     filters = [m for m in maps if m.kind == "low_pass" and math.isfinite(m.value)]
@@ -146,7 +146,7 @@ def _filtered(
     inertias: list[ChannelMap],
     filters: list[ChannelMap],
     times: np.ndarray,
-    taken: dict[Any, _Taken],
+    taken: dict[object, _Taken],
 ) -> np.ndarray:
     """Low-pass filters, exact for an input that is linear between the points of a grid but for jumps at events.
 
@@ -165,10 +165,8 @@ def _filtered(
     forgotten = MEMORY / (2.0 * math.pi * slowest)
     begin = max(times[0] - forgotten, run.start - step)
     grid = np.arange(begin, times[-1] + step, step)
-    here = (begin, step, grid.size)  # channels of one sensor share it
-    if here not in taken:
-        taken[here] = _Taken(run, grid)
-    value = _raw(run, readout, inertias, taken[here])
+    here = taken.setdefault((begin, step, grid.size), _Taken(run, grid))  # channels of one sensor share it
+    value = _raw(run, readout, inertias, here)
     if readout.kind == "force" and not inertias:  # nothing but where bodies touch, and until that is forgotten
         pressed, beside = np.flatnonzero(value), math.ceil(forgotten / step) + 1
         if not pressed.size:

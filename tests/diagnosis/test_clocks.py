@@ -104,7 +104,22 @@ def test_a_ring_that_dies_out_tells_its_offset(late: float, period: float, seen:
     time = np.arange(0.0, 1.2, period / seen)
     value = ring(time - late)
     block = Block("force", ("contact.force",), time, value, np.full_like(value, 100.0), "own")
-    assert abs(best_offset(block, ring) - late) < 1e-3
+    assert abs(best_offset([block], lambda channels, time: ring(time)) - late) < 1e-3
+
+
+def test_all_that_is_on_a_clock_tells_its_offset() -> None:
+    """Whichever comes last: a channel that shows next to nothing does not outweigh one that does."""
+
+    def pulse(time: np.ndarray) -> np.ndarray:
+        return np.asarray([np.exp(-(((time - 0.5) / 0.01) ** 2))])
+
+    time = np.arange(0.0, 1.0, 1e-3)
+    blocks = [
+        Block(name, (name,), time, pulse(time - late), np.full((1, time.size), weight), "own")
+        for name, late, weight in (("contact.force", 0.04, 100.0), ("hand.x", -0.1, 1.0))
+    ]
+    for order in (blocks, blocks[::-1]):
+        assert abs(best_offset(order, lambda channels, time: pulse(time)) - 0.04) < 1e-3
 
 
 def test_one_clock_has_no_offset(studies: tuple[Study, Study]) -> None:

@@ -62,3 +62,5 @@ def test_sets_that_cannot_be_told_apart_are_said_once() -> None:
     told = one_of(f"asymmetric_friction@joint.1 {common}", f"coulomb_friction@joint.1 {common}")
     assert told == "preload, Coulomb friction, asymmetric Coulomb friction or Coulomb friction"
     assert one_of("preload@joint.1", "preload@joint.1 bias@log") == "preload, nothing more or bias"
+    assert one_of("preload@joint.1 bias@log") == "preload, bias"
+    assert one_of() == ""

@@ -139,10 +139,12 @@ class Fitter(Linearised):
 
         def one(trial: TrialData) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
             own, raw, keep = state.own[trial.id], state.raw[trial.id], state.keep[trial.id]
+            if not own.size:
+                return None
+            mechanism = self.model.trial_mechanism(hypothesis, state.z, trial)
             found, least = None, np.square(raw[keep]).sum() - RESCUE_GAIN
             for start in (self.model.approach_start(trial, own, raw), own):
                 try:
-                    mechanism = self.model.trial_mechanism(hypothesis, state.z, trial)
                     initial = self.model.in_step(mechanism, trial, start)
                     if np.array_equal(initial, own):
                         continue

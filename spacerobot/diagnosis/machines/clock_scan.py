@@ -6,7 +6,7 @@ force has peaks, and a descent ends in the nearest. The whole curve is two corre
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from scipy.signal import correlate
@@ -17,21 +17,22 @@ STEP = 5e-4
 """Between offsets that are tried [s]: a descent goes on from there. No rig's contact rings faster than 500 Hz."""
 
 
-def best_offset(block: Block, shown: Callable[[np.ndarray], np.ndarray]) -> float:
-    """The offset [s], positive where the readings are late, at which a prediction fits a block's readings best.
+def best_offset(blocks: Sequence[Block], shown: Callable[[Sequence[str], np.ndarray], np.ndarray]) -> float:
+    """The offset [s], positive where the readings are late, at which a prediction fits those of one clock best.
 
     Args:
-        block: with T readings of C channels; offsets to half its length are tried, to either side.
-        shown: what would be read at times, shape (G,) [s], of the trial's clock: shape (C, G) [SI].
+        blocks: all that is on the clock; offsets to half its length are tried, to either side.
+        shown: what C channels would read at times, shape (G,) [s], of the trial's clock: shape (C, G) [SI].
     """
-    first = float(block.time[0])
-    at = np.rint((block.time - first) / STEP).astype(int)
-    size = int(at[-1]) + 1
+    first, last = min(float(b.time[0]) for b in blocks), max(float(b.time[-1]) for b in blocks)
+    size = round((last - first) / STEP) + 1
     reach = size // 2
-    predicted = shown(first + STEP * np.arange(-reach, size + reach))
+    tried = first + STEP * np.arange(-reach, size + reach)
     misfit = np.zeros(2 * reach + 1)  # but for what is the same at every offset
-    for value, weight, one in zip(block.value, block.weight, predicted, strict=True):
-        counted = np.bincount(at, weight**2, size)
-        measured = np.bincount(at, weight**2 * value, size)
-        misfit += correlate(one**2, counted, "valid") - 2.0 * correlate(one, measured, "valid")
+    for block in blocks:
+        at = np.rint((block.time - first) / STEP).astype(int)
+        for value, weight, one in zip(block.value, block.weight, shown(block.channels, tried), strict=True):
+            counted = np.bincount(at, weight**2, size)
+            measured = np.bincount(at, weight**2 * value, size)
+            misfit += correlate(one**2, counted, "valid") - 2.0 * correlate(one, measured, "valid")
     return STEP * (reach - int(np.argmin(misfit)))

@@ -46,7 +46,7 @@ def zeros_of(study: Study, shown: set[str]) -> dict[str, float]:
     return {name: r[name].zero for r in rows for name in r if name in stated}
 
 
-def alone(study: Study, sensors: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:
+def own_clocks(study: Study, sensors: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:
     """ "SENSOR.clock" of each sensor whose clocks no other sensor shares, where there are several clocks."""
     clock_of = {c.name: s.clock for s in study.streams.values() for c in s.channels}
     clocks = {sensor: {clock_of[c] for c in channels} for sensor, channels in sensors.items()}

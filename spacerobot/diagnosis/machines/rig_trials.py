@@ -26,6 +26,12 @@ def touch_time(trial: TrialData) -> float:
     return float(time[beyond[0]]) if beyond.size else float(time[-1])
 
 
+def free_until(time: np.ndarray, touch: float) -> np.ndarray:
+    """Which readings are of the free approach, shape (T,) bool; the first few where hardly any precede the touch."""
+    early = time < touch
+    return early if early.sum() >= LEAST else np.arange(time.size) < max(LEAST, time.size // 20)
+
+
 def nuisances_of(trial: TrialData, turning: bool, sideways: bool) -> tuple[Nuisance, ...]:
     """What is free in a trial alone: where its target is and how fast, and the offset of each clock of its own."""
     found: list[Nuisance] = []
@@ -37,9 +43,7 @@ def nuisances_of(trial: TrialData, turning: bool, sideways: bool) -> tuple[Nuisa
     touch = touch_time(trial)
     for coordinate, channel, scale, rate_scale in wanted:
         time, value, _ = trial.channel(channel)
-        early = time < touch
-        if early.sum() < LEAST:
-            early = np.arange(time.size) < max(LEAST, time.size // 20)
+        early = free_until(time, touch)
         slope, offset = np.polyfit(time[early] - trial.start, value[early], 1)
         found.append(Nuisance(coordinate, False, float(offset), scale))
         found.append(Nuisance(coordinate, True, float(slope), rate_scale))

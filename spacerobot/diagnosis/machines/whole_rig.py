@@ -14,14 +14,13 @@ import numpy as np
 
 from spacerobot.diagnosis.machines.bent import NOTHING, Beyond, is_effect
 from spacerobot.diagnosis.machines.contract import CLOCK, Nuisance
-from spacerobot.diagnosis.machines.rig_trials import touch_time
+from spacerobot.diagnosis.machines.rig_trials import free_until, touch_time
 from spacerobot.diagnosis.machines.rig_values import together
 from spacerobot.diagnosis.machines.robot_channels import BASE_CHANNELS, is_rate, of_robot, robot_channels
 from spacerobot.diagnosis.machines.robot_motions import RobotMotions
 from spacerobot.diagnosis.machines.robot_sizes import sizes_at_places
 from spacerobot.diagnosis.machines.sizes import scaled
 from spacerobot.diagnosis.machines.wrist_rig import RigModel, RigPredicted
-from spacerobot.diagnosis.terms.alignment import LEAST
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Hypothesis, Site
 from spacerobot.effects.effect import BASE_PORTS, Effect
@@ -101,9 +100,7 @@ class WholeRig(RigModel):
             if not (of_robot(channel) or channel in SHIFTED):
                 continue
             time, value, weight = trial.channel(channel)
-            early = time < touch
-            if early.sum() < LEAST:
-                early = np.arange(time.size) < max(LEAST, time.size // 20)
+            early = free_until(time, touch)
             noise = 1.0 / float(np.median(weight))
             if is_rate(channel):
                 continue

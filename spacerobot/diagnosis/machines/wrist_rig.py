@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from types import MappingProxyType
 from typing import Any
 
@@ -14,7 +15,7 @@ from spacerobot.diagnosis.machines.clock_scan import best_offset
 from spacerobot.diagnosis.machines.contract import CLOCK, Machine, Nuisance, Predicted, Variant
 from spacerobot.diagnosis.machines.doubted import doubted
 from spacerobot.diagnosis.machines.mechanism_cache import MechanismCache
-from spacerobot.diagnosis.machines.rig_channels import alone, sensors_of, turning, zeros_of
+from spacerobot.diagnosis.machines.rig_channels import own_clocks, sensors_of, turning, zeros_of
 from spacerobot.diagnosis.machines.rig_trials import CHANNEL_OF, lateness, nuisances_of, touch_time
 from spacerobot.diagnosis.machines.rig_values import together, unknown_values
 from spacerobot.diagnosis.machines.sizes import beside_usual, sizes_of_hits
@@ -91,7 +92,7 @@ class RigModel(Machine):
         scatter = {n: s for n, s in study.scatter.items() if n in names and s > 0.0}
         self.sensors = sensors_of(study)
         self.filters = tuple(filter_of(c, own.cutoff, own.order, own.kind) for c, own in study.filters().items())
-        clocks = alone(study, self.sensors)
+        clocks = own_clocks(study, self.sensors)
         conditions = tuple(study.conditions())
         self.doubted = doubted(study, study.trials, channels, zeros=False)
         self.believed = Believed(
@@ -217,16 +218,12 @@ class RigModel(Machine):
             SimulationError: the trial cannot be simulated from there.
         """
         at = {n.coordinate: k for k, n in enumerate(self._motion[trial.id])}
-        own = [b for b in trial.blocks if CLOCK + b.clock in at]
-        if not own:
+        clocks = dict.fromkeys(b.clock for b in trial.blocks if CLOCK + b.clock in at)
+        if not clocks:
             return initial
-        run, out = self.predict(mechanism, trial, initial).run, initial.copy()
-        for block in own:
-
-            def shown(time: np.ndarray, of: tuple[str, ...] = block.channels) -> np.ndarray:
-                return np.array(list(read_channels(run, mechanism, of, time).values()))
-
-            out[at[CLOCK + block.clock]] = best_offset(block, shown)
+        shown, out = partial(_shown, self.predict(mechanism, trial, initial).run, mechanism), initial.copy()
+        for clock in clocks:
+            out[at[CLOCK + clock]] = best_offset([b for b in trial.blocks if b.clock == clock], shown)
         return out
 
     def trial_mechanism(self, hypothesis: Hypothesis, z: np.ndarray, trial: TrialData) -> Mechanism:
@@ -255,7 +252,7 @@ class RigModel(Machine):
         )
         late = lateness(trial, self._motion[trial.id], initial)
         blocks = tuple(
-            np.array(list(read_channels(run, mechanism, b.channels, b.time - by if by else b.time).values()))
+            _shown(run, mechanism, b.channels, b.time - by if by else b.time)
             for b, by in zip(trial.blocks, late, strict=True)
         )
         self.take_off_beside(blocks, mechanism, trial)
@@ -303,3 +300,8 @@ class RigModel(Machine):
         """By the largest force in the contact, wherever the law acts, and by the port's spring."""
         spring = self.base["contact.stiffness" if port == "contact" else "wrist.stiffness"]
         return SHARE * max(abs(x) for x in seen["N"]), STIFF * spring
+
+
+def _shown(run: ReducedRun, mechanism: Mechanism, channels: Sequence[str], time: np.ndarray) -> np.ndarray:
+    """What channels read at times, shape (C, T)."""
+    return np.array(list(read_channels(run, mechanism, channels, time).values()))

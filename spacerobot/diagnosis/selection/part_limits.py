@@ -68,6 +68,7 @@ class PartLimits(Limits):
             bench.model.expected({})
         )  # what stated noise does not exclude is told, see `nested_laws.py`
         self.known = {s.label: s for s in bench.model.sites()}
+        self.looks = len(growth.sites)  # of which a choice is the best
 
     @cached_property
     def noise(self) -> np.ndarray:
@@ -158,7 +159,7 @@ class _Drawn:
         heard = np.einsum("kl,bli->bki", limits.training, self.seen)
         self.trained, self.heard = trained, heard
         count = len(item.site.effect.parameters)
-        self.least = chance_edge(count, len(limits.known)) if limits.bounded else NORMAL_95**2
+        self.least = chance_edge(count, limits.looks) if limits.bounded else NORMAL_95**2
         self.sides = np.array([item.site.effect.two_sided, *(c.site.effect.two_sided for c in alike)])
 
     def _fitted(self, of: int, size: float) -> np.ndarray:

@@ -65,26 +65,25 @@ def _row(name: str, verdict: Mapping[str, Any]) -> str:
     overall = verdict["held_out"]["overall"]
     unit = " σ" if verdict["held_out"].get("unit", "sigma") == "sigma" else ""
     said = verdict["verdict"].replace("_", " ")
-    named = _titles(verdict["effects"])
+    named = _titles(e["effect"] for e in verdict["effects"])
     if not named and verdict["verdict"] == "ambiguous":
-        named = _one_of([a["effects"] for a in verdict["alternatives"][:LISTED]])
+        named = _one_of([[(e["effect"], e["where"]) for e in a["effects"]] for a in verdict["alternatives"][:LISTED]])
     before, after = (f"{number(overall[k])}{unit}" for k in ("rms_before", "rms_after"))
     seconds = verdict.get("cpu_seconds")
     return f"| [{name}](#{name}) | {said} | {', '.join(named)} | {before} | {after} | {number(seconds, 2)} s |"
 
 
-def _titles(entries: Iterable[Mapping[str, Any]]) -> list[str]:
+def _titles(effects: Iterable[object]) -> list[str]:
     """Each effect once, wherever it is."""
-    return list(dict.fromkeys(effect_title(str(e["effect"])) for e in entries))
+    return list(dict.fromkeys(effect_title(str(e)) for e in effects))
 
 
-def _one_of(sets: Sequence[Sequence[Mapping[str, Any]]]) -> list[str]:
-    """What sets of effects have in common, and last in what they differ."""
-    places = [{(e["effect"], e["where"]): e for e in one} for one in sets]
-    shared = [key for key in places[0] if all(key in one for one in places)]
-    differ = [_titles(e for key, e in one.items() if key not in shared) for one in places]
+def _one_of(sets: Sequence[Sequence[tuple[object, object]]]) -> list[str]:
+    """What sets of (effect, where) have in common, and last in what they differ, where they do."""
+    shared = [one for one in sets[0] if all(one in other for other in sets)] if sets else []
+    differ = [_titles(effect for effect, where in one if (effect, where) not in shared) for one in sets]
     either = " or ".join(" + ".join(titles) or "nothing more" for titles in differ)
-    return [*_titles(places[0][key] for key in shared), either]
+    return [*_titles(effect for effect, _ in shared), *([either] if any(differ) else [])]
 
 
 def _details(verdict: Mapping[str, Any]) -> list[str]:
