@@ -20,6 +20,7 @@ from spacerobot.diagnosis.locate.readings import NothingToBalance
 from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.machines.touch import Moment
 from spacerobot.diagnosis.selection.checks import checks_of_part
+from spacerobot.diagnosis.selection.felt_together import with_shapes
 from spacerobot.diagnosis.selection.forward_selection import MOST, grow, retained
 from spacerobot.diagnosis.selection.meetings import meetings
 from spacerobot.diagnosis.selection.moment import with_free_moment
@@ -86,6 +87,8 @@ def diagnose_parts(
     every = range(len(models))
     alone = jobs if len(models) == 1 else 1
     held = _Held(models, without, alone, store, report)
+    report("what all parts feel", 0, 1)
+    held = replace(held, models=with_shapes(models, held.catalogue()))
     apart = partial(_apart, replace(held, report=silent), files)
     with Copies(held, min(jobs, len(models)), apart) as copies:
         parts = _done(copies.each(_search, [(k, True) for k in every]), report, "searching the parts")

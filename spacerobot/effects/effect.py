@@ -100,6 +100,8 @@ class Effect(ABC):
         forms: of a law that comes in discrete forms, their names; the effect itself is the plainest of them.
         settings: of an effect in such a form, what it is called by: order, kind.
         choices: of an effect in such a form, among how many it was chosen, the plain one counted.
+        together: of a machine in parts (the joints of an arm), every part feels it by one and the same shape: that is
+            found by all of them together, before each is asked how much of it there is.
         learned: a curve found in recordings, which has no name.
         curve: of a law of one variable, its shape in a word that a learned curve's description shares; empty elsewhere.
     """
@@ -123,6 +125,7 @@ class Effect(ABC):
     forms: ClassVar[tuple[str, ...]] = ()
     settings: ClassVar[Mapping[str, float | str]] = {}
     choices: ClassVar[int] = 1
+    together: ClassVar[bool] = False
     learned: ClassVar[bool] = False
     curve: ClassVar[str] = ""
 

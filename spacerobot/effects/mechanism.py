@@ -14,6 +14,7 @@ from spacerobot.effects.primitives import (
     Friction,
     Impulse,
     Input,
+    Load,
     Readout,
     State,
 )
@@ -32,6 +33,8 @@ class Mechanism:
         readouts: what the channels show, by channel.
         maps: what sensors do to channels.
         sensors: sensor (stream) name -> its channels, so that an effect can sit at a sensor.
+        links: "link.NAME" of each link of a robot that moves and that a load can be fixed to.
+        loads: what is fixed to them.
     """
 
     coordinates: Mapping[str, Coordinate]
@@ -46,6 +49,8 @@ class Mechanism:
     readouts: Mapping[str, Readout] = field(default_factory=dict)
     maps: tuple[ChannelMap, ...] = ()
     sensors: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    links: tuple[str, ...] = ()
+    loads: tuple[Load, ...] = ()
 
     def __post_init__(self) -> None:
         for port, row in self.ports.items():
@@ -83,6 +88,12 @@ class Mechanism:
     def with_impulse(self, impulse: Impulse) -> Mechanism:
         """This mechanism with a further kick."""
         return replace(self, impulses=(*self.impulses, impulse))
+
+    def with_load(self, load: Load) -> Mechanism:
+        """This mechanism with a further load on one of its links."""
+        if load.link not in self.links:
+            raise NotFoundError("link", load.link, self.links)
+        return replace(self, loads=(*self.loads, load))
 
     def with_map(self, *maps: ChannelMap) -> Mechanism:
         """This mechanism with further channel maps."""

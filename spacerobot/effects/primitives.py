@@ -178,6 +178,24 @@ class State:
 
 
 @dataclass(frozen=True)
+class Load:
+    """A small heavy body fixed to a link, beside what the robot has there: weight and inertia, none of its own.
+
+    Attributes:
+        link: "link.NAME".
+        mass: [kg]; less than nothing where the robot's model has too much.
+        place: in the link's frame [m].
+    """
+
+    link: str
+    mass: float
+    place: tuple[float, float, float]
+
+    def __post_init__(self) -> None:
+        _finite(f"load on {self.link}", self.mass, *self.place)
+
+
+@dataclass(frozen=True)
 class Field:
     """A uniform acceleration [m/s^2] of a body along a coordinate."""
 

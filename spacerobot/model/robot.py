@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -81,6 +81,15 @@ class Robot:
         if name not in self.model.names:
             raise NotFoundError("joint", name, list(self.model.names)[1:])
         return int(self.model.getJointId(name))
+
+    def links_on(self, joints: Iterable[str]) -> tuple[str, ...]:
+        """Links that move with one of these joints, base to tip.
+
+        Raises:
+            NotFoundError: no such joint; names the nearest.
+        """
+        moved = {j for name in joints for j in self.model.subtrees[self.joint_id(name)]}
+        return tuple(f.name for f in self.model.frames if f.type == pin.FrameType.BODY and f.parentJoint in moved)
 
     def configuration(
         self, pose: np.ndarray | None = None, *, slider: float = 0.0, others: dict[str, float] | None = None

@@ -176,6 +176,13 @@ def _with_robot(scene: Outline, mechanism: Mechanism) -> Mechanism:
             if held:
                 forces += _servo(name, name, *held[i])
         sensors["encoders"] = tuple(r for r in readouts if r.startswith("joint."))
+    moved = robot.model.names[1:2] if scene.base == "free" else robot.chain[:1] if scene.joints != "locked" else ()
     return replace(
-        mechanism, coordinates=coordinates, ports=ports, readouts=readouts, sensors=sensors, forces=tuple(forces)
+        mechanism,
+        coordinates=coordinates,
+        ports=ports,
+        readouts=readouts,
+        sensors=sensors,
+        forces=tuple(forces),
+        links=tuple(f"link.{name}" for name in robot.links_on(moved)),
     )

@@ -10,6 +10,7 @@ from msgspec.structs import replace
 
 from spacerobot import __version__
 from spacerobot.diagnosis.answer import record
+from spacerobot.diagnosis.answer.agreed import agreed
 from spacerobot.diagnosis.answer.alternatives import alternatives
 from spacerobot.diagnosis.answer.events import clocks, meetings, touches
 from spacerobot.diagnosis.answer.held_out import of_parts
@@ -69,7 +70,7 @@ def verdict_of(study: Study, parts: Sequence[Part], *, seed: int, seconds: float
     verdict = next(v for v in PRECEDENCE if v in told)
     said = (AMBIGUOUS, NAMED) if verdict == AMBIGUOUS else (verdict,)
     speaking = [p for p, v in zip(parts, own, strict=True) if v in said and (not p.model.not_measured or told is own)]
-    effects = [e for p in speaking for e in lacked(p, len(parts))] if verdict in (NAMED, LEARNED) else []
+    effects = agreed([e for p in speaking for e in lacked(p, len(parts))]) if verdict in (NAMED, LEARNED) else []
     further = [next_trial_of(p) for p, v in zip(parts, own, strict=True) if v == AMBIGUOUS]
     seen = touches([p.model for p in parts])
     return Verdict(

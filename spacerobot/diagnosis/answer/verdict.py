@@ -60,7 +60,7 @@ def fitted_effects(fit: Fit, inflation: float, profiled: Intervals | None = None
                 if not site.effect.learned  # its numbers stand in a table of their own
             }
             | {
-                name: Value(value=value, ci95=None, unit="")
+                name: Value(value=value, ci95=None, unit=name.partition("_")[2])
                 for name, value in site.effect.settings.items()
                 if not isinstance(value, str)
             },

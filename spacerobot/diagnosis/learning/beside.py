@@ -32,12 +32,12 @@ def from_where_it_is(curve: Curve) -> Begun:
 def form_of(bench: Bench, curve: Curve) -> tuple[Described, Candidate] | None:
     """A curve's formula, and the model with it as unseen trials have it; None where none can be fitted."""
     found = written(bench, curve)
-    return None if found is None else (found[0], Candidate(found[1], bench.held_out(found[1])))
+    return None if found is None else (found[0], bench.tested(found[1]))
 
 
 def better_of(bench: Bench, curve: Curve) -> Candidate:
     """A curve's model, or its formula's where that predicts better."""
-    one, form = Candidate(curve.fit, bench.held_out(curve.fit)), form_of(bench, curve)
+    one, form = bench.tested(curve.fit), form_of(bench, curve)
     return one if form is None or form[1].error > one.error else form[1]
 
 
@@ -72,8 +72,7 @@ def _without_idle(bench: Bench, curve: Curve, here: Candidate, baseline: Candida
 
 def tested(bench: Bench, fit: Fit) -> Candidate:
     """A model of the catalogue under the bench's weights, tried on unseen trials."""
-    again = bench.again(fit)
-    return Candidate(again, bench.held_out(again))
+    return bench.tested(bench.again(fit))
 
 
 def _companion(growth: Growth, bench: Bench, curve: Curve) -> Curve | None:

@@ -139,7 +139,7 @@ def take(growth: Growth, report: Report) -> Taken | NotLearned:
         return NotLearned(leaves(law, ratio(after, best)), refuted=True)
     report("learning what stands beside it", 0, 1)
     curve = beside_it(growth, bench, curve, after)
-    after = Candidate(curve.fit, bench.held_out(curve.fit))
+    after = bench.tested(curve.fit)
     return Taken(bench, law, curve, before, best, after, form_of(bench, curve), lead, following)
 
 

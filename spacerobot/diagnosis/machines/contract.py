@@ -12,6 +12,7 @@ from typing import Protocol, Self
 
 import numpy as np
 
+from spacerobot.diagnosis.machines.body_columns import TEN
 from spacerobot.diagnosis.machines.doubted import NONE, Doubted, beyond
 from spacerobot.diagnosis.machines.sizes import scaled
 from spacerobot.diagnosis.machines.touch import Moment
@@ -159,6 +160,10 @@ class Machine(ABC):
     """Name of the mass that another trial may change."""
     one_lag: bool = False
     """Whether what is sluggish is asked how it changes, so that a filter can be of the first order alone."""
+    carried: tuple[str, ...] = ()
+    """Links, "link.NAME" from base to tip, of which its readings feel a load; one of each joint."""
+    shapes: Mapping[tuple[str, str], str] = MappingProxyType({})
+    """By effect and place, the form in which what all parts feel together was found (`Effect.together`)."""
     strides: bool = True
     """Whether a step of a fit may double what a value stands at."""
 
@@ -226,6 +231,14 @@ class Machine(ABC):
         """
         self.doubted.take_off(blocks, mechanism, trial.recorded, ((b.channels, b.time) for b in trial.blocks))
 
+    def felt(self, trial: TrialData, where: str) -> np.ndarray:
+        """By how much its weighted readings rise with each of the ten numbers of a body at a link, shape (10, S)."""
+        return np.zeros((TEN, trial.valid.size))
+
+    def numbers(self, where: str, place: np.ndarray) -> np.ndarray:
+        """Those of a body of 1 kg at a place of a link [m], shape (10,)."""
+        return np.zeros(TEN)
+
     def sites(self, effects: Iterable[Effect] | None = None) -> list[Site]:
         """Every effect at every place where it could sit, its parameters scaled to what is typical there.
 
@@ -240,6 +253,10 @@ class Machine(ABC):
             if effect.once or (effect.relative and timed):
                 continue
             for where in dict.fromkeys(effect.places(plain)):
+                if effect.together and not effect.settings:
+                    if form := self.shapes.get((effect.name, where)):
+                        found.append(self.site(effect.in_form(form), where))
+                    continue
                 found.append(self.site(effect, where))
                 if any(p.reach for p in effect.parameters):  # from where on it acts, and to which side, is the place's
                     forms = effect.forms_at(self.visited(where))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
 
 import numpy as np
 
@@ -48,6 +47,7 @@ class Motion:
     run_up: np.ndarray  # (R, J) acceleration of the trial before it
     slow: np.ndarray  # (J,) rate below which it may stand still
     lens: Bump  # what motion and torque were seen through before
+    wider: float = 1.0  # by how much what they truly were seen through is wider, in variance
     beside: Mapping[str, Brought] = field(default_factory=dict)  # by doubted factor
 
     def told(self, beyond: Callable[[str], float]) -> Motion:
@@ -85,6 +85,7 @@ class JointLog:
     by_link: np.ndarray  # (K, T, J), empty before it is asked for
     by_zero: np.ndarray  # (Z, T, J), empty before it is asked for
     lens: Bump  # what all were seen through
+    wider: float = 1.0  # by how much what they truly were seen through is wider, in variance
 
     def turned(self, arm: Rigid, by: int = 1) -> np.ndarray | None:
         """Rate of a tracked base at every `by`-th sample, shape (T,) [rad/s]; None where it is not tracked.
@@ -104,7 +105,11 @@ class JointLog:
         q, v, a = self.position[some], self.velocity[some], self.acceleration[some]
         turn = self.turned(arm, by)
         lens = Bump.of(self.lens.half // by, self.step * by)
-        asked = partial(_unbent, lens=lens, more=self.lens.variance / lens.variance, motion=(q, v, a), turn=turn)
+        wider = self.lens.variance / lens.variance
+
+        def asked(of: Rigid) -> np.ndarray:
+            return unbent(of.torque, lens, wider, (q, v, a, turn))
+
         rigid = asked(arm)
         good = np.array([self.good[i : i + by].all() for i in range(0, self.time.size, by)])
         by_link = np.array([asked(other) - rigid for other in heavier]).reshape(len(heavier), *rigid.shape)
@@ -113,34 +118,30 @@ class JointLog:
             [(arm.torque(q - s, v, a, turn) - arm.torque(q + s, v, a, turn)) / (2.0 * STEP) for s in steps]
         )
         by_zero = by_zero.reshape(len(zeros), *rigid.shape)
-        return JointLog(
-            self.time[some], self.step * by, q, v, a, self.torque[some], good, turn, rigid, by_link, by_zero, lens
-        )
+        torque, step = self.torque[some], self.step * by
+        return JointLog(self.time[some], step, q, v, a, torque, good, turn, rigid, by_link, by_zero, lens, wider)
 
 
-def _unbent(
-    arm: Rigid, *, lens: Bump, more: float, motion: tuple[np.ndarray, np.ndarray, np.ndarray], turn: np.ndarray | None
+def unbent(
+    asked: Callable[..., np.ndarray], lens: Bump, wider: float, motion: Sequence[np.ndarray | None]
 ) -> np.ndarray:
-    """Torque along a smoothed motion, shape (T, J), as if the true motion's had been smoothed.
+    """Torque along a smoothed motion, shape (T, M), as if the true motion's had been smoothed.
 
     Weight and inertia bend with place and rate: smoothed once more, the motion shows what smoothing it once did (an arm
     that whirls at 10 rad/s, logged at 100 Hz: a hundredth of its weight).
 
     Args:
-        arm: whose torque.
+        asked: what a motion asks for, shape (T, M).
         lens: a coarse test function.
-        more: how much wider that was, in variance, which the motion was seen through.
-        motion: position, velocity and acceleration, shape (T, J) each.
-        turn: as `Rigid.torque` takes it.
+        wider: how much wider that was, in variance, which the motion was seen through.
+        motion: as `asked` takes it: position, velocity and acceleration, shape (T, J) each, and more.
     """
-    position, velocity, acceleration = motion
-    once = arm.torque(position, velocity, acceleration, turn)
+    once = asked(*motion)
     if once.shape[0] <= 2 * lens.half:
         return once
-    place, rate, change = (lens.smooth(x) for x in motion)
-    again = arm.torque(place, rate, change, None if turn is None else lens.smooth(turn))
+    again = asked(*(None if x is None else lens.smooth(x) for x in motion))
     bent = lens.smooth(once) - again
-    return once + more * np.pad(bent, ((lens.half, lens.half), (0, 0)), mode="edge")
+    return once + wider * np.pad(bent, ((lens.half, lens.half), (0, 0)), mode="edge")
 
 
 def kinematics(grid: Grid, joints: Sequence[str], half: int) -> JointLog:

@@ -14,13 +14,22 @@ from functools import partial
 import numpy as np
 
 from spacerobot.diagnosis.machines import torque_log
+from spacerobot.diagnosis.machines.body_columns import TEN, BodyColumns
 from spacerobot.diagnosis.machines.clear_width import clear_width, logged_noise
 from spacerobot.diagnosis.machines.contract import FACTORS, FIRST_NOISE, Machine, Predicted, Variant, conditions_of
 from spacerobot.diagnosis.machines.doubted import NONE, Doubted, beyond
 from spacerobot.diagnosis.machines.grid import Grid
 from spacerobot.diagnosis.machines.hidden_motion import hidden
 from spacerobot.diagnosis.machines.joint_factors import Brought, asked_for, brought
-from spacerobot.diagnosis.machines.joint_log import JointLog, Motion, kinematics, shifted, stated_friction, torque_sizes
+from spacerobot.diagnosis.machines.joint_log import (
+    JointLog,
+    Motion,
+    kinematics,
+    shifted,
+    stated_friction,
+    torque_sizes,
+    unbent,
+)
 from spacerobot.diagnosis.machines.links import twice_as_heavy, weighed_links
 from spacerobot.diagnosis.machines.measured import port_forces
 from spacerobot.diagnosis.machines.mechanism_cache import MechanismCache
@@ -147,6 +156,11 @@ class InverseDynamics(Machine):
         alone = self.joints if len(self.joints) == 1 else ()  # of several, what one hides behind it moves with all
         self._followed = {c: Readout(c, "position", f"joint.{j}") for j in alone for c in [f"joint.{j}.position"]}
         self._lately = MechanismCache()
+        self._bodies = BodyColumns(robot, arm)
+        last = {self._bodies.joint_of(n): f"link.{n}" for n in robot.links_on(self.compared)}
+        logged = [last.get(robot.joint_id(j)) for j in self.joints]
+        self.carried = () if robot.floating or idle else tuple(link for link in logged if link is not None)
+        self._by_load: dict[tuple[str, str], np.ndarray] = {}
         self._motion: dict[str, Motion] = {}
         self._bump: dict[str, Bump] = {}
         pace = self._pace([g for g, _, _ in grids.values()], values or {}, unknown)
@@ -299,6 +313,7 @@ class InverseDynamics(Machine):
                 slow=self._slow,
                 run_up=log.acceleration[: int(part[0])],
                 lens=log.lens,
+                wider=log.wider,
                 beside={k: own.part(part) for k, own in beside.items()},
             )
             self._bump[name] = bump
@@ -313,6 +328,7 @@ class InverseDynamics(Machine):
         if len(self.compared) == len(self.joints):
             return every
         twins = {word for s in every if s.where in felt for word in s.effect.same_as}  # a bias is a preload
+        felt |= {*self.carried}
         own = [s for s in every if s.where in felt or "ports" in self.touched(s)]
         return own + [s for s in every if s.where in self._sensors() and s.effect.name not in twins]
 
@@ -346,6 +362,7 @@ class InverseDynamics(Machine):
                 *(ChannelMap(_position(n), "offset", values[n] - self.base[n]) for n in self._zeros),
             ),
             sensors=self._sensors(),
+            links=self.carried,
         )
 
     def _sensors(self) -> dict[str, tuple[str, ...]]:
@@ -371,7 +388,7 @@ class InverseDynamics(Machine):
     def faster(self, factor: float) -> InverseDynamics:
         """The same paths at another speed: rates so many times, accelerations its square; weight stays."""
         other = copy(self)
-        other._motion = {}
+        other._motion, other._by_load = {}, {}
         for name, m in self._motion.items():
             speed, growth = factor * m.velocity, factor**2 * m.acceleration
             rigid = self._arm.torque(m.position, speed, growth)
@@ -457,6 +474,28 @@ class InverseDynamics(Machine):
                 out[name] = asked[name] - drive, float(motion.slow[i])
         return out
 
+    def felt(self, trial: TrialData, where: str) -> np.ndarray:
+        """As the torque sensors would read it; none of a link that no compared joint carries."""
+        if where not in self.carried:
+            return super().felt(trial, where)
+        asked = self.by_body(trial.id, where)
+        shown = self.seen(trial, asked.reshape(asked.shape[0], -1)).reshape(-1, *asked.shape[1:])
+        (block,) = trial.blocks
+        return np.concatenate([w[:, None] * shown[:, c] for c, w in enumerate(block.weight)]).T
+
+    def numbers(self, where: str, place: np.ndarray) -> np.ndarray:
+        """As the columns of `by_body` stand."""
+        return self._bodies.numbers(where.removeprefix("link."), place)
+
+    def by_body(self, piece: str, where: str) -> np.ndarray:
+        """What each of these asks for at the compared joints along a piece's motion, shape (T, C, 10)."""
+        if (piece, where) not in self._by_load:
+            m, rows = self._motion[piece], [self.joints.index(j) for j in self.compared]
+            along = partial(self._bodies.along, where.removeprefix("link."), rows)
+            columns = unbent(along, m.lens, m.wider, (m.position, m.velocity, m.acceleration))
+            self._by_load[piece, where] = columns.reshape(-1, len(rows), TEN)
+        return self._by_load[piece, where]
+
     def bump(self, trial: TrialData) -> Bump:
         """The test function that a piece's balance is seen through."""
         return self._bump[trial.id]
@@ -492,6 +531,9 @@ class InverseDynamics(Machine):
         position = {n: motion.position[:, i] for i, n in enumerate(names)}
         velocity = {n: motion.velocity[:, i] for i, n in enumerate(names)}
         asked = {f"joint.{j}": self._asked(mechanism, motion, j) for j in self.compared}
+        for load in mechanism.loads:
+            more = self.by_body(trial.id, load.link) @ (load.mass * self.numbers(load.link, np.array(load.place)))
+            asked = {name: torque + own for (name, torque), own in zip(asked.items(), more.T, strict=True)}
         held = self._held(mechanism, motion, asked)
         if len(mechanism.coordinates) > len(names) + len(self.links):
             before = motion.run_up.shape[0]

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-import pinocchio as pin
 from lxml import etree
 
 from spacerobot.model.library import load
@@ -68,20 +67,13 @@ def weighed_links(robot: Robot, doubted: Iterable[str], joints: Iterable[str]) -
         NotFoundError: a link that the robot does not have.
     """
     masses = {n.split(".")[1]: mass_of(robot, n.split(".")[1]) for n in doubted if n.startswith("link.")}
-    carried = carried_links(robot, joints)
+    carried = robot.links_on(joints)
     return {n: m for n, m in masses.items() if n in carried}
 
 
 def twice_as_heavy(robot: Robot, masses: Mapping[str, float]) -> dict[str, Robot]:
     """Link -> the robot with that link's mass and inertia doubled: what all is linear in needs no more to be known."""
     return {n: with_masses(robot, {n: 2.0 * m}, floating=robot.floating) for n, m in masses.items()}
-
-
-def carried_links(robot: Robot, joints: Iterable[str]) -> set[str]:
-    """Links that move with one of these joints."""
-    tree = robot.model
-    moved = {j for name in joints for j in tree.subtrees[robot.joint_id(name)]}
-    return {f.name for f in tree.frames if f.type == pin.FrameType.BODY and f.parentJoint in moved}
 
 
 def _bodies(root: Any) -> dict[str, Any]:

@@ -17,6 +17,7 @@ from spacerobot.diagnosis.fitting.noise import common_level, floor_of, levels_of
 from spacerobot.diagnosis.fitting.screen import FAINT, Screen, Screened, Screener, faint
 from spacerobot.diagnosis.fitting.starts import fit_near
 from spacerobot.diagnosis.machines.contract import Machine
+from spacerobot.diagnosis.selection.candidate import Candidate
 from spacerobot.diagnosis.selection.held_out import MOST, HeldOut, folds, predict_held_out
 from spacerobot.diagnosis.selection.nameable import implausible, reached
 from spacerobot.diagnosis.terms.data import TrialData, ends_of
@@ -271,6 +272,10 @@ class Bench:
 
         about = ["near", *of_fit(near), sorted(start.items()), *self._weights(), *said]
         return self.kept.fit(hypothesis(believed, sites, start), fitter, about, compute)
+
+    def tested(self, fit: Fit) -> Candidate:
+        """A fit tried on unseen trials."""
+        return Candidate(fit, self.held_out(fit), max(self.loudness(fit).values(), default=0.0))
 
     def held_out(self, fit: Fit) -> HeldOut | None:
         """How well its hypothesis predicts unseen trials; None where it cannot."""

@@ -19,10 +19,12 @@ class Candidate:
     Attributes:
         fit: to all trials.
         held_out: on unseen trials; None where that was not tried, or could not be.
+        loud: how many times the noise that is stated of a channel it leaves there, at most; 0 where none is stated.
     """
 
     fit: Fit
     held_out: HeldOut | None = None
+    loud: float = 0.0
 
     @property
     def sites(self) -> tuple[Site, ...]:

@@ -87,8 +87,7 @@ def weighed(bench: Bench, chosen: Fit, baseline: Fit) -> tuple[Candidate, Candid
     bench.weigh(chosen)
 
     def again(fit: Fit) -> Candidate:
-        fit = bench.again(fit)
-        return Candidate(fit, bench.held_out(fit))
+        return bench.tested(bench.again(fit))
 
     before = again(baseline)
     return before, before if chosen is baseline else again(chosen)
@@ -240,7 +239,7 @@ class _Search:
         """The baseline, under the weights of a search."""
         fit = self.bench.baseline()
         self.bench.sharpen(fit)
-        return self.tested(Candidate(self.bench.again(fit)))
+        return self.bench.tested(self.bench.again(fit))
 
     def grown(self, sites: Sequence[Site], tested: list[Candidate]) -> None:
         """A set, one effect after the other from the largest part of it that was met; all that is met is tried."""
@@ -251,7 +250,7 @@ class _Search:
             fit = next((f for p in promises if (f := self.bench.fitted(here.fit, p)) is not None), None)
             if fit is None:
                 return
-            here = self.tested(Candidate(fit))
+            here = self.bench.tested(fit)
             tested.append(here)
 
     def concluded(
@@ -278,7 +277,7 @@ class _Search:
                 rivals = tuple(r for r in rivals if r.label != less.label and not contains(r.label, less.label))
                 after = less
             more = not_excluded(self.bench, after.fit, self.sites)
-            rivals = (*rivals, *(self.tested(Candidate(fit)) for fit in more))
+            rivals = (*rivals, *(self.bench.tested(fit) for fit in more))
         ranked = tuple(sorted(tested, key=lambda c: c.error))
         sites = tuple(self.sites.values())
         return Growth(self.bench, before, after, rivals, ranked, tuple(self.screened.items()), refused, sites, weights)
@@ -302,7 +301,7 @@ class _Search:
                 continue
             fit = self.bench.fitted_as(chosen.fit, rest, {})
             if fit is not None and by_chance(fit.cost - chosen.cost, len(site.effect.parameters), len(self.sites)):
-                return self.without_chance(self.tested(Candidate(fit)), tried)
+                return self.without_chance(self.bench.tested(fit), tried)
         return chosen
 
     def layer(self, ahead: list[Ahead]) -> list[Candidate]:
@@ -314,7 +313,7 @@ class _Search:
                 break
             fit = promise.fitted(self.bench)
             if fit is not None:
-                one = self.tested(Candidate(fit))
+                one = self.bench.tested(fit)
                 self.reached = min(self.reached, self.bench.left(fit))
                 out.append(one)
         return out
@@ -333,7 +332,7 @@ class _Search:
                         fit = self.bench.fitted_as(baseline.fit, one.sites, start)
                         if fit is not None and fit.cost < (1.0 - TIE) * best.cost:
                             best = fit
-        return one if best is one.fit else self.tested(Candidate(best))
+        return one if best is one.fit else self.bench.tested(best)
 
     def varied(self, chosen: Candidate, tested: Sequence[Candidate], variants: Iterable[Variant]) -> list[Candidate]:
         """Of variants of the chosen model those that are new, fitted and tried on unseen trials."""
@@ -347,7 +346,7 @@ class _Search:
             if fit is not None:
                 for site in sites:
                     self.sites.setdefault(site.label, site)
-                out.append(self.tested(Candidate(fit)))
+                out.append(self.bench.tested(fit))
         return out
 
     def reworded(self, chosen: Candidate) -> Iterator[Variant]:
@@ -441,7 +440,3 @@ class _Search:
             if name not in layer or first.left < layer[name].left:
                 layer[name] = Ahead(one, first, second)
                 self.screened[name] = first.left / self.whole
-
-    def tested(self, one: Candidate) -> Candidate:
-        """Tried on unseen trials."""
-        return replace(one, held_out=self.bench.held_out(one.fit))

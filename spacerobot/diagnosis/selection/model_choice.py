@@ -16,7 +16,16 @@ from scipy.special import stdtrit
 
 from spacerobot.diagnosis.selection.candidate import Candidate
 from spacerobot.diagnosis.terms.data import TrialData
-from spacerobot.diagnosis.terms.decision import CHANCE, EXACT, REWORDED, SPOKEN, WORTH_OF_BASELINE, WORTH_OF_REST
+from spacerobot.diagnosis.terms.decision import (
+    CHANCE,
+    EXACT,
+    LOUD,
+    QUIET,
+    REWORDED,
+    SPOKEN,
+    WORTH_OF_BASELINE,
+    WORTH_OF_REST,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,13 +161,19 @@ def groups(trials: Sequence[TrialData]) -> np.ndarray:
 
 
 def as_good(one: Candidate, best: Candidate, baseline: Candidate) -> bool:
-    """Whether a model predicts as well as the best one, so that a further parameter would not be worth naming."""
+    """Whether a model predicts as well as the best one, so that a further parameter would not be worth naming.
+
+    However large the baseline's error was, what is louder than the stated noise is not as good as what comes near it:
+    friction is no less there because a load outweighs it.
+    """
     if one is best:
         return True
     found, believed = told(one, best), told(baseline, best)
     if found is None or believed is None:
         return False
-    return bool(found.rms(found.one) <= slack(found.rms(found.other), found.rms(believed.one)))
+    told_by_noise = one.loud > LOUD and best.loud <= QUIET
+    whole = np.zeros(()) if told_by_noise else found.rms(believed.one)
+    return bool(found.rms(found.one) <= slack(found.rms(found.other), whole))
 
 
 def slack(best: np.ndarray, baseline: np.ndarray) -> np.ndarray:

@@ -45,7 +45,7 @@ def with_free_moment(growth: Growth, kept: Kept) -> Machine | None:
         fit = bench.fitted_as(chosen.fit, sites, start)
         if fit is None or any(abs(fit.values()[n]) >= most for n, most in free.believed.within.items()):
             return None  # later than that a sensor is late
-        return Candidate(fit, bench.held_out(fit))
+        return bench.tested(fit)
 
     whole = tried(chosen.sites)
     if whole is not None and pays(whole, chosen, bench.trials):

@@ -83,7 +83,7 @@ def candidate_sites(mechanism: Mechanism, believed: Believed, effects: Iterable[
         effects: those to place; the catalogue's where absent.
     """
     sites = []
-    for one in all_effects().values() if effects is None else effects:
+    for one in (e for e in (all_effects().values() if effects is None else effects) if not e.together):
         for where in one.places(mechanism):
             if not stood_for(one, where, believed.fitted):
                 sites.append(Site(one, where))

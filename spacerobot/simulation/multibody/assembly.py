@@ -152,6 +152,7 @@ def _key(scene: Scene, mechanism: Mechanism) -> Any:
         (scene.approach, scene.gravity, scene.wrist.mass, repr(scene.spacecraft)),
         (target.attitude, target.inertia_matrix().tobytes()),
         tuple((c, before[n].mass if n in before else None) for n, c in mechanism.coordinates.items()),
+        mechanism.loads,
     )
 
 
@@ -289,6 +290,13 @@ def _edit_masses(
             model.inertias[joint] = old + pin.Inertia(added, point, np.zeros((3, 3)))
         else:
             model.inertias[joint] = pin.Inertia(old.mass + added, old.lever, ratio * old.inertia)
+    for load in mechanism.loads:
+        frame = model.frames[model.getFrameId(load.link.removeprefix("link."))]
+        old = model.inertias[frame.parentJoint]
+        if old.mass + load.mass <= 0.0:
+            raise InputError("a body would have no mass left", given=f"{load.link}: {old.mass + load.mass:g} kg")
+        place = frame.placement.act(np.array(load.place))
+        model.inertias[frame.parentJoint] = old + pin.Inertia(load.mass, place, np.zeros((3, 3)))
 
 
 def _require_inertia(scene: Scene, mechanism: Mechanism, model: pin.Model, q: np.ndarray) -> None:
@@ -299,6 +307,7 @@ def _require_inertia(scene: Scene, mechanism: Mechanism, model: pin.Model, q: np
     """
     before = scene.baseline("multibody").coordinates
     less = {n: c.mass - before[n].mass for n, c in mechanism.coordinates.items() if n in before}
+    less |= {load.link: load.mass for load in mechanism.loads}
     if min(less.values()) >= 0.0:
         return
     try:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, cast
 
@@ -23,7 +23,7 @@ from spacerobot.diagnosis.selection.held_out import HeldOut
 from spacerobot.diagnosis.selection.model_choice import Told, as_good, choice, pays, ratio
 from spacerobot.diagnosis.selection.part_result import Part
 from spacerobot.diagnosis.terms.data import TrialData
-from spacerobot.diagnosis.terms.decision import WORTH_OF_REST
+from spacerobot.diagnosis.terms.decision import LOUD, WORTH_OF_REST
 from spacerobot.diagnosis.terms.hypothesis import Site
 from spacerobot.effects.registry import all_effects, effect
 from spacerobot.model.library import load
@@ -41,6 +41,7 @@ class Tried:
     size: int
     held_out: HeldOut
     sites: tuple[Site, ...] = ()
+    loud: float = 0.0
 
     @property
     def error(self) -> float:
@@ -99,6 +100,18 @@ def test_channels_that_tell_no_two_models_apart_decide_nothing(
         worth = (pays(one, baseline, trials), pays(other, baseline, trials), as_good(one, other, baseline))
         answers.append((*worth, round(ratio(one, other), 9)))
     assert answers[0] == answers[1]
+
+
+@given(st.floats(2.0, 100.0), st.floats(1.0, 10.0))
+def test_what_is_louder_than_the_stated_noise_is_not_as_good_as_what_is_not(bad: float, loud: float) -> None:
+    """Friction beside a load of a hundred times its torque: without it twice the noise is left, with it the noise."""
+    noise, trials = noises(4), 4
+    size = 200.0 * bad
+    baseline, one, other = (tried(k, noise, [off] * trials, 0) for k, off in enumerate((size, 2.0, 0.0)))
+    stated = [cast(Candidate, replace(cast(Tried, c), loud=x)) for c, x in ((one, 1.0 + loud), (other, 1.0))]
+    assert as_good(one, other, baseline), "where no noise is stated it is no effect worth naming"
+    assert as_good(*stated, baseline) == (1.0 + loud <= LOUD)
+    assert as_good(stated[1], stated[0], baseline)
 
 
 def test_a_rule_that_pools_over_all_trials_would_be_turned_by_them() -> None:

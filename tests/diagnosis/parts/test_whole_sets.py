@@ -15,7 +15,6 @@ from helpers_driven import driven_study
 from spacerobot.diagnosis.diagnose import diagnose
 from spacerobot.diagnosis.machines.choose import models_for
 from spacerobot.diagnosis.selection.bench import Bench
-from spacerobot.diagnosis.selection.candidate import Candidate
 from spacerobot.diagnosis.selection.forward_selection import _Search
 from spacerobot.diagnosis.terms.hypothesis import Label
 from spacerobot.proof.engine.missing import Missing
@@ -69,7 +68,7 @@ def test_an_effect_that_chance_would_bring_is_dropped_and_no_other(tmp_path: Pat
     fit = bench.fitted_as(bench.again(start), [sites[one] for one in both], {})
     assert fit is not None
     bench.weigh(fit)
-    chosen = search.tested(Candidate(bench.again(fit)))
+    chosen = bench.tested(bench.again(fit))
     kept = search.without_chance(chosen, [both, both[:1], both[1:]])
     assert kept.label == (both if coulomb else both[1:])
     assert search.without_chance(chosen, [both]) is chosen  # what was never tried is not come back to

@@ -1,0 +1,49 @@
+"""One physical value has one value: what several parts tell of one thing that all of them feel, as one entry."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from msgspec import UNSET
+from msgspec.structs import replace
+
+from spacerobot.diagnosis.answer.record import Effect, Value
+from spacerobot.diagnosis.fitting.fitted import NORMAL_95
+from spacerobot.effects.registry import effect
+
+
+def agreed(found: Sequence[Effect]) -> list[Effect]:
+    """The same effects; those that all parts feel together once for each place, with the parts' common value.
+
+    Of one that a single part tells of, that part is still said.
+    """
+    out: list[Effect] = []
+    for one in found:
+        if not effect(one.effect).together:
+            out.append(one)
+            continue
+        every = [e for e in found if (e.effect, e.where) == (one.effect, one.where)]
+        if one is every[0]:
+            parameters = {name: _common([e.parameters[name] for e in every]) for name in one.parameters}
+            out.append(one if len(every) == 1 else replace(one, parameters=parameters, part=UNSET))
+    return out
+
+
+def _common(values: Sequence[Value]) -> Value:
+    """Weighted mean of what several parts tell, its interval as wide as their differences ask for (Birge 1932)."""
+    told = [(float(v.value or 0.0), error) for v in values if np.isfinite(error := _error(v))]
+    value, errors = np.array(told).reshape(-1, 2).T
+    if value.size < 2:
+        return values[0]
+    weight = 1.0 / np.maximum(errors, np.finfo(float).tiny) ** 2
+    mean = float(weight @ value / weight.sum())
+    spread = float(weight @ (value - mean) ** 2) / (value.size - 1)
+    half = NORMAL_95 * float(np.sqrt(max(spread, 1.0) / weight.sum()))
+    return replace(values[0], value=mean, ci95=(mean - half, mean + half))
+
+
+def _error(value: Value) -> float:
+    """Standard error of a value; infinite where nothing is told of it."""
+    low, high = value.ci95 or (None, None)
+    return np.inf if low is None or high is None else 0.5 * (float(high) - float(low)) / NORMAL_95

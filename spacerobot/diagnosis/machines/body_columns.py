@@ -1,0 +1,59 @@
+"""What a body fixed to a link asks for at an arm's joints: ten numbers, and torques in proportion to each.
+
+    tau = Y(q, v, a) phi,   phi = (m, m c, I)
+
+(Atkeson, An and Hollerbach 1986, eq. 4). Of an arm on a held base; one afloat moves with what it carries.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pinocchio as pin
+
+from spacerobot.diagnosis.machines.rigid import Rigid
+from spacerobot.model.robot import Robot
+
+TEN = 10
+"""Numbers of a body."""
+
+
+class BodyColumns:
+    """Torques at the logged joints by each of the ten numbers of a body at some links."""
+
+    def __init__(self, robot: Robot, arm: Rigid) -> None:
+        """Of a robot, whose rigid part along the logged joints is `arm`."""
+        self.model, self.data, self.arm = arm.model, arm.model.createData(), arm
+        self._frames = {f.name: f for f in robot.model.frames if f.type == pin.FrameType.BODY}
+
+    def numbers(self, link: str, place: Sequence[float] | np.ndarray) -> np.ndarray:
+        """Those of a body of 1 kg at a place in a link's frame [m], shape (10,)."""
+        at = self._frames[link].placement.act(np.asarray(place, dtype=float))
+        return np.asarray(pin.Inertia(1.0, at, np.zeros((3, 3))).toDynamicParameters())
+
+    def joint_of(self, link: str) -> int:
+        """Index of the joint that moves a link."""
+        return int(self._frames[link].parentJoint)
+
+    def along(
+        self, link: str, rows: Sequence[int], position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray
+    ) -> np.ndarray:
+        """Torques along a motion.
+
+        Args:
+            link: that carries the body.
+            rows: which of the logged joints feel it, R of them.
+            position, velocity, acceleration: of the logged joints, shape (T, J) each.
+
+        Returns:
+            shape (T, R 10) [N m or N, per unit of each number].
+        """
+        v, a = np.zeros(self.model.nv), np.zeros(self.model.nv)
+        index, first = self.arm.index, TEN * (self.joint_of(link) - 1)
+        felt, columns = [index[r] for r in rows], slice(first, first + TEN)
+        out = np.empty((position.shape[0], len(felt), TEN))
+        for t, q in enumerate(self.arm.written(position)):
+            v[index], a[index] = velocity[t], acceleration[t]
+            out[t] = pin.computeJointTorqueRegressor(self.model, self.data, q, v, a)[felt, columns]
+        return out.reshape(out.shape[0], -1)

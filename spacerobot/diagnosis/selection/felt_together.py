@@ -1,0 +1,166 @@
+"""What every part of a machine feels by one shape is found by all of them together, before each is searched.
+
+A load in the hand asks for torque at every joint that carries it. One joint alone tells little of where it is, and
+takes it for a sensor that reads too much or for a rotor; together they tell ten times over. So each joint says what the
+ten numbers of a body at each link would do for it, beside all that it might lack itself, and the body of which least
+is left over all joints is offered to each. How much of it there is each joint then says alone, as of any effect.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from copy import copy
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.optimize import minimize
+
+from spacerobot.diagnosis.fitting.noise import floor_of
+from spacerobot.diagnosis.fitting.screen import Projector, Screener
+from spacerobot.diagnosis.machines.body_columns import TEN
+from spacerobot.diagnosis.machines.contract import Machine
+from spacerobot.diagnosis.selection.bench import Bench
+from spacerobot.diagnosis.selection.nested_laws import by_chance, chance_edge
+from spacerobot.diagnosis.terms.data import TrialData
+from spacerobot.effects.effect import Effect
+from spacerobot.effects.located_load import form_of
+
+REACH = 1.0
+"""Furthest that a load may be from its link's origin [m]: beyond that it is another link's."""
+
+ASIDE = 0.1
+"""How far from the origin a search for its place also begins [m]."""
+
+ROUNDING = 1e-6
+"""Share of the largest direction that what a part might lack itself spans, below which one is rounding."""
+
+ROUNDS = 3
+"""How often parts are weighed by what the body before left of them."""
+
+Numbers = Callable[[str, np.ndarray], np.ndarray]
+"""Link and place [m] -> the ten numbers of a body of 1 kg there."""
+
+
+@dataclass(frozen=True, eq=False)
+class Felt:
+    """What bodies at links would do for one part, beside all that it may lack itself. K links, S readings.
+
+    Attributes:
+        trials: under the weights of its baseline.
+        columns: by how much its weighted readings rise with each of a body's numbers, shape (S, K, 10) in the end.
+        left: what its baseline leaves over, shape (S,), that a body would have to bring.
+    """
+
+    trials: tuple[TrialData, ...]
+    columns: np.ndarray
+    left: np.ndarray
+
+    def floor(self, brought: np.ndarray | float) -> float:
+        """By what its weights must fall for chi-squared to count independent readings, with so much brought (S,)."""
+        sizes = [t.valid.size for t in self.trials]
+        rest = (self.left - brought)[: sum(sizes)]
+        parts = np.split(rest, np.cumsum(sizes)[:-1])
+        told = floor_of({t.id: p for t, p in zip(self.trials, parts, strict=True)}, self.trials)
+        return max(*told.values(), np.finfo(float).tiny)
+
+    def beside(self, own: np.ndarray) -> Felt:
+        """The same with all taken out that effects of the part's own, shape (S, E), can imitate.
+
+        Where a body and a sensor's scale trade places exactly, the less of them is meant: an effect that explains all
+        that is left costs as much as one reading.
+        """
+        sized = own / np.linalg.norm(own, axis=0)
+        basis, size, _ = np.linalg.svd(sized, full_matrices=False)
+        basis = basis[:, size > ROUNDING * size[0]]
+        least = self.floor(basis @ (basis.T @ self.left)) / max(float(np.linalg.norm(self.left)), np.finfo(float).tiny)
+        priced = np.concatenate([sized, least * np.eye(own.shape[1])])
+        basis = np.linalg.qr(priced)[0]
+
+        def freed(x: np.ndarray) -> np.ndarray:
+            longer = np.concatenate([x, np.zeros((own.shape[1], *x.shape[1:]))])
+            return np.asarray(longer - basis @ (basis.T @ longer))
+
+        return Felt(self.trials, freed(self.columns), freed(self.left))
+
+
+def with_shapes(models: Sequence[Machine], effects: Iterable[Effect]) -> list[Machine]:
+    """The machines of a study, each told in which form all of them feel an effect together, where they do."""
+    catalogue = list(effects)
+    together = [e for e in catalogue if e.together]
+    carrying = [m for m in models if m.carried and not m.not_measured]
+    if not together or len(carrying) < 2:
+        return list(models)
+    links = list(dict.fromkeys(link for m in carrying for link in m.carried))
+    found = body_of([felt_by(m, links, catalogue) for m in carrying], links, carrying[0].numbers)
+    if found is None:
+        return list(models)
+    link, place = found
+    return [_told(m, {(e.name, link): form_of(place) for e in together}) for m in models]
+
+
+def _told(model: Machine, shapes: Mapping[tuple[str, str], str]) -> Machine:
+    other = copy(model)
+    other.shapes = shapes
+    return other
+
+
+def felt_by(model: Machine, links: Sequence[str], effects: Sequence[Effect]) -> Felt:
+    """What bodies at these links would do for a part, beside every effect that it may lack."""
+    bench = Bench(model)
+    fit = bench.baseline()
+    screener = Screener(bench.fitter(), model.believed, plain=True)
+    at = screener.at(fit, robust=False)
+    own = [s.column for s in screener.screen(fit, model.sites(effects)).best().values() if s.norm > 0.0]
+    columns = np.concatenate([_columns(at.project, bench, link) for link in links], axis=1)
+    felt = Felt(bench.trials, columns, -at.residual)
+    if own:
+        felt = felt.beside(np.array(own).T)
+    return replace(felt, columns=felt.columns.reshape(-1, len(links), TEN))
+
+
+def _columns(project: Projector, bench: Bench, link: str) -> np.ndarray:
+    """By how much weighted readings rise with each of a body's numbers, freed of what the fit can imitate."""
+    rows = {t.id: bench.model.felt(t, link) for t in bench.trials}
+    none = np.zeros_like(project.pull)
+    each = (project.free(project.stack({n: r[k] for n, r in rows.items()}), none) for k in range(TEN))
+    return np.stack(list(each), axis=1)
+
+
+def body_of(
+    felt: Sequence[Felt], links: Sequence[str], numbers: Numbers
+) -> tuple[str, tuple[float, float, float]] | None:
+    """The link, of `links` from base to tip, and place [m] of the point mass that leaves least of all parts together.
+
+    None where chance would do as much. Of links that do alike the last: what is carried is carried in the hand.
+    """
+    floors = [one.floor(0.0) for one in felt]
+    best = None
+    for _ in range(ROUNDS):
+        tried = [_point(felt, floors, k, link, numbers) for k, link in enumerate(links)]
+        most = max(gain for gain, _, _ in tried)
+        k = max(k for k, (gain, _, _) in enumerate(tried) if gain >= most - chance_edge(1))
+        gain, place, mass = tried[k]
+        best = links[k], (float(place[0]), float(place[1]), float(place[2]))
+        brought = [one.columns[:, k] @ (mass * numbers(links[k], place)) for one in felt]
+        floors = [one.floor(own) for one, own in zip(felt, brought, strict=True)]
+    return None if by_chance(gain, len(place) + 1, len(links)) else best
+
+
+def _point(
+    felt: Sequence[Felt], floors: Sequence[float], k: int, link: str, numbers: Numbers
+) -> tuple[float, np.ndarray, float]:
+    """Fall of chi-squared by the best point mass at a link, its place, shape (3,), and mass."""
+    sized = [(one.columns[:, k] / f, one.left / f) for one, f in zip(felt, floors, strict=True)]
+    normal = np.sum([columns.T @ columns for columns, _ in sized], axis=0)
+    right = np.sum([columns.T @ left for columns, left in sized], axis=0)
+
+    def loss(place: np.ndarray) -> float:
+        own = numbers(link, place)
+        norm = float(own @ normal @ own)
+        return -(float(own @ right) ** 2) / norm if norm > 0.0 else 0.0
+
+    starts = [np.zeros(3), *ASIDE * np.eye(3), *-ASIDE * np.eye(3)]
+    ends = [minimize(loss, start, method="L-BFGS-B", bounds=[(-REACH, REACH)] * 3) for start in starts]
+    place = np.asarray(min(ends, key=lambda end: float(end.fun)).x)
+    own = numbers(link, place)
+    return -loss(place), place, float(own @ right) / max(float(own @ normal @ own), np.finfo(float).tiny)

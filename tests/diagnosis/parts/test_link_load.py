@@ -1,0 +1,92 @@
+"""A load that nobody stated: all joints tell together where it is, each of them how heavy; what is none is none."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from helpers_models import ARM, arm_log
+
+from spacerobot.diagnosis.answer.agreed import agreed
+from spacerobot.diagnosis.answer.record import Effect, Value
+from spacerobot.diagnosis.machines.contract import Machine
+from spacerobot.diagnosis.machines.grid import Grid
+from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
+from spacerobot.diagnosis.selection.felt_together import with_shapes
+from spacerobot.diagnosis.selection.forward_selection import grow
+from spacerobot.effects.located_load import place_of
+from spacerobot.effects.registry import all_effects
+from spacerobot.model.library import load
+from tests.welded import heavier
+
+GRAVITY = (0.0, 0.0, -9.81)
+JOINTS = ("shoulder", "elbow")
+FRICTION = {"shoulder": (1.2, 0.4, 0.0), "elbow": (0.3, 0.2, 0.0)}
+PLACE = (0.25, 0.0, 0.06)
+OFFERED = ("link_load", "coulomb_friction", "viscous_friction", "payload", "scale", "preload", "bias")
+CATALOGUE = [one for name, one in all_effects().items() if name in OFFERED]
+
+
+def machines(urdf: str, change: dict[str, float] | None = None) -> list[Machine]:
+    """The joints of an arm whose logs another made; with torques that read so many times too much."""
+    built = load(urdf)
+    grids: dict[str, tuple[Grid, str, dict[str, float]]] = {}
+    for n in range(2):
+        grid = arm_log(built, n, FRICTION)
+        value = {c: x * (change or {}).get(c, 1.0) for c, x in grid.value.items()}
+        grids[f"run{n}"] = replace(grid, value=value), f"motion {n}", {}
+    noise = {f"joint.{j}.torque": 0.02 for j in JOINTS} | {f"joint.{j}.position": 1e-5 for j in JOINTS}
+    robot = load(ARM)
+    return [InverseDynamics(robot, GRAVITY, grids, JOINTS, compared=[j], noise=noise) for j in JOINTS]
+
+
+@pytest.fixture(scope="module")
+def carrying() -> list[Machine]:
+    return with_shapes(machines(heavier(ARM, "fore", 0.8, PLACE)), CATALOGUE)
+
+
+def test_a_load_is_found_where_it_is(carrying: list[Machine]) -> None:
+    """Along the joints' axes its place is nothing that a plane arm could tell."""
+    for machine in carrying:
+        ((name, where),) = machine.shapes
+        assert (name, where) == ("link_load", "link.fore")
+        x, _, z = place_of(machine.shapes[name, where])
+        assert np.hypot(x - PLACE[0], z - PLACE[2]) < 0.003
+
+
+@pytest.mark.parametrize("k", [0, 1])
+def test_each_joint_names_it_and_how_heavy_it_is(carrying: list[Machine], k: int) -> None:
+    growth = grow(carrying[k], effects=CATALOGUE)
+    friction = {(f"{kind}_friction", f"joint.{JOINTS[k]}") for kind in ("coulomb", "viscous")}
+    others = {label for label in growth.after.label if label not in friction}
+    ((form, where),) = others
+    assert where == "link.fore"
+    values = growth.after.fit.values()
+    assert values[f"{form}@{where}.mass_kg"] == pytest.approx(0.8, rel=0.01)
+    assert values[f"coulomb_friction@joint.{JOINTS[k]}.force_N"] == pytest.approx(FRICTION[JOINTS[k]][0], rel=0.03)
+
+
+@pytest.mark.parametrize("change", [None, {"joint.elbow.torque": 1.05}], ids=["friction", "a sensor"])
+def test_what_a_joint_lacks_itself_is_no_load(change: dict[str, float] | None) -> None:
+    assert all(not m.shapes for m in with_shapes(machines(ARM, change), CATALOGUE))
+
+
+def told(mass: float, half: float, part: str, where: str = "link.fore") -> Effect:
+    value = Value(value=mass, ci95=(mass - half, mass + half), unit="kg")
+    return Effect(effect="link_load", where=where, parameters={"mass_kg": value}, part=part)
+
+
+def test_what_all_joints_tell_of_one_load_is_one_value() -> None:
+    """The surer counts for more; who disagree by more than they may widen the interval."""
+    friction = Effect(effect="coulomb_friction", where="joint.elbow", parameters={}, part="elbow")
+    one, other = told(2.0, 0.2, "shoulder"), told(2.1, 0.1, "elbow")
+    load, beside = agreed([one, friction, other])
+    value = load.parameters["mass_kg"]
+    assert value.value == pytest.approx(2.08)
+    assert beside == friction
+    far = agreed([one, told(3.0, 0.1, "elbow")])[0].parameters["mass_kg"]
+    assert isinstance(far.ci95, tuple)
+    assert isinstance(value.ci95, tuple)
+    assert np.ptp(np.array(far.ci95, dtype=float)) > 3.0 * np.ptp(np.array(value.ci95, dtype=float))
+    assert agreed([one, told(2.0, 0.1, "elbow", "link.upper")]) == [one, told(2.0, 0.1, "elbow", "link.upper")]
