@@ -49,7 +49,8 @@ class LearnedPart(Part):
 def room_for_a_law(part: Part) -> bool:
     """Whether what is said of a part may be one law that has no name.
 
-    Nothing of the catalogue explains it; or, where the noise is stated, what is named of it leaves more, or is a crowd.
+    Nothing of the catalogue explains it; or, where the noise is stated, what is named of it leaves more, or is a crowd
+    at ports, where laws act.
     Where nothing is said to be missing and no noise is stated, a law that predicts better is what tells.
     """
     said, bench = part.verdict, part.growth.bench
@@ -58,7 +59,8 @@ def room_for_a_law(part: Part) -> bool:
         return not stated and part.shown
     if said not in (NAMED, AMBIGUOUS) or not stated:
         return said == UNKNOWN
-    count = sum(s.effect.kind != "sensor" for s in part.fit.hypothesis.sites)
+    ports = bench.model.plain().ports
+    count = sum(s.effect.kind != "sensor" and s.where in ports for s in part.fit.hypothesis.sites)
     return louder(bench, part.fit) > 0.0 or count >= CROWD - (said == AMBIGUOUS)
 
 

@@ -6,7 +6,7 @@ the recorded one, so nothing is simulated, nothing drifts, and most parameters e
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
 from functools import partial
@@ -20,6 +20,7 @@ from spacerobot.diagnosis.machines.contract import FACTORS, FIRST_NOISE, Machine
 from spacerobot.diagnosis.machines.doubted import NONE, Doubted, beyond
 from spacerobot.diagnosis.machines.grid import Grid
 from spacerobot.diagnosis.machines.hidden_motion import hidden
+from spacerobot.diagnosis.machines.joined_pieces import Joined, instant, join
 from spacerobot.diagnosis.machines.joint_factors import Brought, asked_for, brought
 from spacerobot.diagnosis.machines.joint_log import (
     JointLog,
@@ -31,7 +32,7 @@ from spacerobot.diagnosis.machines.joint_log import (
     unbent,
 )
 from spacerobot.diagnosis.machines.links import twice_as_heavy, weighed_links
-from spacerobot.diagnosis.machines.measured import port_forces
+from spacerobot.diagnosis.machines.measured import port_forces, through_sensor
 from spacerobot.diagnosis.machines.mechanism_cache import MechanismCache
 from spacerobot.diagnosis.machines.rigid import Rigid
 from spacerobot.diagnosis.machines.stated_noise import Lens, StatedNoise, stated_noise, still_below
@@ -69,6 +70,9 @@ friction adds to it, nothing that a body can be takes nine tenths of it away."""
 REST = 0.02
 """Share of a joint's typical speed below which it may as well stand still: above what noise leaves of a smoothed rate.
 There friction takes what is asked of it, up to its level. Where it slides that slowly, that is the level itself."""
+
+KEPT = 64
+"""Mechanisms whose torques are kept: all columns of a Jacobian are some twenty, and each piece asks for them again."""
 
 FEWEST_READINGS = 4
 """That a piece holds at least."""
@@ -161,6 +165,9 @@ class InverseDynamics(Machine):
         logged = [last.get(robot.joint_id(j)) for j in self.joints]
         self.carried = () if robot.floating or idle else tuple(link for link in logged if link is not None)
         self._by_load: dict[tuple[str, str], np.ndarray] = {}
+        self._shown: dict[tuple[int, int], tuple[Mechanism, np.ndarray | None]] = {}
+        self._rows: dict[str, Joined] | None = None
+        self._by_row: dict[tuple[Joined, str], np.ndarray] = {}
         self._motion: dict[str, Motion] = {}
         self._bump: dict[str, Bump] = {}
         pace = self._pace([g for g, _, _ in grids.values()], values or {}, unknown)
@@ -388,7 +395,7 @@ class InverseDynamics(Machine):
     def faster(self, factor: float) -> InverseDynamics:
         """The same paths at another speed: rates so many times, accelerations its square; weight stays."""
         other = copy(self)
-        other._motion, other._by_load = {}, {}
+        other._motion, other._by_load, other._shown, other._rows, other._by_row = {}, {}, {}, None, {}
         for name, m in self._motion.items():
             speed, growth = factor * m.velocity, factor**2 * m.acceleration
             rigid = self._arm.torque(m.position, speed, growth)
@@ -525,14 +532,64 @@ class InverseDynamics(Machine):
 
     def predict(self, mechanism: Mechanism, trial: TrialData, initial: np.ndarray) -> Predicted:
         """The torques that the model asks for along the measured motion, through the test functions."""
+        joined = self._joined_with(trial.id)
+        if joined is not None and (every := self._of_all(mechanism, joined)) is not None:
+            return Predicted((every[:, joined.shown[trial.id]],))
         read, bump = self._motion[trial.id], self._bump[trial.id]
         motion = read.told(partial(beyond, mechanism))
+        names = [f"joint.{j}" for j in self.joints]
+        torque, out = self._torques(mechanism, motion, motion.lens, partial(self.by_body, trial.id)), []
+        for joint in self.compared:
+            name = f"joint.{joint}"
+            maps = torque_log.beside_motion(mechanism.maps, name)
+            log = None if motion.torque is None else motion.torque[:, names.index(name)]
+            shown = torque_log.seen(maps, torque[name], log, bump)
+            for key, own in read.beside.items():
+                shown = shown - beyond(mechanism, key) * bump.smooth(own.torque[:, names.index(name)])
+            out.append(self._outweighing(mechanism, joint, shown)[:: motion.stride])
+        return Predicted((np.array(out),))
+
+    def _of_all(self, mechanism: Mechanism, joined: Joined) -> np.ndarray | None:
+        """The same of all pieces of such a row, shape (C, N); None where not every instant is its own."""
+        found = self._shown.get((id(mechanism), id(joined)))
+        if found is None or found[0] is not mechanism:
+            if len(self._shown) >= KEPT:
+                self._shown.clear()
+            made = self._made_of_all(mechanism, joined) if instant(mechanism) else None
+            found = self._shown[id(mechanism), id(joined)] = mechanism, made
+        return found[1]
+
+    def _made_of_all(self, mechanism: Mechanism, joined: Joined) -> np.ndarray:
+        torque, out = self._torques(mechanism, joined.motion, joined, partial(self._by_bodies, joined)), []
+        for joint in self.compared:
+            maps = torque_log.beside_motion(mechanism.maps, f"joint.{joint}")
+            shown = joined.seen(through_sensor(maps, torque[f"joint.{joint}"], joined.motion.step))
+            out.append(self._outweighing(mechanism, joint, shown))
+        return np.array(out)
+
+    def _joined_with(self, piece: str) -> Joined | None:
+        """The row of pieces that one stands in; None where it stands alone."""
+        if self._rows is None:
+            rows = join({t.id: (self._motion[t.id], self._bump[t.id]) for t in self.trials})
+            self._rows = {name: row for row in rows for name in row.sizes}
+        return self._rows.get(piece)
+
+    def _by_bodies(self, joined: Joined, where: str) -> np.ndarray:
+        """What each number of a body asks for along all pieces of a row, shape (T, C, 10)."""
+        if (joined, where) not in self._by_row:
+            self._by_row[joined, where] = np.concatenate([self.by_body(name, where) for name in joined.sizes])
+        return self._by_row[joined, where]
+
+    def _torques(
+        self, mechanism: Mechanism, motion: Motion, lens: Bump | Joined, by_body: Callable[[str], np.ndarray]
+    ) -> dict[str, np.ndarray]:
+        """Torque that a motion asks of each compared joint's drive, shape (T,) each."""
         names = [f"joint.{j}" for j in self.joints]
         position = {n: motion.position[:, i] for i, n in enumerate(names)}
         velocity = {n: motion.velocity[:, i] for i, n in enumerate(names)}
         asked = {f"joint.{j}": self._asked(mechanism, motion, j) for j in self.compared}
         for load in mechanism.loads:
-            more = self.by_body(trial.id, load.link) @ (load.mass * self.numbers(load.link, np.array(load.place)))
+            more = by_body(load.link) @ (load.mass * self.numbers(load.link, np.array(load.place)))
             asked = {name: torque + own for (name, torque), own in zip(asked.items(), more.T, strict=True)}
         held = self._held(mechanism, motion, asked)
         if len(mechanism.coordinates) > len(names) + len(self.links):
@@ -544,23 +601,17 @@ class InverseDynamics(Machine):
                 position[name] = position[carrier] + x[before:]
                 velocity[name] = velocity[carrier] + rate[before:]
         felt = [p for p, row in mechanism.ports.items() if any(row.get(n, 0.0) for n in asked)]
-        acting = port_forces(mechanism, position, velocity, motion.step, motion.lens, held, felt)
-        out = []
-        for joint in self.compared:
-            name = f"joint.{joint}"
-            torque = asked[name]
-            for port, force in acting.items():  # drives that see two joints act at both
-                torque = torque - mechanism.ports[port].get(name, 0.0) * force
-            maps = torque_log.beside_motion(mechanism.maps, name)
-            log = None if motion.torque is None else motion.torque[:, names.index(name)]
-            shown = torque_log.seen(maps, torque, log, bump)
-            for key, own in read.beside.items():
-                shown = shown - beyond(mechanism, key) * bump.smooth(own.torque[:, names.index(name)])
-            if joint in self._idle:
-                stated = self.base.get(f"{name}.torque", 0.0)
-                shown = stated + self._outweighed(mechanism, joint) * (shown - stated)
-            out.append(shown[:: motion.stride])
-        return Predicted((np.array(out),))
+        for port, force in port_forces(mechanism, position, velocity, motion.step, lens, held, felt).items():
+            # drives that see two joints act at both
+            asked = {n: torque - mechanism.ports[port].get(n, 0.0) * force for n, torque in asked.items()}
+        return asked
+
+    def _outweighing(self, mechanism: Mechanism, joint: str, shown: np.ndarray) -> np.ndarray:
+        """What is asked for at a joint, in proportion to believed inertia where nothing drives it."""
+        if joint not in self._idle:
+            return shown
+        stated = self.base.get(f"joint.{joint}.torque", 0.0)
+        return stated + self._outweighed(mechanism, joint) * (shown - stated)
 
 
 def _joint_by_joint(x: np.ndarray) -> np.ndarray:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -16,8 +16,13 @@ from spacerobot.simulation.reduced.forces import AT_REST, call_law, call_memory
 from spacerobot.simulation.reduced.law_table import LAWS
 from spacerobot.support.jit import jit
 
-if TYPE_CHECKING:  # a wrist rig has no balances
-    from spacerobot.diagnosis.machines.test_functions import Bump
+
+class Lens(Protocol):
+    """What a motion was seen through."""
+
+    def blurred(self, x: np.ndarray) -> np.ndarray:
+        """A signal that goes on at its ends as it is there, shape (T,) both."""
+        ...
 
 
 @jit
@@ -59,7 +64,7 @@ def port_forces(
     position: Mapping[str, np.ndarray],
     velocity: Mapping[str, np.ndarray],
     step: float,
-    lens: Bump | None = None,
+    lens: Lens | None = None,
     held: Mapping[str, tuple[np.ndarray, float]] | None = None,
     at: Collection[str] | None = None,
 ) -> dict[str, np.ndarray]:

@@ -1,4 +1,4 @@
-"""Mechanisms that fits asked for lately: trials of one condition share theirs, and so do starts of one trial."""
+"""Mechanisms that fits asked for lately: trials that nothing parts share theirs, and so do starts of one trial."""
 
 from __future__ import annotations
 
@@ -27,7 +27,8 @@ class MechanismCache:
     ) -> Mechanism:
         """The mechanism of a trial; made only if none like it was made lately."""
         own = (*trial.overrides.items(), trial.recorded if hypothesis.changes else "")
-        key = (id(hypothesis), z.tobytes(), trial.condition, own, hypothesis.idle(trial.id))
+        condition = trial.condition if hypothesis.scattered else ""
+        key = (id(hypothesis), z.tobytes(), condition, own, hypothesis.idle(trial.id))
         found = self._made.get(key)
         if found is None or found[0] is not hypothesis:
             if len(self._made) >= MOST:

@@ -156,10 +156,15 @@ class Hypothesis:
         """The sites whose effects act in a trial."""
         return tuple(s for s in self.sites if not s.trials or trial in s.trials)
 
-    @property
+    @functools.cached_property
     def changes(self) -> bool:
         """Whether an effect is another in every trial."""
         return any(s.effect.name.endswith(SUFFIX) for s in self.sites)
+
+    @functools.cached_property
+    def scattered(self) -> bool:
+        """Whether a value is another in every condition."""
+        return any(f.kind == "scatter" for f in self.free)
 
     def idle(self, trial: str) -> frozenset[str]:
         """Keys of effects' parameters that mean nothing in a trial."""
