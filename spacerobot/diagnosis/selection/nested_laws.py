@@ -12,7 +12,7 @@ from scipy.special import chdtri
 from spacerobot.diagnosis.fitting.fitted import NORMAL_95, Fit
 from spacerobot.diagnosis.selection.bench import Bench
 from spacerobot.diagnosis.terms.candidates import redundant, refines
-from spacerobot.diagnosis.terms.decision import CHANCE, TWICE
+from spacerobot.diagnosis.terms.decision import CHANCE, SMALL, TWICE
 from spacerobot.diagnosis.terms.hypothesis import Site
 
 
@@ -71,8 +71,8 @@ def not_excluded(bench: Bench, fit: Fit, known: Known) -> list[Fit]:
     """The fit with a general effect for each special case, where the readings do not exclude it.
 
     An effect size says what is worth naming; where the noise is stated, the readings say what is not excluded: a
-    general effect that costs less than chance would make it, and one of which they leave open whether a level is twice
-    the other.
+    general effect that costs less than chance would make it and is another than its special case, and one of which they
+    leave open whether a level is twice the other.
 
     Args:
         bench: under the weights of the fit.
@@ -87,9 +87,37 @@ def not_excluded(bench: Bench, fit: Fit, known: Known) -> list[Fit]:
                 continue
             found = bench.fitted_as(fit, sites, inherited(new, special, fit))
             spare = len(new.effect.parameters) - len(special.effect.parameters)
-            if found is not None and (not by_chance(fit.cost - found.cost, spare) or left_open(found, new)):
+            if found is None:
+                continue
+            meant = not by_chance(fit.cost - found.cost, spare) and is_another(bench, fit, special, found)
+            if meant or left_open(found, new):
                 out.append(found)
     return out
+
+
+def is_another(bench: Bench, fit: Fit, special: Site, found: Fit) -> bool:
+    """Whether a general law's fit differs from its special case's by more than a law's own small defects.
+
+    Levels of friction that differ by a hundredth are one level, however surely they differ: models of arms err by more.
+
+    Args:
+        bench: under the weights of both fits.
+        fit, special: the special case's fit, and its site there.
+        found: the fit with the general law in its place.
+    """
+    strength = special.effect.strength
+    at = fit.hypothesis.keys.index(special.key(strength.name))
+    z = fit.z.copy()
+    z[at] = fit.hypothesis.free[at].z(strength.null)
+    without = bench.fitter().state(fit.hypothesis, np.clip(z, *fit.hypothesis.bounds()), fit.initials())
+    if without is None:
+        return True
+    own = _square(fit.residuals(), without.raw, without.keep)
+    return _square(fit.residuals(), found.residuals(), without.keep) > SMALL * own
+
+
+def _square(one: Mapping[str, np.ndarray], other: Mapping[str, np.ndarray], keep: Mapping[str, np.ndarray]) -> float:
+    return float(sum(np.square((one[k] - other[k])[good]).sum() for k, good in keep.items()))
 
 
 def left_open(fit: Fit, general: Site) -> bool:

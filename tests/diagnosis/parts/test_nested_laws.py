@@ -71,3 +71,9 @@ def test_a_fit_without_two_levels_has_no_end_of_them(tmp_path: Path) -> None:
     assert not left_open(replace(open_, covariance=None), open_.hypothesis.sites[0])
     plain = replace(open_, covariance=None)
     assert least_alike(plain) is plain
+
+
+@pytest.mark.slow
+def test_levels_that_differ_by_a_hundredth_are_one_level(tmp_path: Path) -> None:
+    """However surely they differ: models of arms err by more. (Ten in a hundred are two levels, as above.)"""
+    assert TWO not in [f.hypothesis.label for f in beside_coulomb(tmp_path, 2.02, 1.98)]
