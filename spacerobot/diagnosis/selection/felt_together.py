@@ -47,7 +47,7 @@ class Felt:
 
     Attributes:
         trials: under the weights of its baseline.
-        columns: by how much its weighted readings rise with each of a body's numbers, shape (S, K, 10) in the end.
+        columns: by how much its weighted readings rise with each of a body's numbers, shape (S, K 10), or (S, K, 10).
         left: what its baseline leaves over, shape (S,), that a body would have to bring.
     """
 
@@ -82,6 +82,10 @@ class Felt:
 
         return Felt(self.trials, freed(self.columns), freed(self.left))
 
+    def by_link(self, links: int) -> Felt:
+        """The same with columns by link, shape (S, K, 10), from (S, K 10)."""
+        return replace(self, columns=self.columns.reshape(-1, links, TEN))
+
 
 def with_shapes(models: Sequence[Machine], effects: Iterable[Effect]) -> list[Machine]:
     """The machines of a study, each told in which form all of them feel an effect together, where they do."""
@@ -91,7 +95,11 @@ def with_shapes(models: Sequence[Machine], effects: Iterable[Effect]) -> list[Ma
     if not together or len(carrying) < 2:
         return list(models)
     links = list(dict.fromkeys(link for m in carrying for link in m.carried))
-    found = body_of([felt_by(m, links, catalogue) for m in carrying], links, carrying[0].numbers)
+    felt = [felt_by(m, links, catalogue) for m in carrying]
+    numbers = carrying[0].numbers
+    if body_of([freely for _, freely in felt], links, numbers) is None:  # what is stated of the links may be wrong
+        return list(models)
+    found = body_of([stated for stated, _ in felt], links, numbers)
     if found is None:
         return list(models)
     link, place = found
@@ -104,18 +112,35 @@ def _told(model: Machine, shapes: Mapping[tuple[str, str], str]) -> Machine:
     return other
 
 
-def felt_by(model: Machine, links: Sequence[str], effects: Sequence[Effect]) -> Felt:
-    """What bodies at these links would do for a part, beside every effect that it may lack."""
+def felt_by(model: Machine, links: Sequence[str], effects: Sequence[Effect]) -> tuple[Felt, Felt]:
+    """What bodies at these links would do for a part, beside every effect that it may lack.
+
+    Returns:
+        With believed values held as they are stated, and with all of them free: a link that is heavier than believed
+        is a wrong value, no body on it.
+    """
     bench = Bench(model)
     fit = bench.baseline()
     screener = Screener(bench.fitter(), model.believed, plain=True)
-    at = screener.at(fit, robust=False)
     own = [s.column for s in screener.screen(fit, model.sites(effects)).best().values() if s.norm > 0.0]
-    columns = np.concatenate([_columns(at.project, bench, link) for link in links], axis=1)
-    felt = Felt(bench.trials, columns, -at.residual)
-    if own:
-        felt = felt.beside(np.array(own).T)
-    return replace(felt, columns=felt.columns.reshape(-1, len(links), TEN))
+    every, nothing = tuple(model.believed.sigma), np.zeros_like(fit.z)
+
+    def felt(loose: Sequence[str]) -> Felt:
+        fitter = bench.fitter()
+        state = Screener(fitter, model.believed).state_of(fit)
+        project = Projector(fitter, fit, state, robust=False, loose=loose)
+        left = -project.free(project.stack(state.raw), fit.z)
+        columns = np.concatenate([_columns(project, bench, link) for link in links], axis=1)
+        found = Felt(bench.trials, columns, left)
+        if own:
+            readings = left.size - nothing.size
+            found = found.beside(np.stack([project.free(column[:readings], nothing) for column in own], axis=1))
+        return found
+
+    first = felt(every)  # whatever all bodies leave over is noise: beliefs are held by as much as readings then count
+    best = np.linalg.lstsq(first.columns, first.left, rcond=ROUNDING)[0]
+    bench.weights = dict.fromkeys((c for t in bench.trials for c in t.channels), first.floor(first.columns @ best))
+    return felt(()).by_link(len(links)), felt(every).by_link(len(links))
 
 
 def _columns(project: Projector, bench: Bench, link: str) -> np.ndarray:

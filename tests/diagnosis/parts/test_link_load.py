@@ -13,6 +13,7 @@ from spacerobot.diagnosis.answer.record import Effect, Value
 from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.machines.grid import Grid
 from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
+from spacerobot.diagnosis.machines.links import with_masses
 from spacerobot.diagnosis.selection.felt_together import with_shapes
 from spacerobot.diagnosis.selection.forward_selection import grow
 from spacerobot.effects.located_load import place_of
@@ -28,7 +29,7 @@ OFFERED = ("link_load", "coulomb_friction", "viscous_friction", "payload", "scal
 CATALOGUE = [one for name, one in all_effects().items() if name in OFFERED]
 
 
-def machines(urdf: str, change: dict[str, float] | None = None) -> list[Machine]:
+def machines(urdf: str, change: dict[str, float] | None = None, sigma: dict[str, float] | None = None) -> list[Machine]:
     """The joints of an arm whose logs another made; with torques that read so many times too much."""
     built = load(urdf)
     grids: dict[str, tuple[Grid, str, dict[str, float]]] = {}
@@ -38,7 +39,10 @@ def machines(urdf: str, change: dict[str, float] | None = None) -> list[Machine]
         grids[f"run{n}"] = replace(grid, value=value), f"motion {n}", {}
     noise = {f"joint.{j}.torque": 0.02 for j in JOINTS} | {f"joint.{j}.position": 1e-5 for j in JOINTS}
     robot = load(ARM)
-    return [InverseDynamics(robot, GRAVITY, grids, JOINTS, compared=[j], noise=noise) for j in JOINTS]
+    return [
+        InverseDynamics(robot, GRAVITY, grids, JOINTS, compared=[j], noise=noise, sigma=dict(sigma or {}))
+        for j in JOINTS
+    ]
 
 
 @pytest.fixture(scope="module")
@@ -70,6 +74,18 @@ def test_each_joint_names_it_and_how_heavy_it_is(carrying: list[Machine], k: int
 @pytest.mark.parametrize("change", [None, {"joint.elbow.torque": 1.05}], ids=["friction", "a sensor"])
 def test_what_a_joint_lacks_itself_is_no_load(change: dict[str, float] | None) -> None:
     assert all(not m.shapes for m in with_shapes(machines(ARM, change), CATALOGUE))
+
+
+STATED = {"link.fore.mass": 0.05, "link.upper.mass": 0.02}
+
+
+def test_a_link_that_is_heavier_than_stated_is_a_wrong_value_and_no_load() -> None:
+    """By sixteen of its deviations. A load beside links as they are stated is found all the same."""
+    heavy = with_masses(load(ARM), {"fore": 1.8}).urdf
+    assert all(not m.shapes for m in with_shapes(machines(heavy, sigma=STATED), CATALOGUE))
+    loaded = with_shapes(machines(heavier(ARM, "fore", 0.8, PLACE), sigma=STATED), CATALOGUE)
+    (form,) = {form for m in loaded for form in m.shapes.values()}
+    assert np.hypot(place_of(form)[0] - PLACE[0], place_of(form)[2] - PLACE[2]) < 0.005
 
 
 def told(mass: float, half: float, part: str, where: str = "link.fore") -> Effect:
