@@ -26,6 +26,7 @@ from spacerobot.diagnosis.selection.meetings import meetings
 from spacerobot.diagnosis.selection.moment import with_free_moment
 from spacerobot.diagnosis.selection.one_clock import not_borne_out
 from spacerobot.diagnosis.selection.part_fold import settled
+from spacerobot.diagnosis.selection.part_limits import PartLimits
 from spacerobot.diagnosis.selection.part_result import Part
 from spacerobot.diagnosis.selection.search_state import Report, silent
 from spacerobot.diagnosis.selection.stretches import bends, foretold, momentary, struck
@@ -148,7 +149,8 @@ def _judge(held: _Held, part: Part) -> Part:
     if part.fit.hypothesis.sites:
         checks = (*checks, unseen.check(f"held out, {part.name}", whole=False))
     judged = replace(part, located=located, checks=checks, unseen=unseen)
-    return settle_part(judged, partial(_of, held.report, part.name))
+    done = settle_part(judged, partial(_of, held.report, part.name))
+    return replace(done, limits=tuple(PartLimits(done.growth).of(done.growth.sites)))
 
 
 def _searched(

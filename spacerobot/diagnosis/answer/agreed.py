@@ -10,7 +10,7 @@ from msgspec.structs import replace
 
 from spacerobot.diagnosis.answer.record import Effect, Value
 from spacerobot.diagnosis.fitting.fitted import NORMAL_95
-from spacerobot.effects.registry import effect
+from spacerobot.effects.registry import all_effects
 
 
 def agreed(found: Sequence[Effect]) -> list[Effect]:
@@ -19,8 +19,9 @@ def agreed(found: Sequence[Effect]) -> list[Effect]:
     Of one that a single part tells of, that part is still said.
     """
     out: list[Effect] = []
+    together = {e.name for e in all_effects().values() if e.together}
     for one in found:
-        if not effect(one.effect).together:
+        if one.effect not in together:
             out.append(one)
             continue
         every = [e for e in found if (e.effect, e.where) == (one.effect, one.where)]

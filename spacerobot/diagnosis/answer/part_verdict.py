@@ -35,7 +35,6 @@ from spacerobot.diagnosis.answer.verdict import all_moved, detectable, fitted_ef
 from spacerobot.diagnosis.learning.learned_part import LearnedPart
 from spacerobot.diagnosis.selection.check import why_not
 from spacerobot.diagnosis.selection.nested_laws import least_alike
-from spacerobot.diagnosis.selection.part_limits import PartLimits
 from spacerobot.diagnosis.selection.part_result import Part, balance
 from spacerobot.diagnosis.selection.stretches import Knock
 from spacerobot.diagnosis.terms.candidates import contains
@@ -234,11 +233,7 @@ def held_exact(study: Study, parts: Sequence[Part]) -> list[str]:
 
 def _detectable(parts: Sequence[Part]) -> list[Detectable]:
     """The smallest effects that would have been named, beside what each part is found to lack."""
-    return [
-        detectable(limit, part.name if len(parts) > 1 else UNSET)
-        for part in parts
-        for limit in PartLimits(part.growth).of(part.growth.sites)
-    ]
+    return [detectable(limit, part.name if len(parts) > 1 else UNSET) for part in parts for limit in part.limits]
 
 
 def _alone(part: Part, verdict: Kind) -> record.Part:

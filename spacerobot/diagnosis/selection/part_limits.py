@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import cached_property
 
 import numpy as np
@@ -64,9 +64,8 @@ class PartLimits(Limits):
         self.readings = np.array([max(int(counted[cut].sum()), 1) for cut in self.cuts], dtype=float)
         self.left = np.array([float(residual[cut] @ residual[cut]) for cut in self.cuts])
         self.before = float(np.sqrt(tried(growth.before).mean_square))
-        self.bounded = bool(
-            bench.model.expected({})
-        )  # what stated noise does not exclude is told, see `nested_laws.py`
+        # what stated noise does not exclude is told, see `nested_laws.py`
+        self.bounded = bool(bench.model.expected({}))
         self.known = {s.label: s for s in bench.model.sites()}
         self.looks = len(growth.sites)  # of which a choice is the best
 
@@ -105,13 +104,13 @@ class PartLimits(Limits):
         low, high = 0.0, 1.0 / norm
         if self.bounded:
             high = max(high, self._told_from_general(item))
-        while not drawn.share(high) >= POWER:
+        while not drawn.is_named(high):
             low, high = high, GROWTH * high
             if high > LARGEST:
                 return math.inf, drawn.rival(low)
         while low > 0.0 and math.log(high / low) > NEAR:
             middle = math.sqrt(low * high)
-            low, high = (low, middle) if drawn.share(middle) >= POWER else (middle, high)
+            low, high = (low, middle) if drawn.is_named(middle) else (middle, high)
         return high, drawn.rival(low)
 
     def _told_from_general(self, item: Column) -> float:
@@ -182,38 +181,41 @@ class _Drawn:
         n = self.limits.readings
         return Told(self._left(i, a, size) / n, self._left(j, b, size) / n, np.maximum(apart, 0.0) / n, n)
 
-    def _margins(self, size: float) -> tuple[np.ndarray, np.ndarray]:
-        """Whether each campaign is found to lack the effect, shape (B,), and is told it from each rival, (B, R)."""
+    def _paid(self, size: float) -> np.ndarray:
+        """In which campaigns the effect is worth naming and shown, shape (B,)."""
         mine = self._fitted(0, size)
-        ours, nothing = (0, mine), (0, np.zeros_like(mine))
-        told = self._told(ours, nothing, size)
+        told = self._told((0, mine), (0, np.zeros_like(mine)), size)
         if self.limits.fit.hypothesis.sites:
             paid = told.rms(told.other) > slack(told.rms(told.one), np.array(self.limits.before))
         else:
             paid = told.better(self.limits.group)
         norm = float(self.gram[:, 0, 0].sum())
         found = (size * norm + self.seen[:, :, 0].sum(axis=1)) / math.sqrt(norm)
-        shown = found**2 > self.least
-        apart = np.ones((mine.shape[0], len(self.rivals)), dtype=bool)
+        return np.asarray(paid & (found**2 > self.least))
+
+    def _apart(self, size: float) -> Iterator[np.ndarray]:
+        """In which campaigns the effect is told from each rival, shape (B,)."""
+        ours = (0, self._fitted(0, size))
         for r, rival in enumerate(self.rivals, 1):
             versus = self._told((r, self._fitted(r, size)), ours, size)
-            fewer = len(rival.site.effect.parameters) < len(self.item.site.effect.parameters)
-            if fewer:
-                apart[:, r - 1] = versus.rms(versus.one) > slack(versus.rms(versus.other), np.array(self.limits.before))
+            if len(rival.site.effect.parameters) < len(self.item.site.effect.parameters):
+                yield versus.rms(versus.one) > slack(versus.rms(versus.other), np.array(self.limits.before))
             else:
-                apart[:, r - 1] = versus.ratio >= 1.0 + TIE
-        return paid & shown, apart
+                yield versus.ratio >= 1.0 + TIE
 
-    def share(self, size: float) -> float:
-        """Of the campaigns, in which an effect of this size is named."""
-        named, apart = self._margins(size)
-        return float(np.mean(named & apart.all(axis=1)))
+    def is_named(self, size: float) -> bool:
+        """Whether an effect of this size is named in as many of the campaigns as a limit asks for."""
+        named = self._paid(size)
+        for apart in self._apart(size):
+            if np.mean(named) < POWER:
+                break
+            named = named & apart
+        return bool(np.mean(named) >= POWER)
 
     def rival(self, size: float) -> Label | None:
         """The rival that it is most often not told from at this size; None where something else asks more."""
-        named, apart = self._margins(size)
         if not self.rivals:
             return None
-        alike = (~apart).mean(axis=0)
+        alike = [float(np.mean(~apart)) for apart in self._apart(size)]
         worst = int(np.argmax(alike))
-        return self.rivals[worst].site.label if alike[worst] > np.mean(~named) else None
+        return self.rivals[worst].site.label if alike[worst] > np.mean(~self._paid(size)) else None

@@ -19,6 +19,7 @@ from spacerobot.diagnosis.selection.growth import Growth
 from spacerobot.diagnosis.selection.held_out import HeldOut
 from spacerobot.diagnosis.selection.judge import moved
 from spacerobot.diagnosis.selection.kept_aside import Unseen
+from spacerobot.diagnosis.selection.limits import Limit
 from spacerobot.diagnosis.selection.model_choice import agreeing, ratio, surely
 from spacerobot.diagnosis.selection.stretches import Knock
 from spacerobot.diagnosis.terms.data import TrialData
@@ -71,6 +72,7 @@ class Part:
         knocks: that struck it in single trials.
         uncut: where knocks were found, the search before the trials were cut there; a law may be what they are.
         not_learned: where nothing of the catalogue explains it, why no law was learned either.
+        limits: of each effect at each place, how small it could be and still be named.
     """
 
     growth: Growth
@@ -80,6 +82,7 @@ class Part:
     knocks: tuple[Knock, ...] = ()
     uncut: Growth | None = None
     not_learned: NotLearned | None = None
+    limits: tuple[Limit, ...] = ()
 
     @property
     def model(self) -> Machine:

@@ -14,8 +14,8 @@ class LinkLoad(Effect):
     """A small heavy body fixed to a link: weight and inertia at every joint that carries it."""
 
     name = "link_load"
-    title = "load on a link"
-    phrase = "a load on a link"
+    title = "load"
+    phrase = "a load"
     formula = r"\tau \to \tau + J_c^T\, m\, (\ddot c - g)"
     source = "Atkeson, An and Hollerbach (1986), Int. J. Robotics Research 5(3), 101"
     kind = "body"

@@ -96,7 +96,8 @@ def ports(one: Effect) -> tuple[str, ...]:
     found: dict[str, None] = {}
     for mechanism in _mechanisms():
         for place in one.places(mechanism):
-            found["joint.NAME" if place.startswith("joint.") else place] = None
+            head = place.partition(".")[0]
+            found[f"{head}.NAME" if head in ("joint", "link") else place] = None
     return tuple(found)
 
 

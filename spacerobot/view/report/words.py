@@ -55,6 +55,8 @@ def place(where: str) -> str:
         return _PLACES[where]
     if where.startswith("joint."):
         return f"in joint {where.removeprefix('joint.')}"
+    if where.startswith("link."):
+        return f"on link {where.removeprefix('link.')}"
     if where.startswith("command."):
         _, kind, axis = where.split(".")
         return f"in the commanded {kind} ({axis})"

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from helpers_models import ARM, arm_log
+from msgspec.structs import replace as replace_struct
 
 from spacerobot.diagnosis.answer.agreed import agreed
 from spacerobot.diagnosis.answer.record import Effect, Value
@@ -96,6 +97,8 @@ def told(mass: float, half: float, part: str, where: str = "link.fore") -> Effec
 def test_what_all_joints_tell_of_one_load_is_one_value() -> None:
     """The surer counts for more; who disagree by more than they may widen the interval."""
     friction = Effect(effect="coulomb_friction", where="joint.elbow", parameters={}, part="elbow")
+    law = replace_struct(friction, effect="learned_law")
+    assert agreed([friction, law]) == [friction, law]
     one, other = told(2.0, 0.2, "shoulder"), told(2.1, 0.1, "elbow")
     load, beside = agreed([one, friction, other])
     value = load.parameters["mass_kg"]
