@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import TypeVar
 
 from spacerobot.diagnosis.answer.evidence import evidence_of_parts
 from spacerobot.diagnosis.answer.learned import draft_of
@@ -20,7 +21,7 @@ from spacerobot.diagnosis.locate.readings import NothingToBalance
 from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.machines.touch import Moment
 from spacerobot.diagnosis.selection.checks import checks_of_part
-from spacerobot.diagnosis.selection.felt_together import with_shapes
+from spacerobot.diagnosis.selection.felt_together import Felt, Shapes, felt_by, shapes_of, told
 from spacerobot.diagnosis.selection.forward_selection import MOST, grow, retained
 from spacerobot.diagnosis.selection.meetings import meetings
 from spacerobot.diagnosis.selection.moment import with_free_moment
@@ -35,6 +36,8 @@ from spacerobot.effects.registry import all_effects, load_effects
 from spacerobot.recordings.study import Study
 from spacerobot.support.copies import Copies, Waiting
 from spacerobot.support.workers import one_thread
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -88,13 +91,18 @@ def diagnose_parts(
     every = range(len(models))
     alone = jobs if len(models) == 1 else 1
     held = _Held(models, without, alone, store, report)
-    report("what all parts feel", 0, 1)
-    held = replace(held, models=with_shapes(models, held.catalogue()))
     apart = partial(_apart, replace(held, report=silent), files)
     with Copies(held, min(jobs, len(models)), apart) as copies:
-        parts = _done(copies.each(_search, [(k, True) for k in every]), report, "searching the parts")
+
+        def asked(some: Sequence[int], links: Sequence[str]) -> list[tuple[Felt, Felt]]:
+            return _done(copies.each(_felt, [(k, links) for k in some]), report, "what the parts feel together")
+
+        shapes = shapes_of(models, held.catalogue(), asked)
+        parts = _done(copies.each(_search, [(k, True, shapes) for k in every]), report, "searching the parts")
         again = sorted(not_borne_out(parts))
-        agreed = _done(copies.each(_search, [(k, False) for k in again]), report, "searching again, on one clock")
+        agreed = _done(
+            copies.each(_search, [(k, False, shapes) for k in again]), report, "searching again, on one clock"
+        )
         for place, part in zip(again, agreed, strict=True):
             parts[place] = part
         done = _done(copies.each(_judge, [(part,) for part in parts]), report, "locating and checking")
@@ -119,7 +127,7 @@ def _apart(held: _Held, files: Sequence[str]) -> _Held:
     return held
 
 
-def _done(waiting: Sequence[Waiting[Part]], report: Report, what: str) -> list[Part]:
+def _done(waiting: Sequence[Waiting[T]], report: Report, what: str) -> list[T]:
     out = []
     for done, one in enumerate(waiting):
         report(what, done, len(waiting))
@@ -128,9 +136,15 @@ def _done(waiting: Sequence[Waiting[Part]], report: Report, what: str) -> list[P
 
 
 @one_thread()
-def _search(held: _Held, place: int, relative: bool) -> Part:
+def _felt(held: _Held, place: int, links: Sequence[str]) -> tuple[Felt, Felt]:
+    """What bodies at links would do for one part."""
+    return felt_by(held.models[place], links, held.catalogue())
+
+
+@one_thread()
+def _search(held: _Held, place: int, relative: bool, shapes: Shapes) -> Part:
     """One part's search; without effects that act between clocks unless these are wanted."""
-    model, how = held.models[place], "" if relative else " on one clock"
+    model, how = told(held.models[place], shapes), "" if relative else " on one clock"
     what, kept = f"{model.name} ({place + 1} of {len(held.models)})", Kept(held.store, f"{place + 1} {model.name}{how}")
     offered = [] if model.not_measured else held.catalogue()  # nothing shows where nothing was read
     wanted = [e for e in offered if relative or not e.relative]

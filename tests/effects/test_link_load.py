@@ -88,6 +88,6 @@ def test_torques_are_in_proportion_to_a_body_s_ten_numbers(
     more = Rigid(with_it, gravity, joints).torque(q, v, a) - Rigid(robot, gravity, joints).torque(q, v, a)
     bodies = BodyColumns(robot, Rigid(robot, gravity, joints))
     rows = [0, 2, 5]
-    columns = bodies.along("wrist_3_link", rows, q, v, a).reshape(4, 3, 10)
-    found = columns @ (mass * bodies.numbers("wrist_3_link", place))
+    columns = bodies.along(["upper_arm_link", "wrist_3_link"], rows, q, v, a).reshape(4, 3, 2, 10)
+    found = columns[:, :, 1] @ (mass * bodies.numbers("wrist_3_link", place))
     assert np.allclose(found, np.sign(mass) * more[:, rows], atol=1e-6 * (1.0 + abs(mass)))

@@ -37,23 +37,29 @@ class BodyColumns:
         return int(self._frames[link].parentJoint)
 
     def along(
-        self, link: str, rows: Sequence[int], position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray
+        self,
+        links: Sequence[str],
+        rows: Sequence[int],
+        position: np.ndarray,
+        velocity: np.ndarray,
+        acceleration: np.ndarray,
     ) -> np.ndarray:
         """Torques along a motion.
 
         Args:
-            link: that carries the body.
+            links: that carry the body, K of them.
             rows: which of the logged joints feel it, R of them.
             position, velocity, acceleration: of the logged joints, shape (T, J) each.
 
         Returns:
-            shape (T, R 10) [N m or N, per unit of each number].
+            shape (T, R K 10) [N m or N, per unit of each number].
         """
         v, a = np.zeros(self.model.nv), np.zeros(self.model.nv)
-        index, first = self.arm.index, TEN * (self.joint_of(link) - 1)
-        felt, columns = [index[r] for r in rows], slice(first, first + TEN)
-        out = np.empty((position.shape[0], len(felt), TEN))
+        index = self.arm.index
+        columns = np.concatenate([TEN * (self.joint_of(n) - 1) + np.arange(TEN) for n in links])
+        wanted = np.ix_(np.array([index[r] for r in rows]), columns)
+        out = np.empty((position.shape[0], len(rows), columns.size))
         for t, q in enumerate(self.arm.written(position)):
             v[index], a[index] = velocity[t], acceleration[t]
-            out[t] = pin.computeJointTorqueRegressor(self.model, self.data, q, v, a)[felt, columns]
+            out[t] = pin.computeJointTorqueRegressor(self.model, self.data, q, v, a)[wanted]
         return out.reshape(out.shape[0], -1)

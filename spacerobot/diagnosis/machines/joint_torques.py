@@ -164,7 +164,7 @@ class InverseDynamics(Machine):
         last = {self._bodies.joint_of(n): f"link.{n}" for n in robot.links_on(self.compared)}
         logged = [last.get(robot.joint_id(j)) for j in self.joints]
         self.carried = () if robot.floating or idle else tuple(link for link in logged if link is not None)
-        self._by_load: dict[tuple[str, str], np.ndarray] = {}
+        self._by_load: dict[str, np.ndarray] = {}
         self._shown: dict[tuple[int, int], tuple[Mechanism, np.ndarray | None]] = {}
         self._rows: dict[str, Joined] | None = None
         self._by_row: dict[tuple[Joined, str], np.ndarray] = {}
@@ -496,12 +496,12 @@ class InverseDynamics(Machine):
 
     def by_body(self, piece: str, where: str) -> np.ndarray:
         """What each of these asks for at the compared joints along a piece's motion, shape (T, C, 10)."""
-        if (piece, where) not in self._by_load:
+        if piece not in self._by_load:
             m, rows = self._motion[piece], [self.joints.index(j) for j in self.compared]
-            along = partial(self._bodies.along, where.removeprefix("link."), rows)
+            along = partial(self._bodies.along, [link.removeprefix("link.") for link in self.carried], rows)
             columns = unbent(along, m.lens, m.wider, (m.position, m.velocity, m.acceleration))
-            self._by_load[piece, where] = columns.reshape(-1, len(rows), TEN)
-        return self._by_load[piece, where]
+            self._by_load[piece] = columns.reshape(-1, len(rows), len(self.carried), TEN)
+        return self._by_load[piece][:, :, self.carried.index(where)]
 
     def bump(self, trial: TrialData) -> Bump:
         """The test function that a piece's balance is seen through."""

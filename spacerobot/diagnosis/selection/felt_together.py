@@ -87,26 +87,31 @@ class Felt:
         return replace(self, columns=self.columns.reshape(-1, links, TEN))
 
 
-def with_shapes(models: Sequence[Machine], effects: Iterable[Effect]) -> list[Machine]:
-    """The machines of a study, each told in which form all of them feel an effect together, where they do."""
-    catalogue = list(effects)
-    together = [e for e in catalogue if e.together]
-    carrying = [m for m in models if m.carried and not m.not_measured]
+Shapes = Mapping[tuple[str, str], str]
+"""Effect and place -> form."""
+
+Asked = Callable[[Sequence[int], Sequence[str]], Sequence[tuple[Felt, Felt]]]
+"""Numbers of machines, and links -> what `felt_by` says of each."""
+
+
+def shapes_of(models: Sequence[Machine], effects: Iterable[Effect], asked: Asked) -> Shapes:
+    """In which form the machines of a study feel an effect together; nothing where they do not."""
+    together = [e for e in effects if e.together]
+    carrying = [k for k, m in enumerate(models) if m.carried and not m.not_measured]
     if not together or len(carrying) < 2:
-        return list(models)
-    links = list(dict.fromkeys(link for m in carrying for link in m.carried))
-    felt = [felt_by(m, links, catalogue) for m in carrying]
-    numbers = carrying[0].numbers
+        return {}
+    links = list(dict.fromkeys(link for k in carrying for link in models[k].carried))
+    felt, numbers = asked(carrying, links), models[carrying[0]].numbers
     if body_of([freely for _, freely in felt], links, numbers) is None:  # what is stated of the links may be wrong
-        return list(models)
+        return {}
     found = body_of([stated for stated, _ in felt], links, numbers)
-    if found is None:
-        return list(models)
-    link, place = found
-    return [_told(m, {(e.name, link): form_of(place) for e in together}) for m in models]
+    return {} if found is None else {(e.name, found[0]): form_of(found[1]) for e in together}
 
 
-def _told(model: Machine, shapes: Mapping[tuple[str, str], str]) -> Machine:
+def told(model: Machine, shapes: Shapes) -> Machine:
+    """A machine that knows in which form it feels effects."""
+    if not shapes:
+        return model
     other = copy(model)
     other.shapes = shapes
     return other

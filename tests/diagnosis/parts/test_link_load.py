@@ -15,7 +15,7 @@ from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.machines.grid import Grid
 from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
 from spacerobot.diagnosis.machines.links import with_masses
-from spacerobot.diagnosis.selection.felt_together import with_shapes
+from spacerobot.diagnosis.selection.felt_together import felt_by, shapes_of, told
 from spacerobot.diagnosis.selection.forward_selection import grow
 from spacerobot.effects.located_load import place_of
 from spacerobot.effects.registry import all_effects
@@ -46,9 +46,15 @@ def machines(urdf: str, change: dict[str, float] | None = None, sigma: dict[str,
     ]
 
 
+def with_shapes(models: list[Machine]) -> list[Machine]:
+    """Each told what all of them feel together."""
+    shapes = shapes_of(models, CATALOGUE, lambda some, links: [felt_by(models[k], links, CATALOGUE) for k in some])
+    return [told(m, shapes) for m in models]
+
+
 @pytest.fixture(scope="module")
 def carrying() -> list[Machine]:
-    return with_shapes(machines(heavier(ARM, "fore", 0.8, PLACE)), CATALOGUE)
+    return with_shapes(machines(heavier(ARM, "fore", 0.8, PLACE)))
 
 
 def test_a_load_is_found_where_it_is(carrying: list[Machine]) -> None:
@@ -74,7 +80,7 @@ def test_each_joint_names_it_and_how_heavy_it_is(carrying: list[Machine], k: int
 
 @pytest.mark.parametrize("change", [None, {"joint.elbow.torque": 1.05}], ids=["friction", "a sensor"])
 def test_what_a_joint_lacks_itself_is_no_load(change: dict[str, float] | None) -> None:
-    assert all(not m.shapes for m in with_shapes(machines(ARM, change), CATALOGUE))
+    assert all(not m.shapes for m in with_shapes(machines(ARM, change)))
 
 
 STATED = {"link.fore.mass": 0.05, "link.upper.mass": 0.02}
@@ -83,13 +89,13 @@ STATED = {"link.fore.mass": 0.05, "link.upper.mass": 0.02}
 def test_a_link_that_is_heavier_than_stated_is_a_wrong_value_and_no_load() -> None:
     """By sixteen of its deviations. A load beside links as they are stated is found all the same."""
     heavy = with_masses(load(ARM), {"fore": 1.8}).urdf
-    assert all(not m.shapes for m in with_shapes(machines(heavy, sigma=STATED), CATALOGUE))
-    loaded = with_shapes(machines(heavier(ARM, "fore", 0.8, PLACE), sigma=STATED), CATALOGUE)
+    assert all(not m.shapes for m in with_shapes(machines(heavy, sigma=STATED)))
+    loaded = with_shapes(machines(heavier(ARM, "fore", 0.8, PLACE), sigma=STATED))
     (form,) = {form for m in loaded for form in m.shapes.values()}
     assert np.hypot(place_of(form)[0] - PLACE[0], place_of(form)[2] - PLACE[2]) < 0.005
 
 
-def told(mass: float, half: float, part: str, where: str = "link.fore") -> Effect:
+def load_told(mass: float, half: float, part: str, where: str = "link.fore") -> Effect:
     value = Value(value=mass, ci95=(mass - half, mass + half), unit="kg")
     return Effect(effect="link_load", where=where, parameters={"mass_kg": value}, part=part)
 
@@ -99,13 +105,16 @@ def test_what_all_joints_tell_of_one_load_is_one_value() -> None:
     friction = Effect(effect="coulomb_friction", where="joint.elbow", parameters={}, part="elbow")
     law = replace_struct(friction, effect="learned_law")
     assert agreed([friction, law]) == [friction, law]
-    one, other = told(2.0, 0.2, "shoulder"), told(2.1, 0.1, "elbow")
+    one, other = load_told(2.0, 0.2, "shoulder"), load_told(2.1, 0.1, "elbow")
     load, beside = agreed([one, friction, other])
     value = load.parameters["mass_kg"]
     assert value.value == pytest.approx(2.08)
     assert beside == friction
-    far = agreed([one, told(3.0, 0.1, "elbow")])[0].parameters["mass_kg"]
+    far = agreed([one, load_told(3.0, 0.1, "elbow")])[0].parameters["mass_kg"]
     assert isinstance(far.ci95, tuple)
     assert isinstance(value.ci95, tuple)
     assert np.ptp(np.array(far.ci95, dtype=float)) > 3.0 * np.ptp(np.array(value.ci95, dtype=float))
-    assert agreed([one, told(2.0, 0.1, "elbow", "link.upper")]) == [one, told(2.0, 0.1, "elbow", "link.upper")]
+    assert agreed([one, load_told(2.0, 0.1, "elbow", "link.upper")]) == [
+        one,
+        load_told(2.0, 0.1, "elbow", "link.upper"),
+    ]
