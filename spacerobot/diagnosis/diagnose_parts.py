@@ -26,6 +26,7 @@ from spacerobot.diagnosis.selection.forward_selection import MOST, grow, retaine
 from spacerobot.diagnosis.selection.meetings import meetings
 from spacerobot.diagnosis.selection.moment import with_free_moment
 from spacerobot.diagnosis.selection.one_clock import not_borne_out
+from spacerobot.diagnosis.selection.one_load import at_odds
 from spacerobot.diagnosis.selection.part_fold import settled
 from spacerobot.diagnosis.selection.part_limits import PartLimits
 from spacerobot.diagnosis.selection.part_result import Part
@@ -99,12 +100,13 @@ def diagnose_parts(
 
         shapes = shapes_of(models, held.catalogue(), asked)
         parts = _done(copies.each(_search, [(k, True, shapes) for k in every]), report, "searching the parts")
+        if unlike := sorted(at_odds(parts)):
+            shapes = {}
+            anew = copies.each(_search, [(k, True, shapes) for k in unlike])
+            parts = _with(parts, unlike, _done(anew, report, "searching again, each for itself"))
         again = sorted(not_borne_out(parts))
-        agreed = _done(
-            copies.each(_search, [(k, False, shapes) for k in again]), report, "searching again, on one clock"
-        )
-        for place, part in zip(again, agreed, strict=True):
-            parts[place] = part
+        anew = copies.each(_search, [(k, False, shapes) for k in again])
+        parts = _with(parts, again, _done(anew, report, "searching again, on one clock"))
         done = _done(copies.each(_judge, [(part,) for part in parts]), report, "locating and checking")
     report("judging", 0, 1)
     verdict = verdict_of(study, done, seed=seed, seconds=time.perf_counter() - began)
@@ -125,6 +127,12 @@ def _apart(held: _Held, files: Sequence[str]) -> _Held:
     for file in files:
         load_effects(file)
     return held
+
+
+def _with(parts: Sequence[Part], places: Sequence[int], anew: Sequence[Part]) -> list[Part]:
+    """The parts, some of them searched anew."""
+    by = dict(zip(places, anew, strict=True))
+    return [by.get(k, part) for k, part in enumerate(parts)]
 
 
 def _done(waiting: Sequence[Waiting[T]], report: Report, what: str) -> list[T]:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
@@ -17,8 +19,11 @@ from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
 from spacerobot.diagnosis.machines.links import with_masses
 from spacerobot.diagnosis.selection.felt_together import felt_by, shapes_of, told
 from spacerobot.diagnosis.selection.forward_selection import grow
+from spacerobot.diagnosis.selection.one_load import differ
+from spacerobot.diagnosis.selection.part_result import Part
+from spacerobot.diagnosis.terms.hypothesis import Site
 from spacerobot.effects.located_load import place_of
-from spacerobot.effects.registry import all_effects
+from spacerobot.effects.registry import all_effects, effect
 from spacerobot.model.library import load
 from tests.welded import heavier
 
@@ -93,6 +98,23 @@ def test_a_link_that_is_heavier_than_stated_is_a_wrong_value_and_no_load() -> No
     loaded = with_shapes(machines(heavier(ARM, "fore", 0.8, PLACE), sigma=STATED))
     (form,) = {form for m in loaded for form in m.shapes.values()}
     assert np.hypot(place_of(form)[0] - PLACE[0], place_of(form)[2] - PLACE[2]) < 0.005
+
+
+def feeling(mass: float, error: float) -> tuple[Part, Site]:
+    """As much of a part that tells of a load as its agreement hangs on."""
+    site = Site(effect("link_load"), "link.fore")
+    key = site.key("mass_kg")
+    fit = SimpleNamespace(values=lambda: {key: mass}, errors=lambda: {key: (mass - error, mass + error)})
+    return cast(Part, SimpleNamespace(fit=fit)), site
+
+
+def test_masses_that_differ_by_a_good_part_are_no_load() -> None:
+    """However surely they are told: joints whose links are not as the model has them find a mass each. One that hardly
+    tells speaks against nothing."""
+    assert not differ([feeling(2.404, 0.003), feeling(2.397, 0.0004), feeling(2.400, 0.0005)])
+    assert not differ([feeling(2.404, 0.003), feeling(2.397, 0.0004), feeling(-5.0, 3.0)])
+    assert differ([feeling(-0.134, 0.003), feeling(-0.100, 0.003), feeling(-0.083, 0.003), feeling(-0.061, 0.003)])
+    assert not differ([feeling(-0.134, 0.003)])
 
 
 def load_told(mass: float, half: float, part: str, where: str = "link.fore") -> Effect:
