@@ -12,7 +12,6 @@ from typing import Protocol, Self
 
 import numpy as np
 
-from spacerobot.diagnosis.machines.body_columns import TEN
 from spacerobot.diagnosis.machines.doubted import NONE, Doubted, beyond
 from spacerobot.diagnosis.machines.sizes import scaled
 from spacerobot.diagnosis.machines.touch import Moment
@@ -115,6 +114,10 @@ class Baseline(Protocol):
     def mechanism(self, values: Mapping[str, float], trial: TrialData, /) -> Mechanism:
         """The baseline of one trial with these values."""
         ...
+
+
+TEN = 10
+"""Numbers of a body at a link: its mass, that times its place, and its inertia (m, m c, I)."""
 
 
 class Machine(ABC):

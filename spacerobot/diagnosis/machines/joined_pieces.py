@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -72,6 +72,43 @@ class Joined:
     def seen(self, x: np.ndarray) -> np.ndarray:
         """A signal along the motion, shape (T,), as the pieces' readings show it, shape (N,)."""
         return np.asarray(self.bump.smooth(x)[self._at])
+
+
+KEPT = 64
+"""Mechanisms whose readings are kept: all columns of a Jacobian are some twenty, and each piece asks for them again."""
+
+
+class Rows:
+    """Pieces in rows, and what was lately made of all of a row at once."""
+
+    def __init__(self, pieces: Mapping[str, tuple[Motion, Bump]]) -> None:
+        self._pieces = pieces
+        self._made: dict[tuple[int, int], tuple[Mechanism, np.ndarray | None]] = {}
+
+    @cached_property
+    def _of(self) -> dict[str, Joined]:
+        return {name: row for row in join(self._pieces) for name in row.sizes}
+
+    def shown(
+        self, piece: str, mechanism: Mechanism, make: Callable[[Mechanism, Joined], np.ndarray]
+    ) -> np.ndarray | None:
+        """A piece's readings, shape (C, N); None where not every instant is its own.
+
+        Args:
+            piece: which.
+            mechanism: what acts.
+            make: the readings of all pieces of a row.
+        """
+        row = self._of.get(piece)
+        if row is None:
+            return None
+        found = self._made.get((id(mechanism), id(row)))
+        if found is None or found[0] is not mechanism:
+            if len(self._made) >= KEPT:
+                self._made.clear()
+            made = make(mechanism, row) if instant(mechanism) else None
+            found = self._made[id(mechanism), id(row)] = mechanism, made
+        return None if found[1] is None else found[1][:, row.shown[piece]]
 
 
 def join(pieces: Mapping[str, tuple[Motion, Bump]]) -> list[Joined]:

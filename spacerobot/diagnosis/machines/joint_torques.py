@@ -14,13 +14,13 @@ from functools import partial
 import numpy as np
 
 from spacerobot.diagnosis.machines import torque_log
-from spacerobot.diagnosis.machines.body_columns import TEN, BodyColumns
+from spacerobot.diagnosis.machines.body_columns import BodyColumns, Carried
 from spacerobot.diagnosis.machines.clear_width import clear_width, logged_noise
-from spacerobot.diagnosis.machines.contract import FACTORS, FIRST_NOISE, Machine, Predicted, Variant, conditions_of
+from spacerobot.diagnosis.machines.contract import FACTORS, Machine, Predicted, Variant, conditions_of
 from spacerobot.diagnosis.machines.doubted import NONE, Doubted, beyond
 from spacerobot.diagnosis.machines.grid import Grid
 from spacerobot.diagnosis.machines.hidden_motion import hidden
-from spacerobot.diagnosis.machines.joined_pieces import Joined, instant, join
+from spacerobot.diagnosis.machines.joined_pieces import Joined, Rows
 from spacerobot.diagnosis.machines.joint_factors import Brought, asked_for, brought
 from spacerobot.diagnosis.machines.joint_log import (
     JointLog,
@@ -29,7 +29,6 @@ from spacerobot.diagnosis.machines.joint_log import (
     shifted,
     stated_friction,
     torque_sizes,
-    unbent,
 )
 from spacerobot.diagnosis.machines.links import twice_as_heavy, weighed_links
 from spacerobot.diagnosis.machines.measured import port_forces, through_sensor
@@ -37,10 +36,11 @@ from spacerobot.diagnosis.machines.mechanism_cache import MechanismCache
 from spacerobot.diagnosis.machines.rigid import Rigid
 from spacerobot.diagnosis.machines.stated_noise import Lens, StatedNoise, stated_noise, still_below
 from spacerobot.diagnosis.machines.test_functions import Bump
+from spacerobot.diagnosis.machines.torque_pieces import FEWEST, Cutter
 from spacerobot.diagnosis.machines.touch import Moment, first_shock
 from spacerobot.diagnosis.machines.windows import PIECES, moment
 from spacerobot.diagnosis.terms.candidates import stood_for
-from spacerobot.diagnosis.terms.data import Block, TrialData, piece_id
+from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed, Hypothesis, Site
 from spacerobot.dynamics.joint_kinds import joint_axis
 from spacerobot.effects.effect import Effect
@@ -60,9 +60,6 @@ WIDTH, WIDEST = 0.1, 0.35
 """Half width of the balance's test functions, as a share of the motion's own time (its length over its speed): at
 least, and at most where the motion's noise asks for more. A sine of that time passes the widest by 99 %."""
 
-FEWEST = 4
-"""Half widths of a test function that a piece holds at least."""
-
 SILENT = 0.1
 """A torque that varies by less than this share of what its own weight and inertia ask for is not what moved the joint:
 friction adds to it, nothing that a body can be takes nine tenths of it away."""
@@ -70,12 +67,6 @@ friction adds to it, nothing that a body can be takes nine tenths of it away."""
 REST = 0.02
 """Share of a joint's typical speed below which it may as well stand still: above what noise leaves of a smoothed rate.
 There friction takes what is asked of it, up to its level. Where it slides that slowly, that is the level itself."""
-
-KEPT = 64
-"""Mechanisms whose torques are kept: all columns of a Jacobian are some twenty, and each piece asks for them again."""
-
-FEWEST_READINGS = 4
-"""That a piece holds at least."""
 
 
 class InverseDynamics(Machine):
@@ -152,22 +143,16 @@ class InverseDynamics(Machine):
         grids = {k: (shifted(g, believed_zeros), condition, own) for k, (g, condition, own) in grids.items()}
         self._raw = raw = {k: kinematics(g, self.joints, SHARP) for k, (g, _, _) in grids.items()}
         self._arm = arm = Rigid(robot, gravity, self.joints)
+        columns = BodyColumns(robot, arm)
         own = {j: torque_sizes(raw.values(), i, arm if j in idle else None) for i, j in enumerate(self.joints)}
         self.sizes = {f"joint.{j}": s for j, s in own.items()} | {"": own[self.compared[0]]}
-        self._level = np.array([own[j].force for j in self.compared])
-        self._slow = np.array([REST * own[j].length / own[j].time for j in self.joints])
+        level = np.array([own[j].force for j in self.compared])
+        resting = np.array([REST * own[j].length / own[j].time for j in self.joints])
+        cutter = Cutter(self.joints, self.compared, level, resting, sensor)
         self._idle = frozenset(idle)
         alone = self.joints if len(self.joints) == 1 else ()  # of several, what one hides behind it moves with all
         self._followed = {c: Readout(c, "position", f"joint.{j}") for j in alone for c in [f"joint.{j}.position"]}
         self._lately = MechanismCache()
-        self._bodies = BodyColumns(robot, arm)
-        last = {self._bodies.joint_of(n): f"link.{n}" for n in robot.links_on(self.compared)}
-        logged = [last.get(robot.joint_id(j)) for j in self.joints]
-        self.carried = () if robot.floating or idle else tuple(link for link in logged if link is not None)
-        self._by_load: dict[str, np.ndarray] = {}
-        self._shown: dict[tuple[int, int], tuple[Mechanism, np.ndarray | None]] = {}
-        self._rows: dict[str, Joined] | None = None
-        self._by_row: dict[tuple[Joined, str], np.ndarray] = {}
         self._motion: dict[str, Motion] = {}
         self._bump: dict[str, Bump] = {}
         pace = self._pace([g for g, _, _ in grids.values()], values or {}, unknown)
@@ -183,18 +168,17 @@ class InverseDynamics(Machine):
             narrow = Bump.of(sharp, grid.step)
             beside = self._brought(key, grid, log, narrow, thin)
             slow = np.array([still_below(noise or {}, j, narrow) for j in self.compared])
-            pieces = self._cut(key, log, condition, overrides, half, slow, beside=beside)
-            pieces = pieces or self._cut(key, log, condition, overrides, half, 0.0 * slow, beside=beside)
-            rest = self._slow[[self.joints.index(j) for j in self.compared]]
-            moving = self._cut(key, log, condition, overrides, half, slow, rest, beside=beside)
-            if 2 * len(moving) > len(pieces):
-                pieces = moving
-            else:  # its weight at rest is most of what is known: such readings count, so friction asks none of them
-                still = {p.id: replace(self._motion[p.id], slow=0.0 * self._slow) for p in pieces}
-                self._motion |= still
-            lenses += [Lens(narrow, self._bump[piece.id], thin) for piece in pieces]
-            trials += pieces
+            pieces, every = cutter.trial(key, log, condition, overrides, half, slow, beside)
+            self._motion |= {p.trial.id: p.motion for p in (*every, *pieces)}
+            self._bump |= {p.trial.id: p.bump for p in pieces}
+            lenses += [Lens(narrow, p.bump, thin) for p in pieces]
+            trials += [p.trial for p in pieces]
         self.trials = tuple(trials)
+        last = {columns.joint_of(n): f"link.{n}" for n in robot.links_on(self.compared)}
+        ends = [last[i] for j in self.joints if (i := robot.joint_id(j)) in last]
+        self.carried = () if robot.floating or idle else tuple(ends)
+        self._load = Carried(columns, self.carried, [self.joints.index(j) for j in self.compared], self._motion)
+        self._rows = Rows({t.id: (self._motion[t.id], self._bump[t.id]) for t in trials})
         visited = np.concatenate([m.position[:: m.stride] for m in self._motion.values()])
         mean = arm.inertia(visited)
         self._mass = {f"joint.{j}": float(x) for j, x in zip(self.joints, np.diag(mean), strict=True)}
@@ -266,66 +250,6 @@ class InverseDynamics(Machine):
                 out[name] = replace(own, rigid=asked_for(own, motion, log.turn, self._arm, self.doubted.sigma[name]))
         return out
 
-    def _cut(
-        self,
-        key: str,
-        log: JointLog,
-        condition: str,
-        overrides: Mapping[str, float],
-        half: int,
-        slow: np.ndarray,
-        rest: np.ndarray | float = 0.0,
-        *,
-        beside: Mapping[str, Brought],
-    ) -> list[TrialData]:
-        """The trial in pieces, each with its motion and with its torque seen through the test functions.
-
-        Where a joint may stand still dry friction holds whatever is asked of it: such readings say nothing. They are
-        left out where it is slower than `slow` at some time within a test function, or than `rest` all the while.
-        """
-        bump = Bump.of(half, log.step)
-        stride = max(1, half // 2)
-        channels = tuple(f"joint.{j}.torque" for j in self.compared)
-        index = [self.joints.index(j) for j in self.compared]
-        out = []
-        for n, part in enumerate(np.array_split(np.arange(log.time.size), PIECES)):
-            if part.size < FEWEST * half:
-                continue
-            seen = bump.smooth(log.torque[part][:, index])[::stride].T
-            still = np.abs(log.velocity[part][:, index]) < slow
-            bad = (~log.good[part][:, None] | still).astype(float)
-            over = np.ones(2 * half + 1)
-            clean = np.array([np.convolve(b, over, "valid")[::stride] < 0.5 for b in bad.T])
-            stays = (np.abs(log.velocity[part][:, index]) < rest).astype(float)
-            clean &= np.array([np.convolve(s, over, "valid")[::stride] < over.size - 0.5 for s in stays.T])
-            at = log.time[part][half:-half][::stride]
-            weight = np.where(clean, 1.0, 0.0) / (FIRST_NOISE * self._level[:, None])
-            if clean.sum() < FEWEST_READINGS:
-                continue
-            name = piece_id(key, n)
-            block = Block(self.sensor, channels, at, np.where(clean, seen, 0.0), weight)
-            out.append(TrialData(name, condition, dict(overrides), (block,), float(at[0]), float(at[-1])))
-            motion = (log.position, log.velocity, log.acceleration, log.rigid)
-            position, velocity, acceleration, rigid = (np.asfortranarray(x[part]) for x in motion)
-            self._motion[name] = Motion(
-                log.step,
-                position,
-                velocity,
-                acceleration,
-                rigid,
-                stride,
-                _joint_by_joint(log.by_link[:, part]),
-                log.by_zero[:, part],
-                torque=log.torque[part],
-                slow=self._slow,
-                run_up=log.acceleration[: int(part[0])],
-                lens=log.lens,
-                wider=log.wider,
-                beside={k: own.part(part) for k, own in beside.items()},
-            )
-            self._bump[name] = bump
-        return out
-
     def sites(self, effects: Iterable[Effect] | None = None) -> list[Site]:
         """As everywhere; of one joint among several, those at it, at its sensors, and drives of others it turns too."""
         felt = {f"joint.{j}" for j in self.compared}
@@ -395,13 +319,15 @@ class InverseDynamics(Machine):
     def faster(self, factor: float) -> InverseDynamics:
         """The same paths at another speed: rates so many times, accelerations its square; weight stays."""
         other = copy(self)
-        other._motion, other._by_load, other._shown, other._rows, other._by_row = {}, {}, {}, None, {}
+        other._motion = {}
         for name, m in self._motion.items():
             speed, growth = factor * m.velocity, factor**2 * m.acceleration
             rigid = self._arm.torque(m.position, speed, growth)
             other._motion[name] = replace(
                 m, velocity=speed, acceleration=growth, rigid=rigid, torque=None, run_up=factor**2 * m.run_up, beside={}
             )
+        other._load = self._load.along(other._motion)
+        other._rows = Rows({name: (m, self._bump[name]) for name, m in other._motion.items() if name in self._bump})
         return other
 
     def variants(self, trial: TrialData) -> Iterator[Variant]:
@@ -485,23 +411,14 @@ class InverseDynamics(Machine):
         """As the torque sensors would read it; none of a link that no compared joint carries."""
         if where not in self.carried:
             return super().felt(trial, where)
-        asked = self.by_body(trial.id, where)
+        asked = self._load.piece(trial.id, where)
         shown = self.seen(trial, asked.reshape(asked.shape[0], -1)).reshape(-1, *asked.shape[1:])
         (block,) = trial.blocks
         return np.concatenate([w[:, None] * shown[:, c] for c, w in enumerate(block.weight)]).T
 
     def numbers(self, where: str, place: np.ndarray) -> np.ndarray:
-        """As the columns of `by_body` stand."""
-        return self._bodies.numbers(where.removeprefix("link."), place)
-
-    def by_body(self, piece: str, where: str) -> np.ndarray:
-        """What each of these asks for at the compared joints along a piece's motion, shape (T, C, 10)."""
-        if piece not in self._by_load:
-            m, rows = self._motion[piece], [self.joints.index(j) for j in self.compared]
-            along = partial(self._bodies.along, [link.removeprefix("link.") for link in self.carried], rows)
-            columns = unbent(along, m.lens, m.wider, (m.position, m.velocity, m.acceleration))
-            self._by_load[piece] = columns.reshape(-1, len(rows), len(self.carried), TEN)
-        return self._by_load[piece][:, :, self.carried.index(where)]
+        """As the columns of what it carries stand."""
+        return self._load.numbers(where, place)
 
     def bump(self, trial: TrialData) -> Bump:
         """The test function that a piece's balance is seen through."""
@@ -532,13 +449,12 @@ class InverseDynamics(Machine):
 
     def predict(self, mechanism: Mechanism, trial: TrialData, initial: np.ndarray) -> Predicted:
         """The torques that the model asks for along the measured motion, through the test functions."""
-        joined = self._joined_with(trial.id)
-        if joined is not None and (every := self._of_all(mechanism, joined)) is not None:
-            return Predicted((every[:, joined.shown[trial.id]],))
+        if (found := self._rows.shown(trial.id, mechanism, self._of_all)) is not None:
+            return Predicted((found,))
         read, bump = self._motion[trial.id], self._bump[trial.id]
         motion = read.told(partial(beyond, mechanism))
         names = [f"joint.{j}" for j in self.joints]
-        torque, out = self._torques(mechanism, motion, motion.lens, partial(self.by_body, trial.id)), []
+        torque, out = self._torques(mechanism, motion, motion.lens, partial(self._load.piece, trial.id)), []
         for joint in self.compared:
             name = f"joint.{joint}"
             maps = torque_log.beside_motion(mechanism.maps, name)
@@ -549,36 +465,14 @@ class InverseDynamics(Machine):
             out.append(self._outweighing(mechanism, joint, shown)[:: motion.stride])
         return Predicted((np.array(out),))
 
-    def _of_all(self, mechanism: Mechanism, joined: Joined) -> np.ndarray | None:
-        """The same of all pieces of such a row, shape (C, N); None where not every instant is its own."""
-        found = self._shown.get((id(mechanism), id(joined)))
-        if found is None or found[0] is not mechanism:
-            if len(self._shown) >= KEPT:
-                self._shown.clear()
-            made = self._made_of_all(mechanism, joined) if instant(mechanism) else None
-            found = self._shown[id(mechanism), id(joined)] = mechanism, made
-        return found[1]
-
-    def _made_of_all(self, mechanism: Mechanism, joined: Joined) -> np.ndarray:
-        torque, out = self._torques(mechanism, joined.motion, joined, partial(self._by_bodies, joined)), []
+    def _of_all(self, mechanism: Mechanism, joined: Joined) -> np.ndarray:
+        """The same of all pieces of a row, shape (C, N), where every instant is its own."""
+        torque, out = self._torques(mechanism, joined.motion, joined, partial(self._load.row, joined)), []
         for joint in self.compared:
             maps = torque_log.beside_motion(mechanism.maps, f"joint.{joint}")
             shown = joined.seen(through_sensor(maps, torque[f"joint.{joint}"], joined.motion.step))
             out.append(self._outweighing(mechanism, joint, shown))
         return np.array(out)
-
-    def _joined_with(self, piece: str) -> Joined | None:
-        """The row of pieces that one stands in; None where it stands alone."""
-        if self._rows is None:
-            rows = join({t.id: (self._motion[t.id], self._bump[t.id]) for t in self.trials})
-            self._rows = {name: row for row in rows for name in row.sizes}
-        return self._rows.get(piece)
-
-    def _by_bodies(self, joined: Joined, where: str) -> np.ndarray:
-        """What each number of a body asks for along all pieces of a row, shape (T, C, 10)."""
-        if (joined, where) not in self._by_row:
-            self._by_row[joined, where] = np.concatenate([self.by_body(name, where) for name in joined.sizes])
-        return self._by_row[joined, where]
 
     def _torques(
         self, mechanism: Mechanism, motion: Motion, lens: Bump | Joined, by_body: Callable[[str], np.ndarray]
@@ -612,11 +506,6 @@ class InverseDynamics(Machine):
             return shown
         stated = self.base.get(f"joint.{joint}.torque", 0.0)
         return stated + self._outweighed(mechanism, joint) * (shown - stated)
-
-
-def _joint_by_joint(x: np.ndarray) -> np.ndarray:
-    """The same of shape (K, T, J), with each joint's readings side by side."""
-    return np.ascontiguousarray(x.transpose(2, 0, 1)).transpose(1, 2, 0)
 
 
 def _position(zero: str) -> str:

@@ -17,8 +17,7 @@ from scipy.optimize import minimize
 
 from spacerobot.diagnosis.fitting.noise import floor_of
 from spacerobot.diagnosis.fitting.screen import Projector, Screener
-from spacerobot.diagnosis.machines.body_columns import TEN
-from spacerobot.diagnosis.machines.contract import Machine
+from spacerobot.diagnosis.machines.contract import TEN, Machine
 from spacerobot.diagnosis.selection.bench import Bench
 from spacerobot.diagnosis.selection.nested_laws import by_chance, chance_edge
 from spacerobot.diagnosis.terms.data import TrialData

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from helpers_models import ARM, arm_log
 
-from spacerobot.diagnosis.machines import joint_torques
+from spacerobot.diagnosis.machines import joined_pieces
 from spacerobot.diagnosis.machines.joined_pieces import instant, join
 from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
 from spacerobot.diagnosis.terms.hypothesis import Site, hypothesis
@@ -49,7 +49,7 @@ def shown(one: InverseDynamics, site: Site) -> np.ndarray:
 @pytest.mark.parametrize("site", MACHINE.sites(), ids=lambda s: "@".join(s.label))
 def test_all_pieces_at_once_show_what_each_shows_alone(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
     together = shown(machine(), site)
-    monkeypatch.setattr(joint_torques, "instant", lambda mechanism: False)
+    monkeypatch.setattr(joined_pieces, "instant", lambda mechanism: False)
     assert np.abs(together - shown(machine(), site)).max() <= 1e-12 * np.abs(together).max()
 
 
@@ -60,7 +60,7 @@ def test_what_remembers_would_be_seen(name: str, monkeypatch: pytest.MonkeyPatch
     made = hypothesis(MACHINE.believed, [site])
     assert not instant(MACHINE.trial_mechanism(made, made.start(), MACHINE.trials[0]))
     alone = shown(machine(), site)
-    monkeypatch.setattr(joint_torques, "instant", lambda mechanism: True)
+    monkeypatch.setattr(joined_pieces, "instant", lambda mechanism: True)
     assert np.abs(alone - shown(machine(), site)).max() > 1e-6 * np.abs(alone).max()
 
 

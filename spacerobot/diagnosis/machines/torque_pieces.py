@@ -1,0 +1,148 @@
+"""Joint logs in pieces, each with its motion and with its torques seen through test functions."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from spacerobot.diagnosis.machines.contract import FIRST_NOISE
+from spacerobot.diagnosis.machines.joint_factors import Brought
+from spacerobot.diagnosis.machines.joint_log import JointLog, Motion
+from spacerobot.diagnosis.machines.test_functions import Bump
+from spacerobot.diagnosis.machines.windows import PIECES
+from spacerobot.diagnosis.terms.data import Block, TrialData, piece_id
+
+FEWEST = 4
+"""Half widths of a test function that a piece holds at least."""
+
+FEWEST_READINGS = 4
+"""That a piece holds at least."""
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """A piece of a trial, the motion along it, and the test function that its balance is seen through."""
+
+    trial: TrialData
+    motion: Motion
+    bump: Bump
+
+
+@dataclass(frozen=True, eq=False)
+class Cutter:
+    """What cuts the logs of an arm.
+
+    Attributes:
+        joints: names of the logged ones.
+        compared: of those whose balance counts, C.
+        level: typical torque of each, shape (C,) [N m or N].
+        slow: rate below which each logged joint may as well stand still, shape (J,).
+        sensor: what verdicts call the torque sensors.
+    """
+
+    joints: tuple[str, ...]
+    compared: tuple[str, ...]
+    level: np.ndarray
+    slow: np.ndarray
+    sensor: str
+
+    def trial(
+        self,
+        key: str,
+        log: JointLog,
+        condition: str,
+        overrides: Mapping[str, float],
+        half: int,
+        noise: np.ndarray,
+        beside: Mapping[str, Brought],
+    ) -> tuple[list[Piece], list[Piece]]:
+        """A trial's pieces, and all that were cut.
+
+        Where a joint may stand still dry friction holds whatever is asked of it: such readings say nothing, and are
+        left out where enough are left.
+
+        Args:
+            key, log, condition, overrides: of the trial.
+            half: samples to either side of its test functions.
+            noise: rate below which noise alone may move each compared joint, shape (C,).
+            beside: what doubted factors add to its log.
+        """
+
+        def cut(slow: np.ndarray, rest: np.ndarray | float = 0.0) -> list[Piece]:
+            return self._cut(key, log, condition, overrides, half, slow, rest, beside)
+
+        every = cut(noise) or cut(0.0 * noise)
+        moving = cut(noise, self.slow[self._index])
+        if 2 * len(moving) > len(every):
+            return moving, every
+        # its weight at rest is most of what is known: such readings count, so friction asks none of them
+        still = [replace(p, motion=replace(p.motion, slow=0.0 * self.slow)) for p in every]
+        return still, still
+
+    @property
+    def _index(self) -> Sequence[int]:
+        return [self.joints.index(j) for j in self.compared]
+
+    def _cut(
+        self,
+        key: str,
+        log: JointLog,
+        condition: str,
+        overrides: Mapping[str, float],
+        half: int,
+        slow: np.ndarray,
+        rest: np.ndarray | float,
+        beside: Mapping[str, Brought],
+    ) -> list[Piece]:
+        """Without readings where it is slower than `slow` at some time within a test function, or than `rest` all the
+        while."""
+        bump = Bump.of(half, log.step)
+        stride = max(1, half // 2)
+        channels = tuple(f"joint.{j}.torque" for j in self.compared)
+        out = []
+        for n, part in enumerate(np.array_split(np.arange(log.time.size), PIECES)):
+            if part.size < FEWEST * half:
+                continue
+            seen = bump.smooth(log.torque[part][:, self._index])[::stride].T
+            speed = np.abs(log.velocity[part][:, self._index])
+            bad = (~log.good[part][:, None] | (speed < slow)).astype(float)
+            over = np.ones(2 * half + 1)
+            clean = np.array([np.convolve(b, over, "valid")[::stride] < 0.5 for b in bad.T])
+            stays = (speed < rest).astype(float)
+            clean &= np.array([np.convolve(s, over, "valid")[::stride] < over.size - 0.5 for s in stays.T])
+            at = log.time[part][half:-half][::stride]
+            weight = np.where(clean, 1.0, 0.0) / (FIRST_NOISE * self.level[:, None])
+            if clean.sum() < FEWEST_READINGS:
+                continue
+            block = Block(self.sensor, channels, at, np.where(clean, seen, 0.0), weight)
+            ends = float(at[0]), float(at[-1])
+            trial = TrialData(piece_id(key, n), condition, dict(overrides), (block,), *ends)
+            out.append(Piece(trial, self._along(log, part, stride, beside), bump))
+        return out
+
+    def _along(self, log: JointLog, part: np.ndarray, stride: int, beside: Mapping[str, Brought]) -> Motion:
+        motion = (log.position, log.velocity, log.acceleration, log.rigid)
+        position, velocity, acceleration, rigid = (np.asfortranarray(x[part]) for x in motion)
+        return Motion(
+            log.step,
+            position,
+            velocity,
+            acceleration,
+            rigid,
+            stride,
+            _joint_by_joint(log.by_link[:, part]),
+            log.by_zero[:, part],
+            torque=log.torque[part],
+            slow=self.slow,
+            run_up=log.acceleration[: int(part[0])],
+            lens=log.lens,
+            wider=log.wider,
+            beside={k: own.part(part) for k, own in beside.items()},
+        )
+
+
+def _joint_by_joint(x: np.ndarray) -> np.ndarray:
+    """The same of shape (K, T, J), with each joint's readings side by side."""
+    return np.ascontiguousarray(x.transpose(2, 0, 1)).transpose(1, 2, 0)
