@@ -48,11 +48,13 @@ class Felt:
         trials: under the weights of its baseline.
         columns: by how much its weighted readings rise with each of a body's numbers, shape (S, K 10), or (S, K, 10).
         left: what its baseline leaves over, shape (S,), that a body would have to bring.
+        spent: how many directions were taken out of both.
     """
 
     trials: tuple[TrialData, ...]
     columns: np.ndarray
     left: np.ndarray
+    spent: int = 0
 
     def floor(self, brought: np.ndarray | float) -> float:
         """By what its weights must fall for chi-squared to count independent readings, with so much brought (S,)."""
@@ -60,7 +62,8 @@ class Felt:
         rest = (self.left - brought)[: sum(sizes)]
         parts = np.split(rest, np.cumsum(sizes)[:-1])
         told = floor_of({t.id: p for t, p in zip(self.trials, parts, strict=True)}, self.trials)
-        return max(*told.values(), np.finfo(float).tiny)
+        readings = sum(t.samples for t in self.trials)
+        return max(*told.values(), np.finfo(float).tiny) * float(np.sqrt(readings / max(readings - self.spent, 1)))
 
     def beside(self, own: np.ndarray) -> Felt:
         """The same with all taken out that effects of the part's own, shape (S, E), can imitate.
@@ -79,7 +82,7 @@ class Felt:
             longer = np.concatenate([x, np.zeros((own.shape[1], *x.shape[1:]))])
             return np.asarray(longer - basis @ (basis.T @ longer))
 
-        return Felt(self.trials, freed(self.columns), freed(self.left))
+        return Felt(self.trials, freed(self.columns), freed(self.left), own.shape[1])
 
     def by_link(self, links: int) -> Felt:
         """The same with columns by link, shape (S, K, 10), from (S, K 10)."""
