@@ -45,10 +45,11 @@ def cases() -> list[tuple[str, str, str, str]]:
         mechanism = SCENES[scene].mechanism(backend)
         for name, effect in all_effects().items():
             places = effect.places(mechanism)
-            joints = [p for p in places if p.startswith("joint.")][1:2]  # one joint stands for all
-            others = [p for p in places if not p.startswith("joint.")]
+            joints = [p for p in places if p.startswith("joint.")][1:2]  # one joint stands for all, one link too
+            links = [p for p in places if p.startswith("link.")][3:4]
+            others = [p for p in places if not p.startswith(("joint.", "link."))]
             new = others if scene == "held" else [p for p in others if p == "base"]
-            found += [(scene, backend, name, place) for place in (*new, *joints)]
+            found += [(scene, backend, name, place) for place in (*new, *joints, *links)]
     return found
 
 
