@@ -10,6 +10,7 @@ from msgspec.structs import replace
 
 from spacerobot.diagnosis.answer.record import Effect, Value
 from spacerobot.diagnosis.fitting.fitted import NORMAL_95
+from spacerobot.diagnosis.fitting.pooled import pooled
 from spacerobot.effects.registry import all_effects
 
 
@@ -34,14 +35,12 @@ def agreed(found: Sequence[Effect]) -> list[Effect]:
 def _common(values: Sequence[Value]) -> Value:
     """Weighted mean of what several parts tell, its interval as wide as their differences ask for (Birge 1932)."""
     told = [(float(v.value or 0.0), error) for v in values if np.isfinite(error := _error(v))]
-    value, errors = np.array(told).reshape(-1, 2).T
-    if value.size < 2:
+    if len(told) < 2:
         return values[0]
-    weight = 1.0 / np.maximum(errors, np.finfo(float).tiny) ** 2
-    mean = float(weight @ value / weight.sum())
-    spread = float(weight @ (value - mean) ** 2) / (value.size - 1)
-    half = NORMAL_95 * float(np.sqrt(max(spread, 1.0) / weight.sum()))
-    return replace(values[0], value=mean, ci95=(mean - half, mean + half))
+    common = pooled(*zip(*told, strict=True))
+    wider = max(common.scatter / common.error / (len(told) - 1) ** 0.5, 1.0)
+    half = NORMAL_95 * wider * common.error
+    return replace(values[0], value=common.value, ci95=(common.value - half, common.value + half))
 
 
 def _error(value: Value) -> float:

@@ -36,7 +36,7 @@ from spacerobot.diagnosis.machines.mechanism_cache import MechanismCache
 from spacerobot.diagnosis.machines.rigid import Rigid
 from spacerobot.diagnosis.machines.stated_noise import Lens, StatedNoise, stated_noise, still_below
 from spacerobot.diagnosis.machines.test_functions import Bump
-from spacerobot.diagnosis.machines.torque_pieces import FEWEST, Cutter
+from spacerobot.diagnosis.machines.torque_pieces import FEWEST, Cutter, Recorded
 from spacerobot.diagnosis.machines.touch import Moment, first_shock
 from spacerobot.diagnosis.machines.windows import PIECES, moment
 from spacerobot.diagnosis.terms.candidates import stood_for
@@ -168,7 +168,7 @@ class InverseDynamics(Machine):
             narrow = Bump.of(sharp, grid.step)
             beside = self._brought(key, grid, log, narrow, thin)
             slow = np.array([still_below(noise or {}, j, narrow) for j in self.compared])
-            pieces, every = cutter.trial(key, log, condition, overrides, half, slow, beside)
+            pieces, every = cutter.pieces(Recorded(key, condition, overrides, log, half, beside), slow)
             self._motion |= {p.trial.id: p.motion for p in (*every, *pieces)}
             self._bump |= {p.trial.id: p.bump for p in pieces}
             lenses += [Lens(narrow, p.bump, thin) for p in pieces]

@@ -31,6 +31,25 @@ class Piece:
 
 
 @dataclass(frozen=True, eq=False)
+class Recorded:
+    """A trial before it is cut.
+
+    Attributes:
+        key, condition, overrides: as the study has them.
+        log: smoothed.
+        half: samples to either side of the test functions that its balance is seen through.
+        beside: what doubted factors add to its log.
+    """
+
+    key: str
+    condition: str
+    overrides: Mapping[str, float]
+    log: JointLog
+    half: int
+    beside: Mapping[str, Brought]
+
+
+@dataclass(frozen=True, eq=False)
 class Cutter:
     """What cuts the logs of an arm.
 
@@ -48,30 +67,19 @@ class Cutter:
     slow: np.ndarray
     sensor: str
 
-    def trial(
-        self,
-        key: str,
-        log: JointLog,
-        condition: str,
-        overrides: Mapping[str, float],
-        half: int,
-        noise: np.ndarray,
-        beside: Mapping[str, Brought],
-    ) -> tuple[list[Piece], list[Piece]]:
+    def pieces(self, of: Recorded, noise: np.ndarray) -> tuple[list[Piece], list[Piece]]:
         """A trial's pieces, and all that were cut.
 
         Where a joint may stand still dry friction holds whatever is asked of it: such readings say nothing, and are
         left out where enough are left.
 
         Args:
-            key, log, condition, overrides: of the trial.
-            half: samples to either side of its test functions.
+            of: the trial.
             noise: rate below which noise alone may move each compared joint, shape (C,).
-            beside: what doubted factors add to its log.
         """
 
         def cut(slow: np.ndarray, rest: np.ndarray | float = 0.0) -> list[Piece]:
-            return self._cut(key, log, condition, overrides, half, slow, rest, beside)
+            return self._cut(of, slow, rest)
 
         every = cut(noise) or cut(0.0 * noise)
         moving = cut(noise, self.slow[self._index])
@@ -85,19 +93,10 @@ class Cutter:
     def _index(self) -> Sequence[int]:
         return [self.joints.index(j) for j in self.compared]
 
-    def _cut(
-        self,
-        key: str,
-        log: JointLog,
-        condition: str,
-        overrides: Mapping[str, float],
-        half: int,
-        slow: np.ndarray,
-        rest: np.ndarray | float,
-        beside: Mapping[str, Brought],
-    ) -> list[Piece]:
+    def _cut(self, of: Recorded, slow: np.ndarray, rest: np.ndarray | float) -> list[Piece]:
         """Without readings where it is slower than `slow` at some time within a test function, or than `rest` all the
         while."""
+        log, half = of.log, of.half
         bump = Bump.of(half, log.step)
         stride = max(1, half // 2)
         channels = tuple(f"joint.{j}.torque" for j in self.compared)
@@ -118,11 +117,12 @@ class Cutter:
                 continue
             block = Block(self.sensor, channels, at, np.where(clean, seen, 0.0), weight)
             ends = float(at[0]), float(at[-1])
-            trial = TrialData(piece_id(key, n), condition, dict(overrides), (block,), *ends)
-            out.append(Piece(trial, self._along(log, part, stride, beside), bump))
+            trial = TrialData(piece_id(of.key, n), of.condition, dict(of.overrides), (block,), *ends)
+            out.append(Piece(trial, self._along(of, part, stride), bump))
         return out
 
-    def _along(self, log: JointLog, part: np.ndarray, stride: int, beside: Mapping[str, Brought]) -> Motion:
+    def _along(self, of: Recorded, part: np.ndarray, stride: int) -> Motion:
+        log = of.log
         motion = (log.position, log.velocity, log.acceleration, log.rigid)
         position, velocity, acceleration, rigid = (np.asfortranarray(x[part]) for x in motion)
         return Motion(
@@ -139,7 +139,7 @@ class Cutter:
             run_up=log.acceleration[: int(part[0])],
             lens=log.lens,
             wider=log.wider,
-            beside={k: own.part(part) for k, own in beside.items()},
+            beside={k: own.part(part) for k, own in of.beside.items()},
         )
 
 

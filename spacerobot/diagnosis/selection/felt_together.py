@@ -130,32 +130,32 @@ def felt_by(model: Machine, links: Sequence[str], effects: Sequence[Effect]) -> 
     fit = bench.baseline()
     screener = Screener(bench.fitter(), model.believed, plain=True)
     own = [s.column for s in screener.screen(fit, model.sites(effects)).best().values() if s.norm > 0.0]
-    every, nothing = tuple(model.believed.sigma), np.zeros_like(fit.z)
+    every = tuple(model.believed.sigma)
 
-    def felt(loose: Sequence[str]) -> Felt:
+    def felt(*free: Sequence[str]) -> list[Felt]:
+        """Under the present weights, with each of these sets of believed values free."""
         fitter = bench.fitter()
         state = Screener(fitter, model.believed).state_of(fit)
-        project = Projector(fitter, fit, state, robust=False, loose=loose)
-        left = -project.free(project.stack(state.raw), fit.z)
-        columns = np.concatenate([_columns(project, bench, link) for link in links], axis=1)
-        found = Felt(bench.trials, columns, left)
-        if own:
-            readings = left.size - nothing.size
-            found = found.beside(np.stack([project.free(column[:readings], nothing) for column in own], axis=1))
-        return found
+        bodies = np.concatenate([np.concatenate([model.felt(t, n) for t in bench.trials], axis=1) for n in links])
+        out = []
+        for loose in free:
+            project = Projector(fitter, fit, state, robust=False, loose=loose)
+            left = -project.free(project.stack(state.raw), fit.z)
+            found = Felt(bench.trials, _freed(project, bodies), left)
+            out.append(found.beside(_freed(project, [c[: bodies.shape[1]] for c in own])) if own else found)
+        return out
 
-    first = felt(every)  # whatever all bodies leave over is noise: beliefs are held by as much as readings then count
+    # whatever all bodies leave over is noise: beliefs are held by as much as readings then count
+    (first,) = felt(every)
     best = np.linalg.lstsq(first.columns, first.left, rcond=ROUNDING)[0]
     bench.weights = dict.fromkeys((c for t in bench.trials for c in t.channels), first.floor(first.columns @ best))
-    return felt(()).by_link(len(links)), felt(every).by_link(len(links))
+    stated, freely = (one.by_link(len(links)) for one in felt((), every))
+    return stated, freely
 
 
-def _columns(project: Projector, bench: Bench, link: str) -> np.ndarray:
-    """By how much weighted readings rise with each of a body's numbers, freed of what the fit can imitate."""
-    rows = {t.id: bench.model.felt(t, link) for t in bench.trials}
-    none = np.zeros_like(project.pull)
-    each = (project.free(project.stack({n: r[k] for n, r in rows.items()}), none) for k in range(TEN))
-    return np.stack(list(each), axis=1)
+def _freed(project: Projector, rows: Iterable[np.ndarray]) -> np.ndarray:
+    """What no free parameter can imitate of what readings may do, shape (S,) each, as columns."""
+    return np.stack([project.free(row, np.zeros_like(project.pull)) for row in rows], axis=1)
 
 
 def body_of(

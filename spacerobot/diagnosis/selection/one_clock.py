@@ -12,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from spacerobot.diagnosis.fitting.fitted import Fit
+from spacerobot.diagnosis.fitting.pooled import pooled
 from spacerobot.diagnosis.selection.part_result import Part
 from spacerobot.diagnosis.terms.decision import MOVED
 from spacerobot.diagnosis.terms.hypothesis import Site
@@ -31,13 +32,11 @@ def not_borne_out(parts: Sequence[Part]) -> set[int]:
 
 
 def _excluded(k: int, own: Mapping[int, Offset]) -> bool:
-    others = np.array([said for j, said in own.items() if j != k]).reshape(-1, 2)
-    if not others.size:
+    others = [said for j, said in own.items() if j != k]
+    if not others:
         return False
-    value, error = own[k]
-    weight = 1.0 / np.maximum(others[:, 1] ** 2, np.finfo(float).tiny)
-    apart = value - float(weight @ others[:, 0] / weight.sum())
-    return bool(abs(apart) > MOVED * np.hypot(error, weight.sum() ** -0.5))
+    (value, error), rest = own[k], pooled(*zip(*others, strict=True))
+    return bool(abs(value - rest.value) > MOVED * np.hypot(error, rest.error))
 
 
 def _either_way(site: Site) -> Site:

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from spacerobot.diagnosis.fitting.pooled import pooled
 from spacerobot.diagnosis.selection.part_result import Part
 from spacerobot.diagnosis.terms.decision import GOOD_PART
 from spacerobot.diagnosis.terms.hypothesis import Site
@@ -33,10 +34,8 @@ def differ(told: Sequence[tuple[Part, Site]]) -> bool:
         key = site.key(site.effect.strength.name)
         low, high = part.fit.errors().get(key, (-np.inf, np.inf))
         found.append((part.fit.values()[key], 0.5 * abs(high - low)))
-    value, error = np.array([pair for pair in found if np.isfinite(pair[1])]).reshape(-1, 2).T
-    if value.size < 2:
+    sure = [pair for pair in found if np.isfinite(pair[1])]
+    if len(sure) < 2:
         return False
-    weight = 1.0 / np.maximum(error, np.finfo(float).tiny) ** 2
-    weight /= weight.sum()
-    mean = float(weight @ value)
-    return float(weight @ (value - mean) ** 2) > (GOOD_PART * mean) ** 2
+    common = pooled(*zip(*sure, strict=True))
+    return common.scatter > GOOD_PART * abs(common.value)

@@ -282,21 +282,28 @@ def _edit_masses(
         else:
             joint = model.getJointId(moved_by["slider"]) if name == "wrist" else 1
             point = np.array(model.inertias[joint].lever)
-        old = model.inertias[joint]
-        if old.mass + added <= 0.0:
-            raise InputError("a body would have no mass left", given=f"{name}: {old.mass + added:g} kg")
-        ratio = (old.mass + added) / old.mass
+        old, whole = model.inertias[joint], _mass_with(model, joint, added, name)
         if added > 0.0 or name == "hand":
             model.inertias[joint] = old + pin.Inertia(added, point, np.zeros((3, 3)))
         else:
-            model.inertias[joint] = pin.Inertia(old.mass + added, old.lever, ratio * old.inertia)
+            model.inertias[joint] = pin.Inertia(whole, old.lever, whole / old.mass * old.inertia)
     for load in mechanism.loads:
         frame = model.frames[model.getFrameId(load.link.removeprefix("link."))]
-        old = model.inertias[frame.parentJoint]
-        if old.mass + load.mass <= 0.0:
-            raise InputError("a body would have no mass left", given=f"{load.link}: {old.mass + load.mass:g} kg")
+        _mass_with(model, frame.parentJoint, load.mass, load.link)
         place = frame.placement.act(np.array(load.place))
-        model.inertias[frame.parentJoint] = old + pin.Inertia(load.mass, place, np.zeros((3, 3)))
+        model.inertias[frame.parentJoint] += pin.Inertia(load.mass, place, np.zeros((3, 3)))
+
+
+def _mass_with(model: pin.Model, joint: int, added: float, name: str) -> float:
+    """Mass of what a joint moves with this added [kg].
+
+    Raises:
+        InputError: nothing would be left.
+    """
+    whole = float(model.inertias[joint].mass + added)
+    if whole <= 0.0:
+        raise InputError("a body would have no mass left", given=f"{name}: {whole:g} kg")
+    return whole
 
 
 def _require_inertia(scene: Scene, mechanism: Mechanism, model: pin.Model, q: np.ndarray) -> None:
