@@ -13,6 +13,7 @@ from spacerobot.simulation.parts import ContactLaw, EffectAt, Servo, Target, Wri
 from spacerobot.simulation.scene import Scene
 from spacerobot.simulation.simulate import simulate
 from spacerobot.simulation.trajectory import Trajectory
+from spacerobot.support.errors import InputError
 
 TARGET = Target(speed=0.06, gap=0.002, contact_point=(0.15, 0.01), yaw_inertia=0.4)
 WRIST = Wrist(stiffness=5100.0, damping=3.0)
@@ -71,6 +72,22 @@ def test_nothing_changes(scene: str, backend: str, name: str, place: str) -> Non
     assert found.restitution.touches == before.restitution.touches
 
 
+@pytest.mark.parametrize(("scene", "backend", "name", "place"), cases())
+def test_and_with_it_the_scene_is_simulated(scene: str, backend: str, name: str, place: str) -> None:
+    """Wherever an effect is offered its body, port or sensor is there."""
+    values = {p.name: 0.03 if p.name == "time_s" else p.starts[0] for p in all_effects()[name].parameters}
+    edited = SCENES[scene].with_effects(EffectAt(name, place, values))
+    if (name, backend) in BEYOND_THE_PLANE:
+        with pytest.raises(InputError, match="backend multibody"):
+            edited.mechanism(backend)
+        return
+    found = simulate(edited, backend=backend, duration=0.06, tolerance=1e-4, rate=500.0, must_touch=False)
+    assert all(np.isfinite(x).all() for x in (*found.channels.values(), *found.measured.values()))
+
+
+BEYOND_THE_PLANE = {("hidden_oscillator", "reduced")}
+"""What slides in a target that turns pulls it sideways."""
+
 REMOVING = [name for name, effect in all_effects().items() if effect.removes]
 
 
@@ -90,9 +107,9 @@ def test_constants_are_removed_at_all() -> None:
     assert SCENES["held"].mechanism() != without(SCENES["held"], ("contact.damping",)).mechanism()
 
 
-WITHOUT_CONTACT = {"table_curvature", "umbilical"}
-"""Effects of what glides alone; tests/diagnosis/parts/test_free_bodies.py and test_platform.py hold them
-to the same."""
+WITHOUT_CONTACT = {"table_curvature", "umbilical", "joint_flexibility"}
+"""Effects of what glides or is driven alone; tests/diagnosis/parts/test_free_bodies.py, test_platform.py and
+tests/effects/test_joint_flexibility.py hold them to the same."""
 
 
 def test_every_effect_has_a_place_somewhere() -> None:

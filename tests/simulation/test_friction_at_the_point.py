@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from spacerobot.simulation.multibody.run import integrate_scene
-from spacerobot.simulation.parts import ContactLaw, Servo, Target, Wrist
+from spacerobot.simulation.parts import ContactLaw, EffectAt, Servo, Target, Wrist
 from spacerobot.simulation.scene import Scene
 from spacerobot.simulation.simulate import simulate
 
@@ -47,6 +47,28 @@ def test_strong_friction_sticks_and_weak_friction_slides_at_its_limit() -> None:
         else:
             assert np.abs(slide[pressed]).min() > 1e-5
             assert force[pressed] == pytest.approx(-mu * normal[pressed] * np.sign(slide[pressed]), rel=1e-9)
+
+
+@pytest.mark.parametrize("force", [0.02, 0.1])
+def test_friction_beside_friction_comes_to_rest_and_breaks_away_once(force: float) -> None:
+    """What hardly slides points nowhere: a joint with friction of its own felt that as a force that shook it."""
+    scene = Scene(
+        "pa10_wrist",
+        joints="servo",
+        servo=Servo(1000.0, 4.0),
+        approach=(1.0, 0.0, 0.0),
+        gravity=(0.0, 0.0, 0.2),
+        wrist=Wrist(mass=1.0, stiffness=500.0, damping=0.0),
+        contact=ContactLaw(stiffness=20000.0, damping=28.0, mu=0.5),
+        target=Target(mass=3.0, yaw_inertia=0.5, contact_point=(0.15, 0.0, 0.0), speed=0.0625),
+        effects=(EffectAt("coulomb_friction", "joint.S1", {"force_N": force}),),
+    )
+    runs = {t: integrate_scene(scene, 0.4, tolerance=t) for t in (1e-6, 1e-8, 1e-10)}
+    ends = {t: run.sample(np.array([0.4])).contact[0] for t, run in runs.items()}
+    touches = sum(e.kind == "touch" for e in runs[1e-10].events)
+    for t, run in runs.items():
+        assert ends[t] == pytest.approx(ends[1e-10], abs=1e-3 * t), t
+        assert len([e for e in run.events if e.kind in ("stick", "slip")]) <= 8 * touches, t
 
 
 def test_reduced_and_multibody_slide_alike() -> None:

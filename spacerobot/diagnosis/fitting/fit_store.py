@@ -180,4 +180,4 @@ class Kept:
 
 def of_fit(fit: Fit) -> list[Any]:
     """A fit as part of what decides another one."""
-    return [fit.hypothesis.label, fit.z.tolist()]
+    return [fit.hypothesis.label, fit.hypothesis.freed, fit.z.tolist()]

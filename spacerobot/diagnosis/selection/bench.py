@@ -198,7 +198,8 @@ class Bench:
 
         What is missing may show most in the trials that fit worst.
         """
-        return Screener(self.fitter(), self.model.believed, plain=True).screen(fit, sites)
+        believed = self.model.believed.free_of(fit.hypothesis.freed)
+        return Screener(self.fitter(), believed, plain=True).screen(fit, sites)
 
     def _screened(self, fit: Fit, sites: Sequence[Site]) -> list[Promise]:
         screen = self._screen(fit, sites)
@@ -237,7 +238,7 @@ class Bench:
 
     def _begun_whole(self, fit: Fit, site: Site, starts: Sequence[Mapping[str, float]]) -> list[Promise]:
         """From the best of these starts of one effect more; none where no start can be simulated."""
-        fitter, believed, out = self.fitter(), self.model.believed, []
+        fitter, believed, out = self.fitter(), self.model.believed.free_of(fit.hypothesis.freed), []
         made = (*fit.hypothesis.sites, site)
         begun: list[tuple[Fit, Mapping[str, float]]] = []
         for start in starts:
@@ -260,9 +261,18 @@ class Bench:
             return None
         return fit if reached(sites, fit.values(), self.model.visited) else None
 
+    def freed(self, near: Fit, names: tuple[str, ...]) -> Fit | None:
+        """A fit's effects fitted again with these believed values free of what is stated of them."""
+        return self._fitted_beside(near, near.hypothesis.sites, {}, names)
+
     def fitted_anyhow(self, near: Fit, sites: Sequence[Site], start: Mapping[str, float], *said: str) -> Fit | None:
-        """The same though it be no physics; None where it cannot be. `said` tells sites of other bounds apart."""
-        fitter, believed = self.fitter(), self.model.believed
+        """The same though it be no physics; None where it cannot. `said` tells sites of other bounds apart."""
+        return self._fitted_beside(near, sites, start, near.hypothesis.freed, *said)
+
+    def _fitted_beside(
+        self, near: Fit, sites: Sequence[Site], start: Mapping[str, float], freed: tuple[str, ...], *said: str
+    ) -> Fit | None:
+        fitter, believed = self.fitter(), self.model.believed.free_of(freed)
 
         def compute() -> Fit | None:
             try:
@@ -270,7 +280,7 @@ class Bench:
             except SimulationError:
                 return None
 
-        about = ["near", *of_fit(near), sorted(start.items()), *self._weights(), *said]
+        about = ["near", *of_fit(near), sorted(start.items()), *self._weights(), freed, *said]
         return self.kept.fit(hypothesis(believed, sites, start), fitter, about, compute)
 
     def tested(self, fit: Fit) -> Candidate:

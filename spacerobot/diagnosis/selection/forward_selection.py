@@ -26,8 +26,10 @@ from spacerobot.diagnosis.selection.growth import Growth
 from spacerobot.diagnosis.selection.model_choice import as_good, choice, distinct, pays, ratio
 from spacerobot.diagnosis.selection.nameable import not_shown
 from spacerobot.diagnosis.selection.nested_laws import by_chance, inherited, not_excluded, wordings
+from spacerobot.diagnosis.selection.penalty import priced
+from spacerobot.diagnosis.selection.without_prior import unheld
 from spacerobot.diagnosis.terms.candidates import contains, redundant
-from spacerobot.diagnosis.terms.decision import REWORDED, TIE, WORTH_OF_REST
+from spacerobot.diagnosis.terms.decision import REWORDED, STRIKING, TIE, WORTH_OF_REST
 from spacerobot.diagnosis.terms.hypothesis import Label, Site, label_of
 from spacerobot.effects.effect import Effect
 
@@ -263,6 +265,8 @@ class _Search:
             open_to = [c for c in tested if c.label not in refused]
             chosen = choice(open_to, baseline, self.bench.trials)
             before, after = weighed(self.bench, chosen.fit, baseline.fit)
+            if stated:
+                before, after = self.unheld(before, after)
             why = self.refusal(before, after, stated)
             if not why:
                 break
@@ -270,7 +274,8 @@ class _Search:
             self.bench.weights = weights
             tested += self.varied(chosen, tested, self.parts(chosen))
         near = [c for c in open_to if c is not chosen and c is not baseline and c.simplicity <= chosen.simplicity]
-        rivals = tuple(c for c in near if ratio(c, chosen) < 1.0 + TIE and not unshown(self.bench.again(c.fit)))
+        near = [c for c in near if ratio(c, chosen) < 1.0 + TIE]
+        rivals = tuple(c for c in (*near, *self.ahead_of(chosen, open_to)) if not unshown(self.bench.again(c.fit)))
         if stated:
             less = self.without_chance(after, [c.label for c in tested])
             if less is not after:
@@ -282,12 +287,23 @@ class _Search:
         sites = tuple(self.sites.values())
         return Growth(self.bench, before, after, rivals, ranked, tuple(self.screened.items()), refused, sites, weights)
 
+    def ahead_of(self, chosen: Candidate, tested: Sequence[Candidate]) -> list[Candidate]:
+        """The simplest of what predicts unseen trials clearly better on the whole, if not throughout: not excluded."""
+        ahead = [c for c in tested if ratio(c, chosen) < 1.0 - STRIKING]
+        best = min(ahead, key=lambda c: c.error, default=chosen)
+        return sorted((c for c in ahead if as_good(c, best, chosen)), key=lambda c: (c.size, c.error))[:1]
+
+    def unheld(self, before: Candidate, after: Candidate) -> tuple[Candidate, Candidate]:
+        """Baseline and choice without what is stated of values that either shows to be wrong."""
+        free = unheld(self.bench, before)
+        return free, free if after is before else unheld(self.bench, after)
+
     def refusal(self, before: Candidate, after: Candidate, stated: bool) -> str:
         """Why a choice does not stand under the weights that it asks for; empty where it does."""
         if after is before:
             return ""
         if stated:
-            if by_chance(before.cost - after.cost, after.size, len(self.sites)):
+            if by_chance(priced(before.fit) - priced(after.fit), after.size, len(self.sites)):
                 return "gains no more than chance would under the stated noise"
         elif not pays(after, before, self.bench.trials):
             return "predicts unseen data no better once readings weigh what it leaves over"
@@ -300,7 +316,8 @@ class _Search:
             if not rest or label_of(rest) not in tried:
                 continue
             fit = self.bench.fitted_as(chosen.fit, rest, {})
-            if fit is not None and by_chance(fit.cost - chosen.cost, len(site.effect.parameters), len(self.sites)):
+            gain = np.inf if fit is None else priced(fit) - priced(chosen.fit)
+            if fit is not None and by_chance(gain, len(site.effect.parameters), len(self.sites)):
                 return self.without_chance(self.bench.tested(fit), tried)
         return chosen
 

@@ -14,9 +14,13 @@ def score(fit: Fit, inflation: float = 1.0) -> float:
     """Penalised cost in units of the noise as it is."""
     count = sum(1 for f in fit.hypothesis.free if f.kind == "effect")
     count += sum(1 for s in fit.hypothesis.sites if s.trials)  # which trial was a choice too
-    count += len(fit.hypothesis.freed)  # a belief that is given up
     chosen = sum(math.log(s.effect.choices) for s in fit.hypothesis.sites)  # each form as likely as the others
-    return fit.cost / inflation + PENALTY * count + 2.0 * chosen
+    return priced(fit, inflation) + PENALTY * count + 2.0 * chosen
+
+
+def priced(fit: Fit, inflation: float = 1.0) -> float:
+    """Its cost with what it gives up of what is believed; effects are not counted."""
+    return fit.cost / inflation + PENALTY * len(fit.hypothesis.freed)
 
 
 def simplest(

@@ -6,9 +6,14 @@ What was stated of it then holds the right set off, and some further effect woul
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.workshop import Task
+from spacerobot.diagnosis.selection.bench import Bench
+from spacerobot.diagnosis.selection.candidate import Candidate
 from spacerobot.diagnosis.selection.judge import moved
 from spacerobot.diagnosis.selection.penalty import score
 from spacerobot.diagnosis.selection.search_state import Found, Report, run_tasks
@@ -43,18 +48,27 @@ def set_free(pool: Pool, found: Found, report: Report) -> None:
 
 
 def baseline_freed(pool: Pool, baseline: Fit) -> Fit | None:
-    """The baseline with the values set free that are wrong; None where it moves none.
+    """The baseline with the values set free that are wrong; None where it moves none."""
+    return let_go(baseline, partial(_freed, pool))
+
+
+def let_go(held: Fit, freed: Callable[[Fit, tuple[str, ...]], Fit | None]) -> Fit | None:
+    """A fit with the values set free that are wrong; None where it moves none.
 
     A value that is held off drags others with it (a damper stated too small: the spring and two masses), and the fit
     into a valley that is none of theirs. So all that the data move are set free, then taken back one at a time, the
     nearest to what is stated of it first, while that costs less than giving it up.
+
+    Args:
+        held: by what is stated.
+        freed: fits its effects again, beginning at a fit, with these values free; None where that cannot be.
     """
-    out = moved(baseline)
-    best = _freed(pool, baseline, out) if out else None
+    out = moved(held)
+    best = freed(held, out) if out else None
     while best is not None and len(best.hypothesis.freed) > 1:
         away = best.hypothesis.sigmas(best.z)
         nearest = min(best.hypothesis.freed, key=lambda k: abs(away[k]))
-        fewer = _freed(pool, best, tuple(k for k in best.hypothesis.freed if k != nearest))
+        fewer = freed(best, tuple(k for k in best.hypothesis.freed if k != nearest))
         if fewer is None or score(fewer) > score(best):
             break
         best = fewer
@@ -65,3 +79,18 @@ def _freed(pool: Pool, near: Fit, out: tuple[str, ...]) -> Fit | None:
     """No effect and these values free: from what is stated, and from where a fit stands; the lower."""
     tasks = (Task((), {}, freed=out), Task((), {}, near=near, freed=out))
     return min((fit for task in tasks if (fit := pool.here(task)) is not None), key=score, default=None)
+
+
+def unheld(bench: Bench, one: Candidate) -> Candidate:
+    """A candidate without what is stated of the values that its fit shows to be wrong, where that is worth it.
+
+    Where more would have to be wrong than well may, something is missing that bends them all.
+
+    Args:
+        bench: under the weights of the fit.
+        one: as fitted with what is stated.
+    """
+    fit = let_go(one.fit, bench.freed)
+    if fit is None or len(moved(fit)) > FEW or score(fit) > score(one.fit):
+        return one
+    return bench.tested(fit)

@@ -27,7 +27,13 @@ class JointFlexibility(Effect):
     )
 
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:
-        """Joints whose motion is shown, so that what hides behind them can move by itself."""
+        """Joints whose motion is shown, so that what hides behind them can move by itself.
+
+        Not those of a whole arm with its wrist: its links weigh what they weigh wherever they point, and no share of a
+        joint's inertia can be taken from them.
+        """
+        if "wrist" in mechanism.coordinates:
+            return ()
         shown = {r.of for r in mechanism.readouts.values()}
         return tuple(n for n in mechanism.coordinates if n.startswith("joint.") and n in shown)
 

@@ -16,7 +16,20 @@ from spacerobot.simulation.multibody.kernel import configuration_rate, load, sol
 from spacerobot.simulation.multibody.layout import SPLIT, layout_inside, scratch_inside
 from spacerobot.simulation.multibody.machine import rate_at, row_of
 from spacerobot.simulation.multibody.radau import DEFECT, FIT, GAMMA, INTO, LAGRANGE, NODES, OUT, ROOTS, A, C
-from spacerobot.simulation.reduced.arrays import AUX, FORCES, FRICTIONS, PORT, SENSE, W_ROWS, D, V
+from spacerobot.simulation.reduced.arrays import (
+    AUX,
+    FORCES,
+    FRICTION,
+    FRICTION_MATE,
+    FRICTION_PORT,
+    FRICTIONS,
+    PORT,
+    REST,
+    SENSE,
+    W_ROWS,
+    D,
+    V,
+)
 from spacerobot.simulation.reduced.forces import STICK, say
 from spacerobot.support.jit import lean
 
@@ -90,6 +103,23 @@ def _slope(m: Any, j: int, at: int, probe: float) -> float:
 
 
 @lean
+def _turning(m: Any, r: int, mate: int, o: Any) -> None:
+    """What a disc's friction does to the sliding across its way: it turns the sooner the slower the sliding is."""
+    c, w = m.c, m.w
+    one, two = c[c[FRICTION_PORT] + r], c[c[FRICTION_PORT] + mate]
+    force = np.hypot(w[c[FRICTION] + r], w[c[FRICTION] + mate])
+    speed = np.hypot(w[c[V] + one], w[c[V] + two]) + w[c[REST]]
+    if force == 0.0 or speed == 0.0:
+        return
+    ahead, aside = w[c[FRICTION] + r] / force, w[c[FRICTION] + mate] / force
+    a, b, rate = _place(o, one), _place(o, two), force / speed
+    o.damper[a, a] += rate * aside * aside
+    o.damper[b, b] += rate * ahead * ahead
+    o.damper[a, b] -= rate * ahead * aside
+    o.damper[b, a] -= rate * ahead * aside
+
+
+@lean
 def linearise(m: Any, scale: Any, o: Any) -> float:
     """Slopes of all forces at the state last evaluated, and what they feed back; returns a bound of its fastest rate.
 
@@ -111,6 +141,9 @@ def linearise(m: Any, scale: Any, o: Any) -> float:
         if x != 0.0:
             b = _place(o, aux)
             o.damper[a, b] += x
+    for r in range(c[FRICTIONS]):
+        if c[c[FRICTION_MATE] + r] >= 0 and m.modes[1 + c[FORCES] + r] != STICK:
+            _turning(m, r, c[c[FRICTION_MATE] + r], o)
     split, scratch, held = m.ints[SPLIT], scratch_inside(m.ints, m.work), 0
     for r in range(c[FRICTIONS]):
         if m.modes[1 + c[FORCES] + r] != STICK:

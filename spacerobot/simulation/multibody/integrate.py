@@ -124,8 +124,12 @@ def _polished(
     m: Any, hit: int, t: float, y: Any, full: float, part: float, k: Any, scale: Any, o: Any, stiff: bool,
     temp: Any, new: Any, slope: Any, g: Any,
 ) -> float:  # fmt: skip
-    """Length at which guard `hit` is zero, by Newton on the step itself (the interpolant is less accurate)."""
-    _advance(m, t, y, part, k, scale, o, stiff, temp, new)
+    """Length at which guard `hit` is zero, by Newton on the step itself (the interpolant is less accurate).
+
+    Negative where a step of such a length does not settle: it comes too close to where something stands still.
+    """
+    if not np.isfinite(_advance(m, t, y, part, k, scale, o, stiff, temp, new)):
+        return -1.0
     for _ in range(4):
         if stiff:
             rate_at(m, t + part, new, k[STAGES])
@@ -148,7 +152,8 @@ def _polished(
             stretch(o, change)
             rate_at(m, t + part, new, k[STAGES])
             break
-        _advance(m, t, y, part, k, scale, o, stiff, temp, new)
+        if not np.isfinite(_advance(m, t, y, part, k, scale, o, stiff, temp, new)):
+            return -1.0
     return part
 
 
@@ -247,6 +252,12 @@ def _onwards(
         part = full
         if hit >= 0:
             part = _polished(m, hit, t, y, full, theta * full, k, scale, o, stiff, temp, new, slope, g)
+            if part < 0.0:
+                h = 0.5 * theta * full
+                if h < 1e-15 * max(1.0, abs(t)):
+                    status = VANISHED
+                    break
+                continue
             _interpolated(m, t, y, part, k, o, stiff, temp, new, f)
         row = rows[count[ROWS]]
         row[0], row[1] = t, part

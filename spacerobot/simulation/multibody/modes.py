@@ -30,7 +30,7 @@ from spacerobot.simulation.reduced.arrays import (
     V,
 )
 from spacerobot.simulation.reduced.events import fix_edges
-from spacerobot.simulation.reduced.forces import APART, AT_REST, PRESSED, RELEASED, STICK, TINY, level
+from spacerobot.simulation.reduced.forces import APART, AT_REST, PRESSED, RELEASED, STICK, TINY, direction, level
 from spacerobot.support.jit import lean
 
 
@@ -50,6 +50,18 @@ def _sliding(m: Any, r: int, mate: int) -> float:
 
 
 @lean
+def _onwards(m: Any, r: int, mate: int) -> float:
+    """Rate along its heading of what slides in two directions."""
+    return float(port_speed(m, r) * m.w[m.c[HEADING] + r] + port_speed(m, mate) * m.w[m.c[HEADING] + mate])
+
+
+@lean
+def _sideways(m: Any, r: int, mate: int) -> float:
+    """Speed across its heading of what slides in two directions."""
+    return float(abs(port_speed(m, mate) * m.w[m.c[HEADING] + r] - port_speed(m, r) * m.w[m.c[HEADING] + mate]))
+
+
+@lean
 def _head(m: Any, r: int, mate: int, speed: float) -> None:
     """Turns a heading to where the disc slides; to nowhere at rest."""
     m.w[m.c[HEADING] + r] = port_speed(m, r) / speed if speed > 0.0 else 0.0
@@ -59,11 +71,14 @@ def _head(m: Any, r: int, mate: int, speed: float) -> None:
 @lean
 def turn(m: Any) -> None:
     """Turns the headings of what slides in two directions to where it slides at the state last evaluated."""
-    for r in range(m.c[FRICTIONS]):
-        mate = m.c[m.c[FRICTION_MATE] + r]
-        if mate >= 0 and m.modes[1 + m.c[FORCES] + r] != STICK:
+    c, w = m.c, m.w
+    for r in range(c[FRICTIONS]):
+        mate = c[c[FRICTION_MATE] + r]
+        if mate >= 0 and m.modes[1 + c[FORCES] + r] != STICK:
             speed = _sliding(m, r, mate)
-            if speed > AT_REST:
+            if _onwards(m, r, mate) > 0.0:
+                w[c[HEADING] + r], w[c[HEADING] + mate] = direction(c, w, r, mate)
+            elif speed > AT_REST:
                 _head(m, r, mate, speed)
 
 
@@ -170,7 +185,7 @@ def _switch_friction(m: Any, r: int, y: Any) -> None:
     if m.modes[1 + m.c[FORCES] + r] == STICK:
         _break_away(m, r)
         return
-    if mate >= 0 and _sliding(m, r, mate) > m.settings[STILL]:
+    if mate >= 0 and _sideways(m, r, mate) > m.settings[STILL]:
         turn(m)  # it did not stop, but turned by more than a right angle within a step
         return
     _halt(m, r, mate, y)

@@ -261,7 +261,9 @@ def integrate_scene(
         raise InputError("recorded inputs must be finite, at ascending times", given=[i.name for i in mechanism.inputs])
     dynamics = Dynamics(assembly, balanced(scene, mechanism, assembly), drives)
     scale, slack = _scale(scene, dynamics, tolerance)
-    dynamics.settings[SLACK], dynamics.settings[STILL] = slack, max(AT_REST, float(scale[dynamics.nq]))
+    still = max(AT_REST, float(scale[dynamics.nq]))
+    dynamics.settings[SLACK], dynamics.settings[STILL] = slack, still
+    dynamics.w[dynamics.packed.ints[REST]] = still
     y = np.zeros(dynamics.size)
     y[: dynamics.nq] = assembly.start
     y[dynamics.nq : dynamics.nq + dynamics.nv] = assembly.velocity
@@ -271,7 +273,6 @@ def integrate_scene(
         with dynamics.whole():
             dynamics.rate(0.0, y, np.empty_like(y))
         y[-dynamics.states :] = rested(dynamics.mechanism, dynamics.port_position)
-        dynamics.w[dynamics.packed.ints[REST]] = scale[dynamics.nq]
     impulses = sorted((i for i in dynamics.mechanism.impulses if i.time >= 0.0), key=lambda i: i.time)
     kicks = np.array([(i.time, i.impulse) for i in impulses]).reshape(-1, 2)
     ports = np.array([dynamics.names.port(i.port) for i in impulses], dtype=np.int64)

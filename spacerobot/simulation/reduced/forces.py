@@ -37,6 +37,7 @@ from spacerobot.simulation.reduced.arrays import (
     PORT,
     RAW,
     REMEMBERED,
+    REST,
     SENSE,
     STATE_FIRST,
     STATE_FORCE,
@@ -118,20 +119,30 @@ def say(x: Any, c: Any, laws: Any, modes: Any, w: Any, j: int) -> float:
 
 
 @lean
-def rub(x: Any, c: Any, laws: Any, w: Any, r: int, mate: int, normal: float) -> None:
-    """Sliding across two directions: a force of the level, against the sliding (Coulomb's disc), added to TAU.
+def direction(c: Any, w: Any, r: int, mate: int) -> Any:
+    """Where a disc slides, two numbers: along its rates; along its heading where these are next to nothing.
 
-    At rest the heading decides. Where the sliding has been carried through a stop within a step, the force stays what
-    it was before: the guard, along the heading, then falls smoothly through zero.
+    The rates of what slides slower than the rates' own errors (REST) point anywhere, and the force with them. Where
+    the sliding has been carried through a stop within a step, the force along the heading stays what it was before: the
+    guard then falls smoothly through zero.
     """
-    n, p, q = c[N], c[c[FRICTION_PORT] + r], c[c[FRICTION_PORT] + mate]
-    along, across = w[c[V] + p], w[c[V] + q]
+    along, across = w[c[V] + c[c[FRICTION_PORT] + r]], w[c[V] + c[c[FRICTION_PORT] + mate]]
     ahead, aside = w[c[HEADING] + r], w[c[HEADING] + mate]
-    speed = np.sqrt(along * along + across * across)
-    if speed > AT_REST:
-        way = -1.0 if along * ahead + across * aside < 0.0 else 1.0
-        ahead, aside = way * along / speed, way * across / speed
-    f = -level(x, c, laws, r, max(speed, TINY), normal, w[c[D] + p])
+    if np.hypot(along, across) <= AT_REST:
+        return ahead, aside
+    onwards = along * ahead + across * aside
+    push = w[c[REST]] - 2.0 * min(onwards, 0.0)
+    ahead, aside = along + push * ahead, across + push * aside
+    size = np.hypot(ahead, aside)
+    return ahead / size, aside / size
+
+
+@lean
+def rub(x: Any, c: Any, laws: Any, w: Any, r: int, mate: int, normal: float) -> None:
+    """Sliding across two directions: a force of the level, against the sliding (Coulomb's disc), added to TAU."""
+    n, p, q = c[N], c[c[FRICTION_PORT] + r], c[c[FRICTION_PORT] + mate]
+    ahead, aside = direction(c, w, r, mate)
+    f = -level(x, c, laws, r, max(np.hypot(w[c[V] + p], w[c[V] + q]), TINY), normal, w[c[D] + p])
     w[c[FRICTION] + r], w[c[FRICTION] + mate] = f * ahead, f * aside
     for i in range(n):
         w[c[TAU] + i] += f * (ahead * w[c[W_ROWS] + p * n + i] + aside * w[c[W_ROWS] + q * n + i])

@@ -37,13 +37,16 @@ from spacerobot.support.jit import lean
 
 @lean
 def disc(x: Any, c: Any, laws: Any, w: Any, r: int, mate: int, m: int, normal: float) -> float:
-    """Guard of a friction in two directions: what is left of its limit, or the sliding along its heading."""
+    """Guard of a friction in two directions: what is left of its limit, or the sliding along its heading.
+
+    What slides backwards no faster than the rates err (REST) is not seen to turn.
+    """
     if m == STICK:
         a, b = w[c[FRICTION] + r], w[c[FRICTION] + mate]
         limit = level(x, c, laws, r, TINY, normal, w[c[D] + c[c[FRICTION_PORT] + r]])
         return float(limit * (1.0 + 1e-12) + 1e-300 - np.sqrt(a * a + b * b))
     along, across = w[c[V] + c[c[FRICTION_PORT] + r]], w[c[V] + c[c[FRICTION_PORT] + mate]]
-    return float(along * w[c[HEADING] + r] + across * w[c[HEADING] + mate])
+    return float(along * w[c[HEADING] + r] + across * w[c[HEADING] + mate] + w[c[REST]])
 
 
 @lean

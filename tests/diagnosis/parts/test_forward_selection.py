@@ -15,11 +15,17 @@ from spacerobot.diagnosis.machines.choose import models_for
 from spacerobot.diagnosis.selection import forward_selection as module
 from spacerobot.diagnosis.selection.candidate import Candidate
 from spacerobot.diagnosis.selection.forward_selection import grow
+from spacerobot.diagnosis.selection.judge import moved
 from spacerobot.diagnosis.terms.hypothesis import Label
 from spacerobot.effects.registry import effect
 from spacerobot.proof.engine.missing import Missing
 
 JOINT = "S1"
+
+
+def rash(tested: Sequence[Candidate], baseline: Candidate, trials: object) -> Candidate:
+    """Always an effect."""
+    return min((c for c in tested if c.sites), key=lambda c: c.error, default=baseline)
 
 
 def chosen_rashly(
@@ -30,9 +36,6 @@ def chosen_rashly(
     seed: int = 4,
 ) -> Label:
     """What stands of a search that always wants an effect, whatever unseen trials say of it."""
-
-    def rash(tested: Sequence[Candidate], baseline: Candidate, trials: object) -> Candidate:
-        return min((c for c in tested if c.sites), key=lambda c: c.error, default=baseline)
 
     monkeypatch.setattr(module, "choice", rash)
     (model,) = [m for m in models_for(driven_study(folder, *hidden, seed=seed)) if m.name == JOINT]
@@ -59,6 +62,21 @@ def test_the_best_of_many_places_must_gain_more_than_one_alone(tmp_path: Path, m
 def test_what_is_there_stands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     item = Missing("coulomb_friction", f"joint.{JOINT}", {"force_Nm": 0.3})
     assert ("coulomb_friction", f"joint.{JOINT}") in chosen_rashly(tmp_path, monkeypatch, (item,))
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_link_far_heavier_than_stated_bends_no_other_and_needs_no_push(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, seed: int
+) -> None:
+    """Held by what was stated of it, it pulled the links before it along, and a preload made up for the rest."""
+    monkeypatch.setattr(module, "choice", rash)
+    study = driven_study(tmp_path, seed=seed, heavier={"link7": 1.8})
+    (model,) = [m for m in models_for(study) if m.name == "E1"]
+    found = grow(model, effects=[effect(name) for name in ("preload", "coulomb_friction", "end_stop")])
+    assert found.after is found.before
+    assert moved(found.after.fit) == ("link.link7.mass",)
+    value = found.after.fit.values()["link.link7.mass"] / model.believed.values["link.link7.mass"]
+    assert value == pytest.approx(1.8, rel=0.1)
 
 
 @pytest.mark.slow
