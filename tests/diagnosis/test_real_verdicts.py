@@ -196,9 +196,10 @@ def test_the_ruler_bends_behind_its_motor() -> None:
     assert channel(verdict, "joint.motor.position")[1] < 11.5
 
 
-def test_the_pendulum_has_dry_friction_and_drag() -> None:
+def test_the_pendulums_dry_friction_and_drag_are_not_excluded() -> None:
+    """They predict four of six recordings better, by a third to a half, and the widest swings worse: no name stands."""
     verdict = verdict_of("single_pendulum")
-    found = {e["effect"] for e in parts(verdict)["hinge"]["effects"]}
-    assert "quadratic_damping" in found
-    assert found & {"coulomb_friction", "asymmetric_friction"}
-    assert channel(verdict, "joint.hinge.position")[1] < 0.0063
+    named = [{e["effect"] for e in a["effects"]} for a in verdict["alternatives"]]
+    rubs = [n for n in named if n & {"coulomb_friction", "asymmetric_friction"}]
+    assert verdict["verdict"] == "ambiguous"
+    assert any("quadratic_damping" in n for n in rubs)

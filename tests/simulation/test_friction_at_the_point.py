@@ -15,6 +15,7 @@ from spacerobot.simulation.scene import Scene
 from spacerobot.simulation.simulate import simulate
 
 WRIST = Wrist(stiffness=2000.0, damping=3.0)
+TOLERANCES, AT = (1e-5, 1e-7, 1e-10), np.linspace(0.16, 0.25, 10)
 
 
 def off_centre(mu: float, lateral: float, up: float, **more: object) -> Scene:
@@ -69,6 +70,20 @@ def test_friction_beside_friction_comes_to_rest_and_breaks_away_once(force: floa
     for t, run in runs.items():
         assert ends[t] == pytest.approx(ends[1e-10], abs=1e-3 * t), t
         assert len([e for e in run.events if e.kind in ("stick", "slip")]) <= 8 * touches, t
+
+
+MOVING = {
+    "servo": off_centre(0.3, 0.03, 0.01, joints="servo", servo=Servo(3000.0, 20.0)),
+    "chaser": off_centre(0.3, 0.03, 0.01, robot="chaser_pa10_wrist", joints="free", base="free"),
+}
+
+
+@pytest.mark.parametrize("name", list(MOVING))
+def test_what_slides_from_rest_is_as_right_as_it_was_asked_to_be(name: str) -> None:
+    """It slides slowly at first, and then any push across turns it: where it goes, not only how fast, must converge."""
+    slides = {t: integrate_scene(MOVING[name], 0.25, tolerance=t).sample(AT).contact[:, [3, 5]] for t in TOLERANCES}
+    for t in TOLERANCES[:-1]:
+        assert np.abs(slides[t] - slides[TOLERANCES[-1]]).max() < 10.0 * t * 0.06, t
 
 
 def test_reduced_and_multibody_slide_alike() -> None:

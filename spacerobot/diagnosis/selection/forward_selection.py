@@ -288,8 +288,9 @@ class _Search:
         return Growth(self.bench, before, after, rivals, ranked, tuple(self.screened.items()), refused, sites, weights)
 
     def ahead_of(self, chosen: Candidate, tested: Sequence[Candidate]) -> list[Candidate]:
-        """The simplest of what predicts unseen trials clearly better on the whole, if not throughout: not excluded."""
-        ahead = [c for c in tested if ratio(c, chosen) < 1.0 - STRIKING]
+        """The simplest of other sets that predict unseen trials clearly better on the whole, if not throughout."""
+        others = [c for c in tested if not set(chosen.label) <= set(c.label)]
+        ahead = [c for c in others if ratio(c, chosen) < 1.0 - STRIKING]
         best = min(ahead, key=lambda c: c.error, default=chosen)
         return sorted((c for c in ahead if as_good(c, best, chosen)), key=lambda c: (c.size, c.error))[:1]
 

@@ -289,6 +289,32 @@ def _foretell(o: Any, k: Any, h: float) -> None:
 
 
 @lean
+def _astray(m: Any, o: Any, h: float, j: int) -> float:
+    """How far the rates across a disc's way are from where its friction turns them, at node j, by its residual.
+
+    What speeds up from rest turns less and less readily: with the slope at the start a pass corrects next to nothing.
+    """
+    c, w, nv, worst = m.c, m.w, m.v.size, 0.0
+    for r in range(c[FRICTIONS]):
+        mate = c[c[FRICTION_MATE] + r]
+        if mate < 0 or m.modes[1 + c[FORCES] + r] == STICK:
+            continue
+        force = np.hypot(w[c[FRICTION] + r], w[c[FRICTION] + mate])
+        one, two = c[c[FRICTION_PORT] + r], c[c[FRICTION_PORT] + mate]
+        speed = np.hypot(w[c[V] + one], w[c[V] + two]) + w[c[REST]]
+        if force == 0.0 or speed == 0.0:
+            continue
+        ahead, aside = w[c[FRICTION] + r] / force, w[c[FRICTION] + mate] / force
+        a, b, left, give = _place(o, one), _place(o, two), 0.0, 0.0
+        for i in range(nv):
+            across = ahead * o.rows[b, i] - aside * o.rows[a, i]
+            left += across * o.residual[j, i]
+            give += across * (ahead * o.give[b, i] - aside * o.give[a, i])
+        worst = max(worst, abs(left) / (1.0 / h + give * force / speed))
+    return float(worst)
+
+
+@lean
 def collocate(m: Any, t: float, y: Any, h: float, k: Any, scale: Any, o: Any, temp: Any, new: Any) -> float:
     """One step of length h [s] from (t, y), whose slope is k; the end is left in `new`, the slopes in the room.
 
@@ -303,12 +329,14 @@ def collocate(m: Any, t: float, y: Any, h: float, k: Any, scale: Any, o: Any, te
     last, settled = 1e300, False
     for turn in range(PASSES):
         _changes(o, h, 0, size)
+        astray = 0.0
         for j in range(NODES):
             for i in range(size):
                 temp[i] = y[i] + o.z[j, i]
             rate_at(m, t + C[j] * h, temp, new)
             for i in range(nv):
                 o.residual[j, i] = new[nq + i] - o.f[j, nq + i]
+            astray = max(astray, _astray(m, o, h, j) / scale[nq])
             for i in range(size):
                 if i < nq or i >= nq + nv:
                     o.f[j, i] = new[i]
@@ -316,7 +344,7 @@ def collocate(m: Any, t: float, y: Any, h: float, k: Any, scale: Any, o: Any, te
         for j in range(NODES):
             for i in range(nv):
                 o.f[j, nq + i] += o.residual[j, i]
-        change = 0.0
+        change = astray
         for j in range(NODES):
             for i in range(nv):
                 dv = 0.0

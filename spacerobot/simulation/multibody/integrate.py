@@ -39,6 +39,9 @@ NEAR = 1e-7
 """Share of a step: what Newton's correction of an event's time leaves is the square of it, so that the state goes there
 along its slope."""
 
+SHORT = 1e-9
+"""Share of a run: in a step that is shorter an event is taken where it was found, though its guard does not fall."""
+
 STABLE = 6.1
 """Fastest rate times step up to which the explicit method is stable (Hairer's dop853.f, its test for stiffness)."""
 
@@ -122,11 +125,12 @@ def _interpolated(m: Any, t: float, y: Any, h: float, k: Any, o: Any, stiff: boo
 @lean
 def _polished(
     m: Any, hit: int, t: float, y: Any, full: float, part: float, k: Any, scale: Any, o: Any, stiff: bool,
-    temp: Any, new: Any, slope: Any, g: Any,
+    temp: Any, new: Any, slope: Any, g: Any, sure: bool,
 ) -> float:  # fmt: skip
     """Length at which guard `hit` is zero, by Newton on the step itself (the interpolant is less accurate).
 
-    Negative where a step of such a length does not settle: it comes too close to where something stands still.
+    Negative where a step of such a length does not settle, for it comes too close to where something stands still;
+    and, where it must be `sure`, where the guard does not fall there: what the longer step saw was its own error.
     """
     if not np.isfinite(_advance(m, t, y, part, k, scale, o, stiff, temp, new)):
         return -1.0
@@ -140,10 +144,10 @@ def _polished(
             temp[i] = new[i] + probe * k[STAGES, i]
         guards_at(m, t + part + probe, temp, g, slope)
         rate = (g[hit] - value) / probe
-        if rate >= 0.0:
-            break
-        change = -value / rate
-        if part + change <= 0.0 or part + change > full:
+        change = -value / rate if rate < 0.0 else np.inf
+        if part + change > full and sure:
+            return -1.0
+        if not 0.0 < part + change <= full:
             break
         part += change
         if abs(change) < max(NEAR * full, 1e-15 * max(1.0, abs(t))):
@@ -251,9 +255,10 @@ def _onwards(
             hit, theta = first_event(m, t, y, full, f, temp, slope, g, samples, rates)
         part = full
         if hit >= 0:
-            part = _polished(m, hit, t, y, full, theta * full, k, scale, o, stiff, temp, new, slope, g)
+            sure = hit > 0 and full > SHORT * end  # a gap may close from rest, and hardly fall at first
+            part = _polished(m, hit, t, y, full, theta * full, k, scale, o, stiff, temp, new, slope, g, sure)
             if part < 0.0:
-                h = 0.5 * theta * full
+                h = full * max(0.5 * theta, _SHRINK)
                 if h < 1e-15 * max(1.0, abs(t)):
                     status = VANISHED
                     break

@@ -70,16 +70,15 @@ def _head(m: Any, r: int, mate: int, speed: float) -> None:
 
 @lean
 def turn(m: Any) -> None:
-    """Turns the headings of what slides in two directions to where it slides at the state last evaluated."""
+    """Turns the headings of what slides in two directions to where it slides at the state last evaluated.
+
+    What has been carried through a stop keeps its heading until its guard has seen it.
+    """
     c, w = m.c, m.w
     for r in range(c[FRICTIONS]):
         mate = c[c[FRICTION_MATE] + r]
-        if mate >= 0 and m.modes[1 + c[FORCES] + r] != STICK:
-            speed = _sliding(m, r, mate)
-            if _onwards(m, r, mate) > 0.0:
-                w[c[HEADING] + r], w[c[HEADING] + mate] = direction(c, w, r, mate)
-            elif speed > AT_REST:
-                _head(m, r, mate, speed)
+        if mate >= 0 and m.modes[1 + c[FORCES] + r] != STICK and _onwards(m, r, mate) > 0.0:
+            w[c[HEADING] + r], w[c[HEADING] + mate] = direction(c, w, r, mate)
 
 
 @lean
@@ -186,7 +185,7 @@ def _switch_friction(m: Any, r: int, y: Any) -> None:
         _break_away(m, r)
         return
     if mate >= 0 and _sideways(m, r, mate) > m.settings[STILL]:
-        turn(m)  # it did not stop, but turned by more than a right angle within a step
+        _head(m, r, mate, _sliding(m, r, mate))  # it did not stop, but turned by more than a right angle in a step
         return
     _halt(m, r, mate, y)
     _set(m, r, STICK)

@@ -8,6 +8,7 @@ from typing import Any
 
 from spacerobot.effects.effect import Effect, Parameter
 from spacerobot.effects.mechanism import Mechanism
+from spacerobot.effects.primitives import Coordinate, Readout
 from spacerobot.effects.registry import all_effects
 from spacerobot.proof.proved import proved
 from spacerobot.simulation.parts import Target
@@ -92,7 +93,7 @@ def _number(value: float) -> str:
 
 
 def ports(one: Effect) -> tuple[str, ...]:
-    """Where it can sit in a capture on the ground or in orbit; joints count as one."""
+    """Where it can sit in a capture on the ground or in orbit, or at a joint alone; joints count as one."""
     found: dict[str, None] = {}
     for mechanism in _mechanisms():
         for place in one.places(mechanism):
@@ -103,8 +104,13 @@ def ports(one: Effect) -> tuple[str, ...]:
 
 @cache
 def _mechanisms() -> tuple[Mechanism, ...]:
-    turned = Target(contact_point=(0.15, 0.01))
+    turned, joint = Target(contact_point=(0.15, 0.01)), "joint.axis"
     return (
         Scene(target=turned, backend="reduced").mechanism(),
         Scene("chaser_pa10_wrist", base="free", joints="free", approach=(-1.0, 0.0, 0.0), target=turned).mechanism(),
+        Mechanism(
+            coordinates={joint: Coordinate(joint, 1.0, angular=True)},
+            ports={joint: {joint: 1.0}},
+            readouts={f"{joint}.position": Readout(f"{joint}.position", "position", joint)},
+        ),
     )
