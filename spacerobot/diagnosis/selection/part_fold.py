@@ -143,7 +143,8 @@ def decided_without(growth: Growth, out: Sequence[str]) -> tuple[Fold, Mapping[T
     elif contains(chosen, best):
         leads_to = PART
     else:
-        leads_to = OPEN if _as_well(said.growth, chosen) else OTHER
+        rival = any(best == r.label for r in growth.rivals)
+        leads_to = OPEN if rival or _as_well(said.growth, chosen) else OTHER
     return Fold(tuple(out), best, leads_to), told
 
 
