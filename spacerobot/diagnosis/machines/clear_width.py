@@ -6,18 +6,50 @@ whatever smooths the motion predicts better, be it a link on a spring that the m
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 
 import numpy as np
 
 from spacerobot.diagnosis.machines.grid import Grid
 from spacerobot.diagnosis.machines.test_functions import Bump
+from spacerobot.effects.sizes import Sizes
 
 LITTLE = 0.005
 """Share of a torque's rms that its balance is not trusted to anyway: models of arms are off by more."""
 
+WIDTH, WIDEST = 0.1, 0.35
+"""Half width of the balance's test functions, as a share of the motion's own time (its length over its speed): at
+least, and at most where the motion's noise asks for more. A sine of that time passes the widest by 99 %."""
+
 FINE = Bump.of(200, 1.0)
 """A test function of which sums are integrals."""
+
+
+def half_width(
+    grids: Sequence[Grid],
+    inertia: Mapping[str, Mapping[str, float]],
+    values: Mapping[str, float],
+    sizes: Mapping[str, Sizes],
+    idle: Collection[str],
+) -> float:
+    """Half width of a balance's test functions [s].
+
+    Args:
+        grids: of the trials.
+        inertia: of the rigid body: joint whose balance is compared -> joint -> torque at the one by the acceleration of
+            the other [kg m^2 or kg].
+        values: "joint.NAME.mass" and ".armature", believed or typical, where they are not the rigid body's.
+        sizes: of every joint.
+        idle: joints that nothing drives.
+    """
+    wide = 0.0
+    for joint, rigid in inertia.items():
+        own = values.get(f"joint.{joint}.mass", rigid[joint]) + values.get(f"joint.{joint}.armature", 0.0)
+        wide = max(
+            wide, clear_width(grids, joint, {**rigid, joint: own}, sizes[joint].force if joint in idle else None)
+        )
+    time = min(sizes[joint].time for joint in inertia)
+    return float(np.clip(wide, WIDTH * time, WIDEST * time))
 
 
 def clear_width(grids: Iterable[Grid], joint: str, inertia: Mapping[str, float], level: float | None = None) -> float:

@@ -6,7 +6,7 @@ the recorded one, so nothing is simulated, nothing drifts, and most parameters e
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
 from functools import partial
@@ -14,12 +14,12 @@ from functools import partial
 import numpy as np
 
 from spacerobot.diagnosis.machines import torque_log
+from spacerobot.diagnosis.machines.asked_torques import AskedTorques, position_of
 from spacerobot.diagnosis.machines.body_columns import BodyColumns, Carried
-from spacerobot.diagnosis.machines.clear_width import clear_width, logged_noise
+from spacerobot.diagnosis.machines.clear_width import half_width, logged_noise
 from spacerobot.diagnosis.machines.contract import FACTORS, Machine, Predicted, Variant, conditions_of
 from spacerobot.diagnosis.machines.doubted import NONE, Doubted, beyond
 from spacerobot.diagnosis.machines.grid import Grid
-from spacerobot.diagnosis.machines.hidden_motion import hidden
 from spacerobot.diagnosis.machines.joined_pieces import Joined, Rows
 from spacerobot.diagnosis.machines.joint_factors import Brought, asked_for, brought
 from spacerobot.diagnosis.machines.joint_log import (
@@ -31,7 +31,7 @@ from spacerobot.diagnosis.machines.joint_log import (
     torque_sizes,
 )
 from spacerobot.diagnosis.machines.links import twice_as_heavy, weighed_links
-from spacerobot.diagnosis.machines.measured import port_forces, through_sensor
+from spacerobot.diagnosis.machines.measured import through_sensor
 from spacerobot.diagnosis.machines.mechanism_cache import MechanismCache
 from spacerobot.diagnosis.machines.rigid import Rigid
 from spacerobot.diagnosis.machines.stated_noise import Lens, StatedNoise, stated_noise, still_below
@@ -55,10 +55,6 @@ SHARP = 5
 
 POINTS = 20
 """Points to either side at which a balance's test function is evaluated; faster logs are smoothed and thinned."""
-
-WIDTH, WIDEST = 0.1, 0.35
-"""Half width of the balance's test functions, as a share of the motion's own time (its length over its speed): at
-least, and at most where the motion's noise asks for more. A sine of that time passes the widest by 99 %."""
 
 SILENT = 0.1
 """A torque that varies by less than this share of what its own weight and inertia ask for is not what moved the joint:
@@ -130,12 +126,12 @@ class InverseDynamics(Machine):
         self.given = frozenset(motion - {f"joint.{j}.torque" for j in self.joints})
         self.driven = not any(j in idle for j in self.compared)
         self._turns = {j: bool(joint_axis(robot.model, robot.joint_id(j))[0]) for j in self.joints}
-        self._link_mass = weighed_links(robot, sigma or {}, self.compared)
-        self.links = tuple(self._link_mass)
+        link_mass = weighed_links(robot, sigma or {}, self.compared)
+        self.links = tuple(link_mass)
         sigma = {n: s for n, s in (sigma or {}).items() if not n.startswith("link.") or n.split(".")[1] in self.links}
-        heavier = [Rigid(r, gravity, self.joints) for r in twice_as_heavy(robot, self._link_mass).values()]
+        heavier = [Rigid(r, gravity, self.joints) for r in twice_as_heavy(robot, link_mass).values()]
         moved = {n for n in {**sigma, **(absolute or {})} if n.endswith(".zero") and n.split(".")[1] in self.joints}
-        self._zeros = tuple(sorted(moved))
+        zeros = tuple(sorted(moved))
         sigma = {n: s for n, s in sigma.items() if not n.endswith(".zero") or n in moved}
         unfelt = {f"joint.{j}.torque" for j in self.joints if j not in self.compared}
         self.doubted = doubted.only(lambda channel: channel not in unfelt)
@@ -155,7 +151,10 @@ class InverseDynamics(Machine):
         self._lately = MechanismCache()
         self._motion: dict[str, Motion] = {}
         self._bump: dict[str, Bump] = {}
-        pace = self._pace([g for g, _, _ in grids.values()], values or {}, unknown)
+        moving = arm.inertia(np.concatenate([log.position for log in raw.values()]))
+        asked = {j: dict(zip(self.joints, moving[self.joints.index(j)].tolist(), strict=True)) for j in self.compared}
+        doubt = {**(values or {}), **{n: own[n.split(".")[1]].of("kg") for n in unknown if n.endswith(".mass")}}
+        pace = half_width([g for g, _, _ in grids.values()], asked, doubt, own, self._idle)
         trials: list[TrialData] = []
         lenses: list[Lens] = []
         for key, (grid, condition, overrides) in grids.items():
@@ -163,7 +162,7 @@ class InverseDynamics(Machine):
             thin = max(1, int(own_pace / grid.step / POINTS))
             sharp = max(SHARP, 3 * thin)  # or noise folds over
             log = raw[key] if sharp == SHARP else kinematics(grid, self.joints, sharp)
-            log = log.thinned(thin, arm, heavier, [self.joints.index(n.split(".")[1]) for n in self._zeros])
+            log = log.thinned(thin, arm, heavier, [self.joints.index(n.split(".")[1]) for n in zeros])
             half = max(SHARP, round(own_pace / log.step))
             narrow = Bump.of(sharp, grid.step)
             beside = self._brought(key, grid, log, narrow, thin)
@@ -181,42 +180,28 @@ class InverseDynamics(Machine):
         self._rows = Rows({t.id: (self._motion[t.id], self._bump[t.id]) for t in trials})
         visited = np.concatenate([m.position[:: m.stride] for m in self._motion.values()])
         mean = arm.inertia(visited)
-        self._mass = {f"joint.{j}": float(x) for j, x in zip(self.joints, np.diag(mean), strict=True)}
+        mass = {f"joint.{j}": float(x) for j, x in zip(self.joints, np.diag(mean), strict=True)}
         self._inertia, self._stated = mean, stated_noise(noise or {}, self.joints, lenses)
-        self._by_link = {n: np.diag(h.inertia(visited) - mean) for n, h in zip(self.links, heavier, strict=True)}
+        by_link = {n: np.diag(h.inertia(visited) - mean) for n, h in zip(self.links, heavier, strict=True)}
         seen = {} if idle else {c: logged_noise([g for g, _, _ in grids.values()], c) for c in motion}
         self._logged = stated_noise({**seen, **(noise or {})}, self.joints, lenses)
         self.base = dict(values or {})
         centres = {n: own[n.split(".")[1]].of(_UNITS[n.split(".")[2]]) for n in unknown}
         sigma = {n: s for n, s in sigma.items() if n not in centres}
-        self.base.update({f"link.{n}.mass": m for n, m in self._link_mass.items()})
-        self.base.update(
-            {n: self._mass[n[: -len(".mass")]] for n in sigma if n.endswith(".mass") and n not in self.base}
-        )
+        self.base.update({f"link.{n}.mass": m for n, m in link_mass.items()})
+        self.base.update({n: mass[n[: -len(".mass")]] for n in sigma if n.endswith(".mass") and n not in self.base})
         around = {n: s for n, s in (absolute or {}).items() if not n.endswith(".zero") or n in moved}
         self.moment = {}
         for joint in (j for j in self.compared if j not in idle):
             steps = (grid.step for grid, _, _ in grids.values())
             self.moment |= moment(f"joint.{joint}.delay", {*around, *self.base}, steps)
         self.base |= {n: 0.0 for n in (*around, *self.moment) if n not in self.base}
-        zeros = self.doubted.sigma
-        self.believed = Believed(self.base, sigma, {}, conditions_of(trials), centres, absolute=around, zeros=zeros)
+        self._asks = AskedTorques(
+            self.joints, self.compared, self._idle, mass, link_mass, by_link, zeros, self.base, self._load.numbers
+        )
+        own_zeros = self.doubted.sigma
+        self.believed = Believed(self.base, sigma, {}, conditions_of(trials), centres, absolute=around, zeros=own_zeros)
         self.not_measured = self._silence(unknown)
-
-    def _pace(self, grids: Sequence[Grid], values: Mapping[str, float], unknown: Sequence[str]) -> float:
-        """Half width of the balance's test functions [s]."""
-        inertia = self._arm.inertia(np.concatenate([log.position for log in self._raw.values()]))
-        wide = 0.0
-        for joint in self.compared:
-            name, k = f"joint.{joint}", self.joints.index(joint)
-            row = dict(zip(self.joints, inertia[k].tolist(), strict=True))
-            row[joint] = values.get(f"{name}.mass", row[joint]) + values.get(f"{name}.armature", 0.0)
-            if f"{name}.mass" in unknown:
-                row[joint] = self.sizes[name].of("kg")
-            level = self.sizes[name].force if joint in self._idle else None
-            wide = max(wide, clear_width(grids, joint, row, level))
-        time = min(self.sizes[f"joint.{j}"].time for j in self.compared)
-        return float(np.clip(wide, WIDTH * time, WIDEST * time))
 
     def _silence(self, unknown: Sequence[str]) -> str:
         """Why the logged torque tells nothing of the one joint compared; empty where it does, or may.
@@ -277,7 +262,7 @@ class InverseDynamics(Machine):
         forces = []
         for joint in self.joints:
             name = f"joint.{joint}"
-            coordinates[name] = Coordinate(name, self._own_inertia(values, name), angular=self._turns[joint])
+            coordinates[name] = Coordinate(name, self._asks.own_inertia(values, name), angular=self._turns[joint])
             if f"{name}.stiffness" in values:
                 forces.append(Force(f"{name}.spring", name, SPRING, (values[f"{name}.stiffness"],), role="spring"))
             if values.get(f"{name}.damping"):
@@ -290,7 +275,7 @@ class InverseDynamics(Machine):
             readouts=self._followed,
             maps=(
                 *(m for j in self.compared for m in torque_log.logged(values, j)),
-                *(ChannelMap(_position(n), "offset", values[n] - self.base[n]) for n in self._zeros),
+                *(ChannelMap(position_of(n), "offset", values[n] - self.base[n]) for n in self._asks.zeros),
             ),
             sensors=self._sensors(),
             links=self.carried,
@@ -376,35 +361,8 @@ class InverseDynamics(Machine):
         for joint in self.compared:
             k, name = self.joints.index(joint), f"joint.{joint}"
             row = self._inertia[k].copy()
-            row[k] = values.get(f"{name}.mass", self._mass[name])
+            row[k] = values.get(f"{name}.mass", self._asks.mass[name])
             out[f"{name}.torque"] = noise.of(joint, row)
-        return out
-
-    def _asked(self, mechanism: Mechanism, motion: Motion, joint: str) -> np.ndarray:
-        """Torque that the motion asks for at a joint, shape (T,): of the rigid body, and of what is heavier than it."""
-        k, name = self.joints.index(joint), f"joint.{joint}"
-        # inertia beyond the rigid model's: a payload, a mass that is fitted
-        asked = motion.rigid[:, k] + (mechanism.coordinates[name].mass - self._mass[name]) * motion.acceleration[:, k]
-        if self.links:
-            asked = asked + np.array([self._heavier(mechanism, n) for n in self.links]) @ motion.by_link[:, :, k]
-        for zero, change in zip(self._zeros, motion.by_zero, strict=True):
-            off = sum(m.value for m in mechanism.maps if m.channel == _position(zero) and m.kind == "offset")
-            asked = asked + off * change[:, k]
-        return np.asarray(asked)
-
-    def _held(
-        self, mechanism: Mechanism, motion: Motion, asked: Mapping[str, np.ndarray]
-    ) -> dict[str, tuple[np.ndarray, float]]:
-        """By joint whose drive was read, what must act at it beside the drive, and below which rate it may rest."""
-        if motion.torque is None:
-            return {}
-        out = {}
-        for joint in self.compared:
-            if joint not in self._idle:
-                name, i = f"joint.{joint}", self.joints.index(joint)
-                maps = torque_log.beside_motion(mechanism.maps, name)
-                drive = torque_log.inverse(maps, name, motion.torque[:, i], motion.step)
-                out[name] = asked[name] - drive, float(motion.slow[i])
         return out
 
     def felt(self, trial: TrialData, where: str) -> np.ndarray:
@@ -428,25 +386,6 @@ class InverseDynamics(Machine):
         """A signal along that motion, shape (T, ...), as the piece's readings show it: through its test functions."""
         return self._bump[trial.id].smooth(signal)[:: self._motion[trial.id].stride]
 
-    def _outweighed(self, mechanism: Mechanism, joint: str) -> float:
-        """A joint's believed inertia over a mechanism's, 1 at what is believed.
-
-        Where nothing drives a joint its motion tells ratios of inertia, weight and friction alone. The noise of a
-        motion asks for torque in proportion to inertia: lighter links would leave less of it, whatever moves.
-        """
-        k, name = self.joints.index(joint), f"joint.{joint}"
-        believed = self._own_inertia(self.base, name)
-        more = sum(self._heavier(mechanism, link) * float(own[k]) for link, own in self._by_link.items())
-        return believed / (mechanism.coordinates[name].mass + more)
-
-    def _own_inertia(self, values: Mapping[str, float], name: str) -> float:
-        """About a joint, "joint.NAME", as some values have it [kg m^2 or kg]."""
-        return values.get(f"{name}.mass", self._mass[name]) + values.get(f"{name}.armature", 0.0)
-
-    def _heavier(self, mechanism: Mechanism, link: str) -> float:
-        """By which share of its mass a link is heavier than the robot's."""
-        return mechanism.coordinates[f"link.{link}"].mass / self._link_mass[link] - 1.0
-
     def predict(self, mechanism: Mechanism, trial: TrialData, initial: np.ndarray) -> Predicted:
         """The torques that the model asks for along the measured motion, through the test functions."""
         if (found := self._rows.shown(trial.id, mechanism, self._of_all)) is not None:
@@ -454,7 +393,7 @@ class InverseDynamics(Machine):
         read, bump = self._motion[trial.id], self._bump[trial.id]
         motion = read.told(partial(beyond, mechanism))
         names = [f"joint.{j}" for j in self.joints]
-        torque, out = self._torques(mechanism, motion, motion.lens, partial(self._load.piece, trial.id)), []
+        torque, out = self._asks.along(mechanism, motion, motion.lens, partial(self._load.piece, trial.id)), []
         for joint in self.compared:
             name = f"joint.{joint}"
             maps = torque_log.beside_motion(mechanism.maps, name)
@@ -462,55 +401,17 @@ class InverseDynamics(Machine):
             shown = torque_log.seen(maps, torque[name], log, bump)
             for key, own in read.beside.items():
                 shown = shown - beyond(mechanism, key) * bump.smooth(own.torque[:, names.index(name)])
-            out.append(self._outweighing(mechanism, joint, shown)[:: motion.stride])
+            out.append(self._asks.outweighing(mechanism, joint, shown)[:: motion.stride])
         return Predicted((np.array(out),))
 
     def _of_all(self, mechanism: Mechanism, joined: Joined) -> np.ndarray:
         """The same of all pieces of a row, shape (C, N), where every instant is its own."""
-        torque, out = self._torques(mechanism, joined.motion, joined, partial(self._load.row, joined)), []
+        torque, out = self._asks.along(mechanism, joined.motion, joined, partial(self._load.row, joined)), []
         for joint in self.compared:
             maps = torque_log.beside_motion(mechanism.maps, f"joint.{joint}")
             shown = joined.seen(through_sensor(maps, torque[f"joint.{joint}"], joined.motion.step))
-            out.append(self._outweighing(mechanism, joint, shown))
+            out.append(self._asks.outweighing(mechanism, joint, shown))
         return np.array(out)
-
-    def _torques(
-        self, mechanism: Mechanism, motion: Motion, lens: Bump | Joined, by_body: Callable[[str], np.ndarray]
-    ) -> dict[str, np.ndarray]:
-        """Torque that a motion asks of each compared joint's drive, shape (T,) each."""
-        names = [f"joint.{j}" for j in self.joints]
-        position = {n: motion.position[:, i] for i, n in enumerate(names)}
-        velocity = {n: motion.velocity[:, i] for i, n in enumerate(names)}
-        asked = {f"joint.{j}": self._asked(mechanism, motion, j) for j in self.compared}
-        for load in mechanism.loads:
-            more = by_body(load.link) @ (load.mass * self.numbers(load.link, np.array(load.place)))
-            asked = {name: torque + own for (name, torque), own in zip(asked.items(), more.T, strict=True)}
-        held = self._held(mechanism, motion, asked)
-        if len(mechanism.coordinates) > len(names) + len(self.links):
-            before = motion.run_up.shape[0]
-            whole = np.concatenate([motion.run_up, motion.acceleration])
-            shaken = {n: whole[:, i] for i, n in enumerate(names)}
-            for name, (x, rate) in hidden(mechanism, shaken, motion.step).items():
-                carrier = str(mechanism.coordinates[name].carrier)
-                position[name] = position[carrier] + x[before:]
-                velocity[name] = velocity[carrier] + rate[before:]
-        felt = [p for p, row in mechanism.ports.items() if any(row.get(n, 0.0) for n in asked)]
-        for port, force in port_forces(mechanism, position, velocity, motion.step, lens, held, felt).items():
-            # drives that see two joints act at both
-            asked = {n: torque - mechanism.ports[port].get(n, 0.0) * force for n, torque in asked.items()}
-        return asked
-
-    def _outweighing(self, mechanism: Mechanism, joint: str, shown: np.ndarray) -> np.ndarray:
-        """What is asked for at a joint, in proportion to believed inertia where nothing drives it."""
-        if joint not in self._idle:
-            return shown
-        stated = self.base.get(f"joint.{joint}.torque", 0.0)
-        return stated + self._outweighed(mechanism, joint) * (shown - stated)
-
-
-def _position(zero: str) -> str:
-    """The channel that "joint.NAME.zero" is the zero of."""
-    return zero.removesuffix("zero") + "position"
 
 
 _UNITS = {"mass": "kg", "armature": "kg", "damping": "N s/m", "stiffness": "N/m", "friction": "N"} | torque_log.UNITS

@@ -1,0 +1,127 @@
+"""What a motion asks of the drives of some joints: the rigid body, what is heavier than it, and what acts beside."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from spacerobot.diagnosis.machines import torque_log
+from spacerobot.diagnosis.machines.hidden_motion import hidden
+from spacerobot.diagnosis.machines.joined_pieces import Joined
+from spacerobot.diagnosis.machines.joint_log import Motion
+from spacerobot.diagnosis.machines.measured import port_forces
+from spacerobot.diagnosis.machines.test_functions import Bump
+from spacerobot.effects.mechanism import Mechanism
+
+
+@dataclass(frozen=True, eq=False)
+class AskedTorques:
+    """Joints and their believed inertia.
+
+    Attributes:
+        joints: of the logs, in their order.
+        compared: those whose drives are asked.
+        idle: those that nothing drives.
+        mass: "joint.NAME" -> the rigid body's own inertia about it in the mean pose [kg m^2 or kg].
+        link_mass: links of doubted mass -> what the robot's model has [kg].
+        by_link: of these, what one more such link adds to the inertia about each joint, shape (J,).
+        zeros: "joint.NAME.zero" of the encoders whose zero is doubted.
+        base: believed values by dotted name.
+        numbers: of a link that may carry a load and a place in it, the load's ten numbers per kilogram, shape (10,).
+    """
+
+    joints: tuple[str, ...]
+    compared: tuple[str, ...]
+    idle: frozenset[str]
+    mass: Mapping[str, float]
+    link_mass: Mapping[str, float]
+    by_link: Mapping[str, np.ndarray]
+    zeros: tuple[str, ...]
+    base: Mapping[str, float]
+    numbers: Callable[[str, np.ndarray], np.ndarray]
+
+    def along(
+        self, mechanism: Mechanism, motion: Motion, lens: Bump | Joined, by_body: Callable[[str], np.ndarray]
+    ) -> dict[str, np.ndarray]:
+        """Torque that a motion asks of each compared joint's drive, shape (T,) each."""
+        names = [f"joint.{j}" for j in self.joints]
+        position = {n: motion.position[:, i] for i, n in enumerate(names)}
+        velocity = {n: motion.velocity[:, i] for i, n in enumerate(names)}
+        asked = {f"joint.{j}": self._asked(mechanism, motion, j) for j in self.compared}
+        for load in mechanism.loads:
+            more = by_body(load.link) @ (load.mass * self.numbers(load.link, np.array(load.place)))
+            asked = {name: torque + own for (name, torque), own in zip(asked.items(), more.T, strict=True)}
+        held = self._held(mechanism, motion, asked)
+        if len(mechanism.coordinates) > len(names) + len(self.link_mass):
+            before = motion.run_up.shape[0]
+            whole = np.concatenate([motion.run_up, motion.acceleration])
+            shaken = {n: whole[:, i] for i, n in enumerate(names)}
+            for name, (x, rate) in hidden(mechanism, shaken, motion.step).items():
+                carrier = str(mechanism.coordinates[name].carrier)
+                position[name] = position[carrier] + x[before:]
+                velocity[name] = velocity[carrier] + rate[before:]
+        felt = [p for p, row in mechanism.ports.items() if any(row.get(n, 0.0) for n in asked)]
+        for port, force in port_forces(mechanism, position, velocity, motion.step, lens, held, felt).items():
+            # drives that see two joints act at both
+            asked = {n: torque - mechanism.ports[port].get(n, 0.0) * force for n, torque in asked.items()}
+        return asked
+
+    def outweighing(self, mechanism: Mechanism, joint: str, shown: np.ndarray) -> np.ndarray:
+        """What is asked for at a joint, in proportion to believed inertia where nothing drives it."""
+        if joint not in self.idle:
+            return shown
+        stated = self.base.get(f"joint.{joint}.torque", 0.0)
+        return stated + self._outweighed(mechanism, joint) * (shown - stated)
+
+    def _asked(self, mechanism: Mechanism, motion: Motion, joint: str) -> np.ndarray:
+        """Torque that the motion asks for at a joint, shape (T,): of the rigid body, and of what is heavier than it."""
+        k, name = self.joints.index(joint), f"joint.{joint}"
+        # inertia beyond the rigid model's: a payload, a mass that is fitted
+        asked = motion.rigid[:, k] + (mechanism.coordinates[name].mass - self.mass[name]) * motion.acceleration[:, k]
+        if self.link_mass:
+            asked = asked + np.array([self._heavier(mechanism, n) for n in self.link_mass]) @ motion.by_link[:, :, k]
+        for zero, change in zip(self.zeros, motion.by_zero, strict=True):
+            off = sum(m.value for m in mechanism.maps if m.channel == position_of(zero) and m.kind == "offset")
+            asked = asked + off * change[:, k]
+        return np.asarray(asked)
+
+    def _held(
+        self, mechanism: Mechanism, motion: Motion, asked: Mapping[str, np.ndarray]
+    ) -> dict[str, tuple[np.ndarray, float]]:
+        """By joint whose drive was read, what must act at it beside the drive, and below which rate it may rest."""
+        if motion.torque is None:
+            return {}
+        out = {}
+        for joint in self.compared:
+            if joint not in self.idle:
+                name, i = f"joint.{joint}", self.joints.index(joint)
+                maps = torque_log.beside_motion(mechanism.maps, name)
+                drive = torque_log.inverse(maps, name, motion.torque[:, i], motion.step)
+                out[name] = asked[name] - drive, float(motion.slow[i])
+        return out
+
+    def _outweighed(self, mechanism: Mechanism, joint: str) -> float:
+        """A joint's believed inertia over a mechanism's, 1 at what is believed.
+
+        Where nothing drives a joint its motion tells ratios of inertia, weight and friction alone. The noise of a
+        motion asks for torque in proportion to inertia: lighter links would leave less of it, whatever moves.
+        """
+        k, name = self.joints.index(joint), f"joint.{joint}"
+        believed = self.own_inertia(self.base, name)
+        more = sum(self._heavier(mechanism, link) * float(own[k]) for link, own in self.by_link.items())
+        return believed / (mechanism.coordinates[name].mass + more)
+
+    def own_inertia(self, values: Mapping[str, float], name: str) -> float:
+        """About a joint, "joint.NAME", as some values have it [kg m^2 or kg]."""
+        return values.get(f"{name}.mass", self.mass[name]) + values.get(f"{name}.armature", 0.0)
+
+    def _heavier(self, mechanism: Mechanism, link: str) -> float:
+        """By which share of its mass a link is heavier than the robot's."""
+        return mechanism.coordinates[f"link.{link}"].mass / self.link_mass[link] - 1.0
+
+
+def position_of(zero: str) -> str:
+    """The channel that "joint.NAME.zero" is the zero of."""
+    return zero.removesuffix("zero") + "position"
