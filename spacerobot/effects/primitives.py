@@ -184,15 +184,15 @@ class Load:
     Attributes:
         link: "link.NAME".
         mass: [kg]; less than nothing where the robot's model has too much.
-        place: in the link's frame [m].
+        place: in the link's frame [m]; None where it is spread as what moves with the link's joint is.
     """
 
     link: str
     mass: float
-    place: tuple[float, float, float]
+    place: tuple[float, float, float] | None
 
     def __post_init__(self) -> None:
-        _finite(f"load on {self.link}", self.mass, *self.place)
+        _finite(f"load on {self.link}", self.mass, *(self.place or ()))
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from spacerobot.diagnosis.machines.body_columns import BodyColumns
+from spacerobot.diagnosis.machines.links import mass_of, with_masses
 from spacerobot.diagnosis.machines.rigid import Rigid
 from spacerobot.effects.located_load import form_of, place_of
 from spacerobot.effects.registry import effect
@@ -50,6 +51,23 @@ def test_a_load_is_a_body_welded_to_its_link(scene: Scene, link: str) -> None:
         moved = np.ptp(plain[channel])
         assert np.abs(ours[channel] - theirs[channel]).max() < 1e-5 * moved
     assert max(np.abs(plain[c] - theirs[c]).max() / np.ptp(plain[c]) for c in shown) > 1e-3
+
+
+@pytest.mark.filterwarnings("ignore::spacerobot.simulation.room.StartWarning")
+@pytest.mark.parametrize("more", [2.0, -1.0])
+def test_a_heavier_link_is_that_of_another_robot(more: float) -> None:
+    """Another route to the same motion: the robot's own file with the link's mass and inertia scaled."""
+    scene = replace(CHASER, approach=(1.0, 0.0, 0.0), backend="multibody")
+    robot = scene.prepared
+    changed = with_masses(robot, {"link4": mass_of(robot, "link4") + more}, floating=robot.floating)
+    heavy = scene.with_effects(EffectAt("heavier_link", "link.link4", {"mass_kg": more}))
+    plain, ours, theirs = (
+        simulate(one, tolerance=1e-9, must_touch=False) for one in (scene, heavy, replace(scene, robot=changed))
+    )
+    for channel in ("target.x", "wrist.deflection", "joint.W1.position"):
+        moved = np.ptp(plain[channel])
+        assert np.abs(ours[channel] - theirs[channel]).max() < 1e-5 * moved
+        assert np.abs(plain[channel] - theirs[channel]).max() > 1e-4 * moved
 
 
 def test_no_more_is_taken_off_a_link_than_it_has() -> None:

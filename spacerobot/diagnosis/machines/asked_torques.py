@@ -40,7 +40,7 @@ class AskedTorques:
     by_link: Mapping[str, np.ndarray]
     zeros: tuple[str, ...]
     base: Mapping[str, float]
-    numbers: Callable[[str, np.ndarray], np.ndarray]
+    numbers: Callable[[str, np.ndarray | None], np.ndarray]
 
     def along(
         self, mechanism: Mechanism, motion: Motion, lens: Bump | Joined, by_body: Callable[[str], np.ndarray]
@@ -51,7 +51,8 @@ class AskedTorques:
         velocity = {n: motion.velocity[:, i] for i, n in enumerate(names)}
         asked = {f"joint.{j}": self._asked(mechanism, motion, j) for j in self.compared}
         for load in mechanism.loads:
-            more = by_body(load.link) @ (load.mass * self.numbers(load.link, np.array(load.place)))
+            place = None if load.place is None else np.array(load.place)
+            more = by_body(load.link) @ (load.mass * self.numbers(load.link, place))
             asked = {name: torque + own for (name, torque), own in zip(asked.items(), more.T, strict=True)}
         held = self._held(mechanism, motion, asked)
         if len(mechanism.coordinates) > len(names) + len(self.link_mass):

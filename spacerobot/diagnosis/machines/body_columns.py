@@ -28,8 +28,14 @@ class BodyColumns:
         self.model, self.data, self.arm = arm.model, arm.model.createData(), arm
         self._frames = {f.name: f for f in robot.model.frames if f.type == pin.FrameType.BODY}
 
-    def numbers(self, link: str, place: Sequence[float] | np.ndarray) -> np.ndarray:
-        """Those of a body of 1 kg at a place in a link's frame [m], shape (10,)."""
+    def numbers(self, link: str, place: Sequence[float] | np.ndarray | None) -> np.ndarray:
+        """Those of a body of 1 kg at a place in a link's frame [m], shape (10,).
+
+        Without a place, of as much of what the link's joint moves by itself; zero where that has no mass.
+        """
+        if place is None:
+            own = self.model.inertias[self.joint_of(link)]
+            return np.asarray(own.toDynamicParameters()) / own.mass if own.mass > 0.0 else np.zeros(TEN)
         at = self._frames[link].placement.act(np.asarray(place, dtype=float))
         return np.asarray(pin.Inertia(1.0, at, np.zeros((3, 3))).toDynamicParameters())
 
@@ -85,8 +91,8 @@ class Carried:
         """The same along other motions."""
         return Carried(self._columns, self.links, self._rows, motion)
 
-    def numbers(self, where: str, place: np.ndarray) -> np.ndarray:
-        """Those of a body of 1 kg at a place of a link [m], shape (10,)."""
+    def numbers(self, where: str, place: np.ndarray | None) -> np.ndarray:
+        """Those of a body of 1 kg at a place of a link [m], or spread as the link is, shape (10,)."""
         return self._columns.numbers(where.removeprefix("link."), place)
 
     def piece(self, name: str, where: str) -> np.ndarray:

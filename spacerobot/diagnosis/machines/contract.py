@@ -238,8 +238,8 @@ class Machine(ABC):
         """By how much its weighted readings rise with each of the ten numbers of a body at a link, shape (10, S)."""
         return np.zeros((TEN, trial.valid.size))
 
-    def numbers(self, where: str, place: np.ndarray) -> np.ndarray:
-        """Those of a body of 1 kg at a place of a link [m], shape (10,)."""
+    def numbers(self, where: str, place: np.ndarray | None) -> np.ndarray:
+        """Those of a body of 1 kg at a place of a link [m], or spread as the link is, shape (10,)."""
         return np.zeros(TEN)
 
     def sites(self, effects: Iterable[Effect] | None = None) -> list[Site]:
@@ -257,8 +257,9 @@ class Machine(ABC):
                 continue
             for where in dict.fromkeys(effect.places(plain)):
                 if effect.together and not effect.settings:
-                    if form := self.shapes.get((effect.name, where)):
-                        found.append(self.site(effect.in_form(form), where))
+                    form = self.shapes.get((effect.name, where))
+                    if form is not None:
+                        found.append(self.site(effect.in_form(form) if form else effect, where))
                     continue
                 found.append(self.site(effect, where))
                 if any(p.reach for p in effect.parameters):  # from where on it acts, and to which side, is the place's

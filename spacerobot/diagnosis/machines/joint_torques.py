@@ -374,7 +374,7 @@ class InverseDynamics(Machine):
         (block,) = trial.blocks
         return np.concatenate([w[:, None] * shown[:, c] for c, w in enumerate(block.weight)]).T
 
-    def numbers(self, where: str, place: np.ndarray) -> np.ndarray:
+    def numbers(self, where: str, place: np.ndarray | None) -> np.ndarray:
         """As the columns of what it carries stand."""
         return self._load.numbers(where, place)
 

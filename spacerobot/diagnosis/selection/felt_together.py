@@ -36,8 +36,10 @@ ROUNDING = 1e-6
 ROUNDS = 3
 """How often parts are weighed by what the body before left of them."""
 
-Numbers = Callable[[str, np.ndarray], np.ndarray]
-"""Link and place [m] -> the ten numbers of a body of 1 kg there."""
+Numbers = Callable[[str, np.ndarray | None], np.ndarray]
+"""Link and place [m] -> the ten numbers of a body of 1 kg there; without a place, of one spread as the link is."""
+
+Place = tuple[float, float, float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +92,7 @@ class Felt:
 
 
 Shapes = Mapping[tuple[str, str], str]
-"""Effect and place -> form."""
+"""Effect and place -> form; empty where it has none."""
 
 Asked = Callable[[Sequence[int], Sequence[str]], Sequence[tuple[Felt, Felt]]]
 """Numbers of machines, and links -> what `felt_by` says of each."""
@@ -107,7 +109,12 @@ def shapes_of(models: Sequence[Machine], effects: Iterable[Effect], asked: Asked
     if body_of([freely for _, freely in felt], links, numbers) is None:  # what is stated of the links may be wrong
         return {}
     found = body_of([stated for stated, _ in felt], links, numbers)
-    return {} if found is None else {(e.name, found[0]): form_of(found[1]) for e in together}
+    if found is None:
+        return {}
+    where, place = found
+    located = place is not None
+    meant = [e for e in together if located == any(p.shape for p in e.parameters)]
+    return {(e.name, where): form_of(place) if place is not None else "" for e in meant}
 
 
 def told(model: Machine, shapes: Shapes) -> Machine:
@@ -158,33 +165,51 @@ def _freed(project: Projector, rows: Iterable[np.ndarray]) -> np.ndarray:
     return np.stack([project.free(row, np.zeros_like(project.pull)) for row in rows], axis=1)
 
 
-def body_of(
-    felt: Sequence[Felt], links: Sequence[str], numbers: Numbers
-) -> tuple[str, tuple[float, float, float]] | None:
-    """The link, of `links` from base to tip, and place [m] of the point mass that leaves least of all parts together.
+def body_of(felt: Sequence[Felt], links: Sequence[str], numbers: Numbers) -> tuple[str, Place | None] | None:
+    """The body that leaves least of all parts together: its link, of `links` from base to tip, and its place [m].
 
-    None where chance would do as much. Of links that do alike the last: what is carried is carried in the hand.
+    A point mass; or, without a place, a link heavier than its model, where a point does no better than three numbers
+    more would by chance. None where chance would do as much. Of links that do alike the last: what is carried is
+    carried in the hand.
     """
     floors = [one.floor(0.0) for one in felt]
-    best = None
+    best: tuple[str, Place | None] | None = None
     for _ in range(ROUNDS):
-        tried = [_point(felt, floors, k, link, numbers) for k, link in enumerate(links)]
-        most = max(gain for gain, _, _ in tried)
+        points = [_point(felt, floors, k, link, numbers) for k, link in enumerate(links)]
+        wholes = [_heavier(felt, floors, k, link, numbers) for k, link in enumerate(links)]
+        most, whole = (max(gain for gain, _, _ in tried) for tried in (points, wholes))
+        spread = whole >= most - chance_edge(3, len(links))
+        tried, most = (wholes, whole) if spread else (points, most)
         k = max(k for k, (gain, _, _) in enumerate(tried) if gain >= most - chance_edge(1))
         gain, place, mass = tried[k]
-        best = links[k], (float(place[0]), float(place[1]), float(place[2]))
+        best = links[k], None if place is None else (float(place[0]), float(place[1]), float(place[2]))
         brought = [one.columns[:, k] @ (mass * numbers(links[k], place)) for one in felt]
         floors = [one.floor(own) for one, own in zip(felt, brought, strict=True)]
-    return None if by_chance(gain, len(place) + 1, len(links)) else best
+    return None if by_chance(gain, 1 if place is None else 4, 2 * len(links)) else best
+
+
+def _summed(felt: Sequence[Felt], floors: Sequence[float], k: int) -> tuple[np.ndarray, np.ndarray]:
+    """Normal matrix, shape (10, 10), and right-hand side of a link's numbers, of all parts."""
+    sized = [(one.columns[:, k] / f, one.left / f) for one, f in zip(felt, floors, strict=True)]
+    normal = np.sum([columns.T @ columns for columns, _ in sized], axis=0)
+    return normal, np.sum([columns.T @ left for columns, left in sized], axis=0)
+
+
+def _heavier(
+    felt: Sequence[Felt], floors: Sequence[float], k: int, link: str, numbers: Numbers
+) -> tuple[float, None, float]:
+    """Fall of chi-squared by as much more of a link as does best, no place, and how much [kg]."""
+    normal, right = _summed(felt, floors, k)
+    own = numbers(link, None)
+    norm = float(own @ normal @ own)
+    return (float(own @ right) ** 2 / norm, None, float(own @ right) / norm) if norm > 0.0 else (0.0, None, 0.0)
 
 
 def _point(
     felt: Sequence[Felt], floors: Sequence[float], k: int, link: str, numbers: Numbers
 ) -> tuple[float, np.ndarray, float]:
     """Fall of chi-squared by the best point mass at a link, its place, shape (3,), and mass."""
-    sized = [(one.columns[:, k] / f, one.left / f) for one, f in zip(felt, floors, strict=True)]
-    normal = np.sum([columns.T @ columns for columns, _ in sized], axis=0)
-    right = np.sum([columns.T @ left for columns, left in sized], axis=0)
+    normal, right = _summed(felt, floors, k)
 
     def loss(place: np.ndarray) -> float:
         own = numbers(link, place)

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.pooled import pooled
 from spacerobot.diagnosis.selection.part_result import Part
 from spacerobot.diagnosis.terms.decision import GOOD_PART
@@ -18,22 +19,33 @@ from spacerobot.diagnosis.terms.hypothesis import Site
 
 
 def at_odds(parts: Sequence[Part]) -> set[int]:
-    """Which of a study's parts name what they feel together, where they differ about how much of it there is."""
+    """Which of a study's parts name what they feel together, where all differ about how much of it there is.
+
+    A part that feels it and does not name it tells how much there is beside what it does name.
+    """
     told: dict[tuple[str, str], dict[int, Site]] = {}
     for k, part in enumerate(parts):
         for site in part.fit.hypothesis.sites:
             if site.effect.together:
                 told.setdefault(site.label, {})[k] = site
-    return {k for by in told.values() if differ([(parts[k], site) for k, site in by.items()]) for k in by}
+    out: set[int] = set()
+    for (_, where), by in told.items():
+        site = next(iter(by.values()))
+        fits = [parts[k].fit for k in by]
+        for part in (p for k, p in enumerate(parts) if k not in by and where in p.model.carried):
+            bench = part.growth.bench
+            fits += [f for f in [bench.fitted_anyhow(part.fit, (*part.fit.hypothesis.sites, site), {})] if f]
+        if differ(fits, site):
+            out |= set(by)
+    return out
 
 
-def differ(told: Sequence[tuple[Part, Site]]) -> bool:
-    """Whether parts tell strengths that scatter by a good part of their mean, the surer ones counting for more."""
-    found = []
-    for part, site in told:
-        key = site.key(site.effect.strength.name)
-        low, high = part.fit.errors().get(key, (-np.inf, np.inf))
-        found.append((part.fit.values()[key], 0.5 * abs(high - low)))
+def differ(fits: Sequence[Fit], site: Site) -> bool:
+    """Whether fits tell strengths of a site that scatter by a good part of their mean, the surer counting for more."""
+    key, found = site.key(site.effect.strength.name), []
+    for fit in fits:
+        low, high = fit.errors().get(key, (-np.inf, np.inf))
+        found.append((fit.values()[key], 0.5 * abs(high - low)))
     sure = [pair for pair in found if np.isfinite(pair[1])]
     if len(sure) < 2:
         return False

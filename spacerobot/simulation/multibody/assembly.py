@@ -290,6 +290,13 @@ def _edit_masses(
     for load in mechanism.loads:
         frame = model.frames[model.getFrameId(load.link.removeprefix("link."))]
         _mass_with(model, frame.parentJoint, load.mass, load.link)
+        old = model.inertias[frame.parentJoint]
+        if load.place is None and old.mass <= 0.0:
+            raise InputError("the link has no mass of its own to be more of", given=load.link)
+        if load.place is None:
+            share = 1.0 + load.mass / old.mass
+            model.inertias[frame.parentJoint] = pin.Inertia(share * old.mass, old.lever, share * old.inertia)
+            continue
         place = frame.placement.act(np.array(load.place))
         model.inertias[frame.parentJoint] += pin.Inertia(load.mass, place, np.zeros((3, 3)))
 

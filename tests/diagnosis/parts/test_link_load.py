@@ -13,14 +13,14 @@ from msgspec.structs import replace as replace_struct
 
 from spacerobot.diagnosis.answer.agreed import agreed
 from spacerobot.diagnosis.answer.record import Effect, Value
+from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.machines.grid import Grid
 from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
-from spacerobot.diagnosis.machines.links import with_masses
+from spacerobot.diagnosis.machines.links import mass_of, with_masses
 from spacerobot.diagnosis.selection.felt_together import felt_by, shapes_of, told
 from spacerobot.diagnosis.selection.forward_selection import grow
 from spacerobot.diagnosis.selection.one_load import differ
-from spacerobot.diagnosis.selection.part_result import Part
 from spacerobot.diagnosis.terms.hypothesis import Site
 from spacerobot.effects.located_load import place_of
 from spacerobot.effects.registry import all_effects, effect
@@ -31,7 +31,7 @@ GRAVITY = (0.0, 0.0, -9.81)
 JOINTS = ("shoulder", "elbow")
 FRICTION = {"shoulder": (1.2, 0.4, 0.0), "elbow": (0.3, 0.2, 0.0)}
 PLACE = (0.25, 0.0, 0.06)
-OFFERED = ("link_load", "coulomb_friction", "viscous_friction", "payload", "scale", "preload", "bias")
+OFFERED = ("link_load", "heavier_link", "coulomb_friction", "viscous_friction", "payload", "scale", "preload", "bias")
 CATALOGUE = [one for name, one in all_effects().items() if name in OFFERED]
 
 
@@ -100,21 +100,34 @@ def test_a_link_that_is_heavier_than_stated_is_a_wrong_value_and_no_load() -> No
     assert np.hypot(place_of(form)[0] - PLACE[0], place_of(form)[2] - PLACE[2]) < 0.005
 
 
-def feeling(mass: float, error: float) -> tuple[Part, Site]:
-    """As much of a part that tells of a load as its agreement hangs on."""
-    site = Site(effect("link_load"), "link.fore")
-    key = site.key("mass_kg")
-    fit = SimpleNamespace(values=lambda: {key: mass}, errors=lambda: {key: (mass - error, mass + error)})
-    return cast(Part, SimpleNamespace(fit=fit)), site
+LOAD = Site(effect("link_load"), "link.fore")
+
+
+def test_a_link_that_is_heavier_than_its_model_is_no_load_on_it() -> None:
+    """Nobody stated how well its mass is known: it is said which link, and each joint says by how much."""
+    heavy = with_shapes(machines(with_masses(load(ARM), {"fore": 1.8}).urdf))
+    for machine in heavy:
+        assert dict(machine.shapes) == {("heavier_link", "link.fore"): ""}
+        growth = grow(machine, effects=CATALOGUE)
+        more = growth.after.fit.values()["heavier_link@link.fore.mass_kg"]
+        assert more == pytest.approx(0.8 * mass_of(load(ARM), "fore"), rel=0.02)
+
+
+def feeling(mass: float, error: float) -> Fit:
+    """As much of a fit with a load as its agreement hangs on."""
+    key = LOAD.key("mass_kg")
+    return cast(Fit, SimpleNamespace(values=lambda: {key: mass}, errors=lambda: {key: (mass - error, mass + error)}))
 
 
 def test_masses_that_differ_by_a_good_part_are_no_load() -> None:
     """However surely they are told: joints whose links are not as the model has them find a mass each. One that hardly
     tells speaks against nothing."""
-    assert not differ([feeling(2.404, 0.003), feeling(2.397, 0.0004), feeling(2.400, 0.0005)])
-    assert not differ([feeling(2.404, 0.003), feeling(2.397, 0.0004), feeling(-5.0, 3.0)])
-    assert differ([feeling(-0.134, 0.003), feeling(-0.100, 0.003), feeling(-0.083, 0.003), feeling(-0.061, 0.003)])
-    assert not differ([feeling(-0.134, 0.003)])
+    assert not differ([feeling(2.404, 0.003), feeling(2.397, 0.0004), feeling(2.400, 0.0005)], LOAD)
+    assert not differ([feeling(2.404, 0.003), feeling(2.397, 0.0004), feeling(-5.0, 3.0)], LOAD)
+    assert differ(
+        [feeling(-0.134, 0.003), feeling(-0.100, 0.003), feeling(-0.083, 0.003), feeling(-0.061, 0.003)], LOAD
+    )
+    assert not differ([feeling(-0.134, 0.003)], LOAD)
 
 
 def load_told(mass: float, half: float, part: str, where: str = "link.fore") -> Effect:
