@@ -59,7 +59,8 @@ class Shelf(dict[str, Any]):
 
 def test_what_follows_from_a_fit_is_kept_under_all_that_decides_it() -> None:
     def made(label: str, centre: float, step: float) -> Any:
-        return SimpleNamespace(label=((label, "wrist"),), free=[SimpleNamespace(key="k", centre=centre, step=step)])
+        free = [SimpleNamespace(key="k", centre=centre, step=step)]
+        return SimpleNamespace(label=((label, "wrist"),), free=free, freed=())
 
     def fit(label: str = "preload", centre: float = 1.0, step: float = 0.1, z: float = 0.5) -> Any:
         return SimpleNamespace(hypothesis=made(label, centre, step), z=np.array([z]))

@@ -14,7 +14,7 @@ class HeavierLink(Effect):
 
     name = "heavier_link"
     title = "heavier link"
-    phrase = "a link heavier than its model"
+    phrase = "mass of the link itself"
     formula = r"\phi \to \left(1 + \frac{m}{m_0}\right) \phi, \quad \tau = Y(q, \dot q, \ddot q)\, \phi"
     source = "Atkeson, An and Hollerbach (1986), Int. J. Robotics Research 5(3), 101, eq. 4"
     kind = "body"
