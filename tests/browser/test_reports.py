@@ -88,6 +88,7 @@ def test_dark_and_light(reports: dict[str, str], visit: Any) -> None:
     assert dim < 0.3
     light.locator("#theme").click()
     assert picture(light).mean() < 0.3
+    light.wait_for_timeout(500)  # a browser writes down what a page keeps behind the page's back
     light.reload()
     assert picture(light).mean() < 0.3, "the choice is kept"
     dark.locator("#theme").click()
