@@ -28,7 +28,6 @@ FINE = Bump.of(200, 1.0)
 def half_width(
     grids: Sequence[Grid],
     inertia: Mapping[str, Mapping[str, float]],
-    values: Mapping[str, float],
     sizes: Mapping[str, Sizes],
     idle: Collection[str],
 ) -> float:
@@ -36,18 +35,14 @@ def half_width(
 
     Args:
         grids: of the trials.
-        inertia: of the rigid body: joint whose balance is compared -> joint -> torque at the one by the acceleration of
-            the other [kg m^2 or kg].
-        values: "joint.NAME.mass" and ".armature", believed or typical, where they are not the rigid body's.
+        inertia: joint whose balance is compared -> joint -> torque at the one by the acceleration of the other [kg m^2
+            or kg].
         sizes: of every joint.
         idle: joints that nothing drives.
     """
     wide = 0.0
-    for joint, rigid in inertia.items():
-        own = values.get(f"joint.{joint}.mass", rigid[joint]) + values.get(f"joint.{joint}.armature", 0.0)
-        wide = max(
-            wide, clear_width(grids, joint, {**rigid, joint: own}, sizes[joint].force if joint in idle else None)
-        )
+    for joint, row in inertia.items():
+        wide = max(wide, clear_width(grids, joint, row, sizes[joint].force if joint in idle else None))
     time = min(sizes[joint].time for joint in inertia)
     return float(np.clip(wide, WIDTH * time, WIDEST * time))
 

@@ -152,9 +152,12 @@ class InverseDynamics(Machine):
         self._motion: dict[str, Motion] = {}
         self._bump: dict[str, Bump] = {}
         moving = arm.inertia(np.concatenate([log.position for log in raw.values()]))
-        asked = {j: dict(zip(self.joints, moving[self.joints.index(j)].tolist(), strict=True)) for j in self.compared}
-        doubt = {**(values or {}), **{n: own[n.split(".")[1]].of("kg") for n in unknown if n.endswith(".mass")}}
-        pace = half_width([g for g, _, _ in grids.values()], asked, doubt, own, self._idle)
+        rows = {j: dict(zip(self.joints, moving[self.joints.index(j)].tolist(), strict=True)) for j in self.compared}
+        for j, row in rows.items():
+            row[j] = (values or {}).get(f"joint.{j}.mass", row[j]) + (values or {}).get(f"joint.{j}.armature", 0.0)
+            if f"joint.{j}.mass" in unknown:
+                row[j] = own[j].of("kg")
+        pace = half_width([g for g, _, _ in grids.values()], rows, own, self._idle)
         trials: list[TrialData] = []
         lenses: list[Lens] = []
         for key, (grid, condition, overrides) in grids.items():

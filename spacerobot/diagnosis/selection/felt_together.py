@@ -112,9 +112,8 @@ def shapes_of(models: Sequence[Machine], effects: Iterable[Effect], asked: Asked
     if found is None:
         return {}
     where, place = found
-    located = place is not None
-    meant = [e for e in together if located == any(p.shape for p in e.parameters)]
-    return {(e.name, where): form_of(place) if place is not None else "" for e in meant}
+    form = "" if place is None else form_of(place)
+    return {(e.name, where): form for e in together if bool(form) == any(p.shape for p in e.parameters)}
 
 
 def told(model: Machine, shapes: Shapes) -> Machine:

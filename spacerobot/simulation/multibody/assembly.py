@@ -286,19 +286,22 @@ def _edit_masses(
         if added > 0.0 or name == "hand":
             model.inertias[joint] = old + pin.Inertia(added, point, np.zeros((3, 3)))
         else:
-            model.inertias[joint] = pin.Inertia(whole, old.lever, whole / old.mass * old.inertia)
+            model.inertias[joint] = _as_it_is(old, whole)
     for load in mechanism.loads:
         frame = model.frames[model.getFrameId(load.link.removeprefix("link."))]
-        _mass_with(model, frame.parentJoint, load.mass, load.link)
-        old = model.inertias[frame.parentJoint]
-        if load.place is None and old.mass <= 0.0:
+        whole, old = _mass_with(model, frame.parentJoint, load.mass, load.link), model.inertias[frame.parentJoint]
+        if load.place is not None:
+            place = frame.placement.act(np.array(load.place))
+            model.inertias[frame.parentJoint] = old + pin.Inertia(load.mass, place, np.zeros((3, 3)))
+        elif old.mass > 0.0:
+            model.inertias[frame.parentJoint] = _as_it_is(old, whole)
+        else:
             raise InputError("the link has no mass of its own to be more of", given=load.link)
-        if load.place is None:
-            share = 1.0 + load.mass / old.mass
-            model.inertias[frame.parentJoint] = pin.Inertia(share * old.mass, old.lever, share * old.inertia)
-            continue
-        place = frame.placement.act(np.array(load.place))
-        model.inertias[frame.parentJoint] += pin.Inertia(load.mass, place, np.zeros((3, 3)))
+
+
+def _as_it_is(old: pin.Inertia, mass: float) -> pin.Inertia:
+    """A body of another mass [kg], distributed as before."""
+    return pin.Inertia(mass, old.lever, mass / old.mass * old.inertia)
 
 
 def _mass_with(model: pin.Model, joint: int, added: float, name: str) -> float:

@@ -16,20 +16,8 @@ from spacerobot.simulation.multibody.kernel import configuration_rate, load, sol
 from spacerobot.simulation.multibody.layout import SPLIT, layout_inside, scratch_inside
 from spacerobot.simulation.multibody.machine import rate_at, row_of
 from spacerobot.simulation.multibody.radau import DEFECT, FIT, GAMMA, INTO, LAGRANGE, NODES, OUT, ROOTS, A, C
-from spacerobot.simulation.reduced.arrays import (
-    AUX,
-    FORCES,
-    FRICTION,
-    FRICTION_MATE,
-    FRICTION_PORT,
-    FRICTIONS,
-    PORT,
-    REST,
-    SENSE,
-    W_ROWS,
-    D,
-    V,
-)
+from spacerobot.simulation.multibody.turning import far_astray, place, slides, turning
+from spacerobot.simulation.reduced.arrays import AUX, FORCES, FRICTIONS, PORT, SENSE, W_ROWS, D, V
 from spacerobot.simulation.reduced.forces import STICK, say
 from spacerobot.support.jit import lean
 
@@ -77,20 +65,6 @@ def room_for(size: int, nv: int, ports: int, frictions: int) -> Room:
 
 
 @lean
-def _place(o: Any, port: int) -> int:
-    """Where a port stands among those in use; it is added if it does not."""
-    for a in range(o.state[0]):
-        if o.ports[a] == port:
-            return a
-    a = o.state[0]
-    o.ports[a] = port
-    o.state[0] = a + 1
-    for b in range(a + 1):
-        o.spring[a, b] = o.spring[b, a] = o.damper[a, b] = o.damper[b, a] = 0.0
-    return int(a)
-
-
-@lean
 def _slope(m: Any, j: int, at: int, probe: float) -> float:
     """Change of force j per change of the displacement or rate that stands there in the work array."""
     here = m.w[at]
@@ -100,23 +74,6 @@ def _slope(m: Any, j: int, at: int, probe: float) -> float:
     m.w[at] = here
     say(m.x, m.c, m.laws, m.modes, m.w, j)
     return change / probe
-
-
-@lean
-def _turning(m: Any, r: int, mate: int, o: Any) -> None:
-    """What a disc's friction does to the sliding across its way: it turns the sooner the slower the sliding is."""
-    c, w = m.c, m.w
-    one, two = c[c[FRICTION_PORT] + r], c[c[FRICTION_PORT] + mate]
-    force = np.hypot(w[c[FRICTION] + r], w[c[FRICTION] + mate])
-    speed = np.hypot(w[c[V] + one], w[c[V] + two]) + w[c[REST]]
-    if force == 0.0 or speed == 0.0:
-        return
-    ahead, aside = w[c[FRICTION] + r] / force, w[c[FRICTION] + mate] / force
-    a, b, rate = _place(o, one), _place(o, two), force / speed
-    o.damper[a, a] += rate * aside * aside
-    o.damper[b, b] += rate * ahead * ahead
-    o.damper[a, b] -= rate * ahead * aside
-    o.damper[b, a] -= rate * ahead * aside
 
 
 @lean
@@ -135,15 +92,15 @@ def linearise(m: Any, scale: Any, o: Any) -> float:
         x = 0.0 if aux < 0 else -_slope(m, j, c[V] + aux, max(scale[nq], 1e-6 * abs(w[c[V] + aux])))
         if k == 0.0 and r == 0.0 and x == 0.0:
             continue
-        a, b = _place(o, port), _place(o, sense)
+        a, b = place(o, port), place(o, sense)
         o.spring[a, b] += k
         o.damper[a, b] += r
         if x != 0.0:
-            b = _place(o, aux)
+            b = place(o, aux)
             o.damper[a, b] += x
     for r in range(c[FRICTIONS]):
-        if c[c[FRICTION_MATE] + r] >= 0 and m.modes[1 + c[FORCES] + r] != STICK:
-            _turning(m, r, c[c[FRICTION_MATE] + r], o)
+        if slides(m, r):
+            turning(m, r, o)
     split, scratch, held = m.ints[SPLIT], scratch_inside(m.ints, m.work), 0
     for r in range(c[FRICTIONS]):
         if m.modes[1 + c[FORCES] + r] != STICK:
@@ -289,32 +246,6 @@ def _foretell(o: Any, k: Any, h: float) -> None:
 
 
 @lean
-def _astray(m: Any, o: Any, h: float, j: int) -> float:
-    """How far the rates across a disc's way are from where its friction turns them, at node j, by its residual.
-
-    What speeds up from rest turns less and less readily: with the slope at the start a pass corrects next to nothing.
-    """
-    c, w, nv, worst = m.c, m.w, m.v.size, 0.0
-    for r in range(c[FRICTIONS]):
-        mate = c[c[FRICTION_MATE] + r]
-        if mate < 0 or m.modes[1 + c[FORCES] + r] == STICK:
-            continue
-        force = np.hypot(w[c[FRICTION] + r], w[c[FRICTION] + mate])
-        one, two = c[c[FRICTION_PORT] + r], c[c[FRICTION_PORT] + mate]
-        speed = np.hypot(w[c[V] + one], w[c[V] + two]) + w[c[REST]]
-        if force == 0.0 or speed == 0.0:
-            continue
-        ahead, aside = w[c[FRICTION] + r] / force, w[c[FRICTION] + mate] / force
-        a, b, left, give = _place(o, one), _place(o, two), 0.0, 0.0
-        for i in range(nv):
-            across = ahead * o.rows[b, i] - aside * o.rows[a, i]
-            left += across * o.residual[j, i]
-            give += across * (ahead * o.give[b, i] - aside * o.give[a, i])
-        worst = max(worst, abs(left) / (1.0 / h + give * force / speed))
-    return float(worst)
-
-
-@lean
 def collocate(m: Any, t: float, y: Any, h: float, k: Any, scale: Any, o: Any, temp: Any, new: Any) -> float:
     """One step of length h [s] from (t, y), whose slope is k; the end is left in `new`, the slopes in the room.
 
@@ -336,7 +267,7 @@ def collocate(m: Any, t: float, y: Any, h: float, k: Any, scale: Any, o: Any, te
             rate_at(m, t + C[j] * h, temp, new)
             for i in range(nv):
                 o.residual[j, i] = new[nq + i] - o.f[j, nq + i]
-            astray = max(astray, _astray(m, o, h, j) / scale[nq])
+            astray = max(astray, far_astray(m, o, h, j) / scale[nq])
             for i in range(size):
                 if i < nq or i >= nq + nv:
                     o.f[j, i] = new[i]

@@ -15,7 +15,6 @@ from spacerobot.simulation.multibody.machine import NEEDS, called, machine_of
 from spacerobot.simulation.multibody.ports import for_bodies, layout_of, mates
 from spacerobot.simulation.reduced.arrays import BIAS, FORCE, FRICTION, W_ROWS, D, System, V, pack
 from spacerobot.simulation.reduced.assemble import assemble
-from spacerobot.simulation.reduced.forces import AT_REST
 from spacerobot.simulation.reduced.law_table import LAWS
 
 
@@ -31,7 +30,7 @@ class Dynamics:
             shape (n, nf).
         layout, scratch: constant and work arrays of the kernel, as views.
         nq, nv, size: of configuration, velocity and ambient state.
-        settings: shape (5,), see `machine`.
+        settings: shape (4,), see `machine`.
         machine: all arrays, as the compiled integrator takes them.
     """
 
@@ -52,7 +51,7 @@ class Dynamics:
         self.q, self.v = np.zeros(self.nq), np.zeros(self.nv)
         ints, floats, work = packed(self.layout, assembly.tree, self.frictions)
         self.scratch = scratch_from(ints, work)
-        self.settings = np.array([BIASES if self._needs_bias() else PLAIN_PORTS, 0.0, AT_REST, 0.0, 0.0])
+        self.settings = np.array([BIASES if self._needs_bias() else PLAIN_PORTS, 0.0, 0.0, 0.0])
         self.machine, self._table = machine_of(
             x=self.packed.floats,
             c=self.packed.ints,

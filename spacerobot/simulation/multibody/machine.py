@@ -25,9 +25,9 @@ from spacerobot.simulation.reduced.forces import PRESSED, STICK
 from spacerobot.simulation.reduced.guards import guards
 from spacerobot.support.jit import by_address, jit, lean, numba, part
 
-NEEDS, SLACK, STILL, RATES, GUARDS = range(5)
+NEEDS, SLACK, RATES, GUARDS = range(4)
 """Where `settings` keeps: what an evaluation needs, see `kernel`; force [N] below which what holds a friction is
-rounding; speed [m/s] below which sliding in two directions has stopped; how often rate and guards were evaluated."""
+rounding; how often rate and guards were evaluated."""
 
 
 class Machine(NamedTuple):

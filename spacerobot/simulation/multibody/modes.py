@@ -8,7 +8,7 @@ import numpy as np
 
 from spacerobot.simulation.multibody.kernel import solve
 from spacerobot.simulation.multibody.layout import SPLIT, scratch_inside
-from spacerobot.simulation.multibody.machine import SLACK, STILL, port_speed, rate_at, row_of
+from spacerobot.simulation.multibody.machine import SLACK, port_speed, rate_at, row_of
 from spacerobot.simulation.multibody.sliding import start_heading
 from spacerobot.simulation.reduced.arrays import (
     CONTACT_FORCE,
@@ -24,13 +24,24 @@ from spacerobot.simulation.reduced.arrays import (
     HEADING,
     PRESS,
     RAW,
+    REST,
     STATE_PORT,
     STATES,
     D,
     V,
 )
 from spacerobot.simulation.reduced.events import fix_edges
-from spacerobot.simulation.reduced.forces import APART, AT_REST, PRESSED, RELEASED, STICK, TINY, direction, level
+from spacerobot.simulation.reduced.forces import (
+    APART,
+    AT_REST,
+    PRESSED,
+    RELEASED,
+    STICK,
+    TINY,
+    direction,
+    level,
+    onwards,
+)
 from spacerobot.support.jit import lean
 
 
@@ -47,12 +58,6 @@ def _set(m: Any, r: int, mode: int) -> None:
 def _sliding(m: Any, r: int, mate: int) -> float:
     """Speed of what slides in two directions, at the state last evaluated."""
     return float(np.hypot(port_speed(m, r), port_speed(m, mate)))
-
-
-@lean
-def _onwards(m: Any, r: int, mate: int) -> float:
-    """Rate along its heading of what slides in two directions."""
-    return float(port_speed(m, r) * m.w[m.c[HEADING] + r] + port_speed(m, mate) * m.w[m.c[HEADING] + mate])
 
 
 @lean
@@ -77,7 +82,7 @@ def turn(m: Any) -> None:
     c, w = m.c, m.w
     for r in range(c[FRICTIONS]):
         mate = c[c[FRICTION_MATE] + r]
-        if mate >= 0 and m.modes[1 + c[FORCES] + r] != STICK and _onwards(m, r, mate) > 0.0:
+        if mate >= 0 and m.modes[1 + c[FORCES] + r] != STICK and onwards(c, w, r, mate) > 0.0:
             w[c[HEADING] + r], w[c[HEADING] + mate] = direction(c, w, r, mate)
 
 
@@ -184,7 +189,7 @@ def _switch_friction(m: Any, r: int, y: Any) -> None:
     if m.modes[1 + m.c[FORCES] + r] == STICK:
         _break_away(m, r)
         return
-    if mate >= 0 and _sideways(m, r, mate) > m.settings[STILL]:
+    if mate >= 0 and _sideways(m, r, mate) > m.w[m.c[REST]]:
         _head(m, r, mate, _sliding(m, r, mate))  # it did not stop, but turned by more than a right angle in a step
         return
     _halt(m, r, mate, y)

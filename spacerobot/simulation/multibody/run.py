@@ -15,7 +15,7 @@ from spacerobot.simulation.multibody.balance import balanced
 from spacerobot.simulation.multibody.dynamics import Dynamics
 from spacerobot.simulation.multibody.integrate import DONE, TOO_MANY_STEPS, VANISHED, Steps, integrate
 from spacerobot.simulation.multibody.kernel import load
-from spacerobot.simulation.multibody.machine import SLACK, STILL
+from spacerobot.simulation.multibody.machine import SLACK
 from spacerobot.simulation.multibody.sample import displacements, pushes, read, widths
 from spacerobot.simulation.reduced.arrays import REST
 from spacerobot.simulation.reduced.assemble import recorded, rested
@@ -261,9 +261,8 @@ def integrate_scene(
         raise InputError("recorded inputs must be finite, at ascending times", given=[i.name for i in mechanism.inputs])
     dynamics = Dynamics(assembly, balanced(scene, mechanism, assembly), drives)
     scale, slack = _scale(scene, dynamics, tolerance)
-    still = max(AT_REST, float(scale[dynamics.nq]))
-    dynamics.settings[SLACK], dynamics.settings[STILL] = slack, still
-    dynamics.w[dynamics.packed.ints[REST]] = still
+    dynamics.settings[SLACK] = slack
+    dynamics.w[dynamics.packed.ints[REST]] = max(AT_REST, float(scale[dynamics.nq]))
     y = np.zeros(dynamics.size)
     y[: dynamics.nq] = assembly.start
     y[dynamics.nq : dynamics.nq + dynamics.nv] = assembly.velocity

@@ -119,6 +119,13 @@ def say(x: Any, c: Any, laws: Any, modes: Any, w: Any, j: int) -> float:
 
 
 @lean
+def onwards(c: Any, w: Any, r: int, mate: int) -> float:
+    """Rate along its heading of a disc that slides."""
+    along, across = w[c[V] + c[c[FRICTION_PORT] + r]], w[c[V] + c[c[FRICTION_PORT] + mate]]
+    return float(along * w[c[HEADING] + r] + across * w[c[HEADING] + mate])
+
+
+@lean
 def direction(c: Any, w: Any, r: int, mate: int) -> Any:
     """Where a disc slides, two numbers: along its rates; along its heading where these are next to nothing.
 
@@ -130,8 +137,7 @@ def direction(c: Any, w: Any, r: int, mate: int) -> Any:
     ahead, aside = w[c[HEADING] + r], w[c[HEADING] + mate]
     if np.hypot(along, across) <= AT_REST:
         return ahead, aside
-    onwards = along * ahead + across * aside
-    push = w[c[REST]] - 2.0 * min(onwards, 0.0)
+    push = w[c[REST]] - 2.0 * min(onwards(c, w, r, mate), 0.0)
     ahead, aside = along + push * ahead, across + push * aside
     size = np.hypot(ahead, aside)
     return ahead / size, aside / size

@@ -18,7 +18,6 @@ from spacerobot.simulation.reduced.arrays import (
     FRICTION_PORT,
     FRICTIONS,
     GEOMETRY,
-    HEADING,
     NONE,
     PARAMETER,
     PRESS,
@@ -31,7 +30,7 @@ from spacerobot.simulation.reduced.arrays import (
     D,
     V,
 )
-from spacerobot.simulation.reduced.forces import APART, PRESSED, STICK, TINY, beside, call_law, level
+from spacerobot.simulation.reduced.forces import APART, PRESSED, STICK, TINY, beside, call_law, level, onwards
 from spacerobot.support.jit import lean
 
 
@@ -45,8 +44,7 @@ def disc(x: Any, c: Any, laws: Any, w: Any, r: int, mate: int, m: int, normal: f
         a, b = w[c[FRICTION] + r], w[c[FRICTION] + mate]
         limit = level(x, c, laws, r, TINY, normal, w[c[D] + c[c[FRICTION_PORT] + r]])
         return float(limit * (1.0 + 1e-12) + 1e-300 - np.sqrt(a * a + b * b))
-    along, across = w[c[V] + c[c[FRICTION_PORT] + r]], w[c[V] + c[c[FRICTION_PORT] + mate]]
-    return float(along * w[c[HEADING] + r] + across * w[c[HEADING] + mate] + w[c[REST]])
+    return float(onwards(c, w, r, mate) + w[c[REST]])
 
 
 @lean
