@@ -9,6 +9,8 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import TypeVar
 
+import numpy as np
+
 from spacerobot.diagnosis.answer.evidence import evidence_of_parts
 from spacerobot.diagnosis.answer.learned import draft_of
 from spacerobot.diagnosis.answer.mended_model import model_text
@@ -25,8 +27,8 @@ from spacerobot.diagnosis.selection.felt_together import Felt, Shapes, felt_by, 
 from spacerobot.diagnosis.selection.forward_selection import MOST, grow, retained
 from spacerobot.diagnosis.selection.meetings import meetings
 from spacerobot.diagnosis.selection.moment import with_free_moment
+from spacerobot.diagnosis.selection.one_amount import at_odds
 from spacerobot.diagnosis.selection.one_clock import not_borne_out
-from spacerobot.diagnosis.selection.one_load import at_odds
 from spacerobot.diagnosis.selection.part_fold import settled
 from spacerobot.diagnosis.selection.part_limits import PartLimits
 from spacerobot.diagnosis.selection.part_result import Part
@@ -95,15 +97,18 @@ def diagnose_parts(
     apart = partial(_apart, replace(held, report=silent), files)
     with Copies(held, min(jobs, len(models)), apart) as copies:
 
-        def asked(some: Sequence[int], links: Sequence[str]) -> list[tuple[Felt, Felt]]:
-            return _done(copies.each(_felt, [(k, links) for k in some]), report, "what the parts feel together")
+        def asked(
+            some: Sequence[int], places: Sequence[str], known: Mapping[str, np.ndarray]
+        ) -> list[tuple[Felt, Felt]]:
+            return _done(copies.each(_felt, [(k, places, known) for k in some]), report, "what the parts feel together")
 
         shapes = shapes_of(models, held.catalogue(), asked)
         parts = _done(copies.each(_search, [(k, True, shapes) for k in every]), report, "searching the parts")
-        if unlike := sorted(at_odds(parts)):
-            shapes = {}
-            anew = copies.each(_search, [(k, True, shapes) for k in unlike])
-            parts = _with(parts, unlike, _done(anew, report, "searching again, each for itself"))
+        if unlike := at_odds(parts):
+            shapes = {label: form for label, form in shapes.items() if label not in unlike}
+            some = sorted(set().union(*unlike.values()))
+            anew = copies.each(_search, [(k, True, shapes) for k in some])
+            parts = _with(parts, some, _done(anew, report, "searching again, each for itself"))
         again = sorted(not_borne_out(parts))
         anew = copies.each(_search, [(k, False, shapes) for k in again])
         parts = _with(parts, again, _done(anew, report, "searching again, on one clock"))
@@ -144,9 +149,9 @@ def _done(waiting: Sequence[Waiting[T]], report: Report, what: str) -> list[T]:
 
 
 @one_thread()
-def _felt(held: _Held, place: int, links: Sequence[str]) -> tuple[Felt, Felt]:
-    """What bodies at links would do for one part."""
-    return felt_by(held.models[place], links, held.catalogue())
+def _felt(held: _Held, k: int, places: Sequence[str], known: Mapping[str, np.ndarray]) -> tuple[Felt, Felt]:
+    """What numbers of what is at places that all parts share would do for one part."""
+    return felt_by(held.models[k], places, held.catalogue(), known)
 
 
 @one_thread()

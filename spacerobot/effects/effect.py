@@ -7,7 +7,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import ClassVar, Final, Self
+from typing import ClassVar, Final, Literal, Self
 
 import numpy as np
 
@@ -17,6 +17,9 @@ from spacerobot.support.errors import InputError, NotFoundError
 
 FORM: Final = "~"
 """What stands between the name of an effect and the form that it is in."""
+
+Together = Literal["", "point", "whole", "field", "zero"]
+"""As what all parts of a machine feel an effect, see `Effect.together`; empty of one that each has for itself."""
 
 
 def said_name(name: str) -> str:
@@ -101,7 +104,9 @@ class Effect(ABC):
         settings: of an effect in such a form, what it is called by: order, kind.
         choices: of an effect in such a form, among how many it was chosen, the plain one counted.
         together: of a machine in parts (the joints of an arm), every part feels it by one and the same shape: that is
-            found by all of them together, before each is asked how much of it there is.
+            found by all of them together, before each is asked how much of it there is. As what they feel it: "point",
+            a body at a place of a link; "whole", more of a link itself; "field", a pull on all of them along one
+            direction; "zero", an encoder's.
         learned: a curve found in recordings, which has no name.
         curve: of a law of one variable, its shape in a word that a learned curve's description shares; empty elsewhere.
     """
@@ -125,7 +130,7 @@ class Effect(ABC):
     forms: ClassVar[tuple[str, ...]] = ()
     settings: ClassVar[Mapping[str, float | str]] = {}
     choices: ClassVar[int] = 1
-    together: ClassVar[bool] = False
+    together: ClassVar[Together] = ""
     learned: ClassVar[bool] = False
     curve: ClassVar[str] = ""
 

@@ -35,6 +35,8 @@ class Mechanism:
         sensors: sensor (stream) name -> its channels, so that an effect can sit at a sensor.
         links: "link.NAME" of each link of a robot that moves and that a load can be fixed to.
         loads: what is fixed to them.
+        gravity: acceleration [m/s^2], shape (3,), in the world's axes; None where bodies feel it along their
+            coordinates alone (`fields`).
     """
 
     coordinates: Mapping[str, Coordinate]
@@ -51,6 +53,7 @@ class Mechanism:
     sensors: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     links: tuple[str, ...] = ()
     loads: tuple[Load, ...] = ()
+    gravity: tuple[float, float, float] | None = None
 
     def __post_init__(self) -> None:
         for port, row in self.ports.items():
@@ -94,6 +97,17 @@ class Mechanism:
         if load.link not in self.links:
             raise NotFoundError("link", load.link, self.links)
         return replace(self, loads=(*self.loads, load))
+
+    def with_pull(self, pull: tuple[float, float, float]) -> Mechanism:
+        """This mechanism under a further acceleration of all that has mass [m/s^2], in the world's axes.
+
+        Raises:
+            InputError: its bodies feel gravity along their coordinates alone.
+        """
+        if self.gravity is None:
+            raise InputError("this mechanism knows of no gravity in space")
+        x, y, z = (g + p for g, p in zip(self.gravity, pull, strict=True))
+        return replace(self, gravity=(x, y, z))
 
     def with_map(self, *maps: ChannelMap) -> Mechanism:
         """This mechanism with further channel maps."""

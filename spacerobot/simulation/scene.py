@@ -350,7 +350,9 @@ class Scene:
         """Acceleration with which gravity and tilt bring the target to the hand, along the approach [m/s^2]."""
         mechanism = self.mechanism()
         falls = {"target": 1.0} if self.hand.stiffness > 0.0 else {"target": 1.0, "hand": -1.0}
-        return sum(falls.get(f.body, 0.0) * f.acceleration for f in mechanism.fields)
+        further = np.array(mechanism.gravity or self.gravity) - np.array(self.gravity)  # what effects add to it
+        alone = float(further @ np.array(self.approach)) if self.base != "free" else 0.0
+        return alone + sum(falls.get(f.body, 0.0) * f.acceleration for f in mechanism.fields)
 
     @cached_property
     def arrival(self) -> float:

@@ -185,4 +185,5 @@ def _with_robot(scene: Outline, mechanism: Mechanism) -> Mechanism:
         sensors=sensors,
         forces=tuple(forces),
         links=tuple(f"link.{name}" for name in robot.links_on(moved)),
+        gravity=(scene.gravity[0], scene.gravity[1], scene.gravity[2]),
     )

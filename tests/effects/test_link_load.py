@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from spacerobot.diagnosis.machines.body_columns import BodyColumns
 from spacerobot.diagnosis.machines.links import mass_of, with_masses
 from spacerobot.diagnosis.machines.rigid import Rigid
-from spacerobot.effects.located_load import form_of, place_of
 from spacerobot.effects.registry import effect
+from spacerobot.effects.settled import form_of, shape_of
 from spacerobot.model.library import load
 from spacerobot.simulation.parts import EffectAt, Servo, Target
 from spacerobot.simulation.scene import Scene
@@ -84,7 +84,7 @@ def test_nothing_can_be_fixed_to_what_does_not_move() -> None:
 def test_a_form_holds_its_place_to_a_micrometre(place: tuple[float, float, float]) -> None:
     one: Any = effect("link_load").in_form(form_of(place))
     assert np.allclose(list(one.settings.values()), place, rtol=0.0, atol=0.6e-6)
-    assert place_of(form_of(place)) == place_of(form_of(place_of(form_of(place))))
+    assert shape_of(form_of(place)) == shape_of(form_of(shape_of(form_of(place))))
     assert effect(one.name).name == one.name
 
 

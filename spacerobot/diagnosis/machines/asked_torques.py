@@ -12,8 +12,12 @@ from spacerobot.diagnosis.machines.hidden_motion import hidden
 from spacerobot.diagnosis.machines.joined_pieces import Joined
 from spacerobot.diagnosis.machines.joint_log import Motion
 from spacerobot.diagnosis.machines.measured import port_forces
+from spacerobot.diagnosis.machines.shared_columns import BASE
 from spacerobot.diagnosis.machines.test_functions import Bump
 from spacerobot.effects.mechanism import Mechanism
+
+Asked = Callable[[Mapping[str, np.ndarray]], np.ndarray]
+"""Numbers of what is at places that all joints share -> what it asks for, shape (T, C)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,8 +31,8 @@ class AskedTorques:
         mass: "joint.NAME" -> the rigid body's own inertia about it in the mean pose [kg m^2 or kg].
         link_mass: links of doubted mass -> what the robot's model has [kg].
         by_link: of these, what one more such link adds to the inertia about each joint, shape (J,).
-        zeros: "joint.NAME.zero" of the encoders whose zero is doubted.
         base: believed values by dotted name.
+        gravity: that the rigid body is in [m/s^2]; None where it is not felt in space.
         numbers: of a link that may carry a load and a place in it, the load's ten numbers per kilogram, shape (10,).
     """
 
@@ -38,21 +42,18 @@ class AskedTorques:
     mass: Mapping[str, float]
     link_mass: Mapping[str, float]
     by_link: Mapping[str, np.ndarray]
-    zeros: tuple[str, ...]
     base: Mapping[str, float]
+    gravity: tuple[float, float, float] | None
     numbers: Callable[[str, np.ndarray | None], np.ndarray]
 
-    def along(
-        self, mechanism: Mechanism, motion: Motion, lens: Bump | Joined, by_body: Callable[[str], np.ndarray]
-    ) -> dict[str, np.ndarray]:
+    def along(self, mechanism: Mechanism, motion: Motion, lens: Bump | Joined, shared: Asked) -> dict[str, np.ndarray]:
         """Torque that a motion asks of each compared joint's drive, shape (T,) each."""
         names = [f"joint.{j}" for j in self.joints]
         position = {n: motion.position[:, i] for i, n in enumerate(names)}
         velocity = {n: motion.velocity[:, i] for i, n in enumerate(names)}
         asked = {f"joint.{j}": self._asked(mechanism, motion, j) for j in self.compared}
-        for load in mechanism.loads:
-            place = None if load.place is None else np.array(load.place)
-            more = by_body(load.link) @ (load.mass * self.numbers(load.link, place))
+        if beside := self._beside(mechanism):
+            more = shared(beside)
             asked = {name: torque + own for (name, torque), own in zip(asked.items(), more.T, strict=True)}
         held = self._held(mechanism, motion, asked)
         if len(mechanism.coordinates) > len(names) + len(self.link_mass):
@@ -69,6 +70,20 @@ class AskedTorques:
             asked = {n: torque - mechanism.ports[port].get(n, 0.0) * force for n, torque in asked.items()}
         return asked
 
+    def _beside(self, mechanism: Mechanism) -> dict[str, np.ndarray]:
+        """What all joints feel beside the rigid body as it is believed: by place, the numbers of it, shape (N,)."""
+        out: dict[str, np.ndarray] = {}
+        for load in mechanism.loads:
+            place = None if load.place is None else np.array(load.place)
+            out[load.link] = out.get(load.link, 0.0) + load.mass * self.numbers(load.link, place)
+        if mechanism.gravity != self.gravity:
+            out[BASE] = np.array(mechanism.gravity) - np.array(self.gravity)
+        for m in mechanism.maps:
+            joint = m.channel.removesuffix(".position")
+            if m.kind == "offset" and joint in self.mass and m.value:
+                out[joint] = out.get(joint, 0.0) + np.array([m.value])
+        return out
+
     def outweighing(self, mechanism: Mechanism, joint: str, shown: np.ndarray) -> np.ndarray:
         """What is asked for at a joint, in proportion to believed inertia where nothing drives it."""
         if joint not in self.idle:
@@ -83,9 +98,6 @@ class AskedTorques:
         asked = motion.rigid[:, k] + (mechanism.coordinates[name].mass - self.mass[name]) * motion.acceleration[:, k]
         if self.link_mass:
             asked = asked + np.array([self._heavier(mechanism, n) for n in self.link_mass]) @ motion.by_link[:, :, k]
-        for zero, change in zip(self.zeros, motion.by_zero, strict=True):
-            off = sum(m.value for m in mechanism.maps if m.channel == position_of(zero) and m.kind == "offset")
-            asked = asked + off * change[:, k]
         return np.asarray(asked)
 
     def _held(
@@ -121,8 +133,3 @@ class AskedTorques:
     def _heavier(self, mechanism: Mechanism, link: str) -> float:
         """By which share of its mass a link is heavier than the robot's."""
         return mechanism.coordinates[f"link.{link}"].mass / self.link_mass[link] - 1.0
-
-
-def position_of(zero: str) -> str:
-    """The channel that "joint.NAME.zero" is the zero of."""
-    return zero.removesuffix("zero") + "position"

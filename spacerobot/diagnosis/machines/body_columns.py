@@ -7,15 +7,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from functools import partial
+from collections.abc import Sequence
+from copy import copy
 
 import numpy as np
 import pinocchio as pin
 
 from spacerobot.diagnosis.machines.contract import TEN
-from spacerobot.diagnosis.machines.joined_pieces import Joined
-from spacerobot.diagnosis.machines.joint_log import Motion, unbent
 from spacerobot.diagnosis.machines.rigid import Rigid
 from spacerobot.model.robot import Robot
 
@@ -27,6 +25,12 @@ class BodyColumns:
         """Of a robot, whose rigid part along the logged joints is `arm`."""
         self.model, self.data, self.arm = arm.model, arm.model.createData(), arm
         self._frames = {f.name: f for f in robot.model.frames if f.type == pin.FrameType.BODY}
+
+    def of(self, arm: Rigid) -> BodyColumns:
+        """The same, the arm otherwise loaded or in another gravity."""
+        other = copy(self)
+        other.model, other.data, other.arm = arm.model, arm.model.createData(), arm
+        return other
 
     def numbers(self, link: str, place: Sequence[float] | np.ndarray | None) -> np.ndarray:
         """Those of a body of 1 kg at a place in a link's frame [m], shape (10,).
@@ -70,42 +74,3 @@ class BodyColumns:
             v[index], a[index] = velocity[t], acceleration[t]
             out[t] = pin.computeJointTorqueRegressor(self.model, self.data, q, v, a)[wanted]
         return out.reshape(out.shape[0], -1)
-
-
-class Carried:
-    """What some joints of an arm feel of a body on each link that they carry, along pieces of motion.
-
-    Attributes:
-        links: "link.NAME", base to tip: the last one of each logged joint that they carry.
-    """
-
-    def __init__(
-        self, columns: BodyColumns, links: Sequence[str], rows: Sequence[int], of: Mapping[str, Motion]
-    ) -> None:
-        """Of links, felt by some of the logged joints, along the pieces' motions by their ids."""
-        self._columns, self.links, self._rows, self._motion = columns, tuple(links), tuple(rows), of
-        self._along: dict[str, np.ndarray] = {}
-        self._joined: dict[tuple[Joined, str], np.ndarray] = {}
-
-    def along(self, motion: Mapping[str, Motion]) -> Carried:
-        """The same along other motions."""
-        return Carried(self._columns, self.links, self._rows, motion)
-
-    def numbers(self, where: str, place: np.ndarray | None) -> np.ndarray:
-        """Those of a body of 1 kg at a place of a link [m], or spread as the link is, shape (10,)."""
-        return self._columns.numbers(where.removeprefix("link."), place)
-
-    def piece(self, name: str, where: str) -> np.ndarray:
-        """What each number of a body on a link asks for along a piece, shape (T, C, 10)."""
-        if name not in self._along:
-            m = self._motion[name]
-            along = partial(self._columns.along, [link.removeprefix("link.") for link in self.links], self._rows)
-            found = unbent(along, m.lens, m.wider, (m.position, m.velocity, m.acceleration))
-            self._along[name] = found.reshape(-1, len(self._rows), len(self.links), TEN)
-        return self._along[name][:, :, self.links.index(where)]
-
-    def row(self, joined: Joined, where: str) -> np.ndarray:
-        """The same along all pieces of a row."""
-        if (joined, where) not in self._joined:
-            self._joined[joined, where] = np.concatenate([self.piece(name, where) for name in joined.sizes])
-        return self._joined[joined, where]

@@ -120,6 +120,11 @@ TEN = 10
 """Numbers of a body at a link: its mass, that times its place, and its inertia (m, m c, I)."""
 
 
+def numbers_at(where: str) -> int:
+    """How many numbers what is at a shared place has."""
+    return TEN if where.startswith("link.") else 1 if where.startswith("joint.") else 3
+
+
 class Machine(ABC):
     """Base of what fits can run. An implementer sets the attributes and gives `mechanism` and `predict`.
 
@@ -163,8 +168,9 @@ class Machine(ABC):
     """Name of the mass that another trial may change."""
     one_lag: bool = False
     """Whether what is sluggish is asked how it changes, so that a filter can be of the first order alone."""
-    carried: tuple[str, ...] = ()
-    """Links, "link.NAME" from base to tip, of which its readings feel a load; one of each joint."""
+    shared: tuple[str, ...] = ()
+    """Places of which other parts of its machine feel what it feels: links, "link.NAME" from base to tip, that may
+    carry a body; the base, in gravity; joints, "joint.NAME", whose encoders may have another zero."""
     shapes: Mapping[tuple[str, str], str] = MappingProxyType({})
     """By effect and place, the form in which what all parts feel together was found (`Effect.together`)."""
     strides: bool = True
@@ -235,8 +241,17 @@ class Machine(ABC):
         self.doubted.take_off(blocks, mechanism, trial.recorded, ((b.channels, b.time) for b in trial.blocks))
 
     def felt(self, trial: TrialData, where: str) -> np.ndarray:
-        """By how much its weighted readings rise with each of the ten numbers of a body at a link, shape (10, S)."""
-        return np.zeros((TEN, trial.valid.size))
+        """By how much its weighted readings rise with each number of what is at a shared place, shape (N, S): the ten
+        of a body at a link, three of a pull at the base, the zero of a joint's encoder."""
+        return np.zeros((numbers_at(where), trial.valid.size))
+
+    def near(self, numbers: Mapping[str, np.ndarray]) -> Machine:
+        """The same, telling what it feels near where these numbers are at some shared places."""
+        return self
+
+    def bent(self, trial: TrialData) -> np.ndarray:
+        """What its weighted readings show there beside what is in proportion to the numbers, shape (S,)."""
+        return np.zeros(trial.valid.size)
 
     def numbers(self, where: str, place: np.ndarray | None) -> np.ndarray:
         """Those of a body of 1 kg at a place of a link [m], or spread as the link is, shape (10,)."""

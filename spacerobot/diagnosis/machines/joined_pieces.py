@@ -135,8 +135,8 @@ def _joined(pieces: Sequence[tuple[str, Motion, Bump]]) -> Joined:
         acceleration=row("acceleration"),
         rigid=row("rigid"),
         by_link=row("by_link", axis=1),
-        by_zero=row("by_zero", axis=1),
         torque=None if first.torque is None else row("torque"),
+        turn=None if first.turn is None else row("turn"),
         run_up=first.run_up[:0],
     )
     return Joined(whole, pieces[0][2], {name: m.position.shape[0] for name, m, _ in pieces})

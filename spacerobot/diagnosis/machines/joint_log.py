@@ -16,9 +16,6 @@ from spacerobot.effects.catalogue.coulomb_friction import dry
 from spacerobot.effects.primitives import Friction
 from spacerobot.effects.sizes import Sizes
 
-STEP = 1e-4
-"""By which a joint is moved to either side for the torque's change with its place [rad or m]: error 1e-8 of it."""
-
 TURN = "base.yaw"
 """Channel of a floating base that its arm's joints feel."""
 
@@ -42,13 +39,13 @@ class Motion:
     rigid: np.ndarray  # (T, J) torque that the rigid body asks for
     stride: int
     by_link: np.ndarray  # (K, T, J) of it, what each link of doubted mass asks for
-    by_zero: np.ndarray  # (Z, T, J) how it changes with each encoder's doubted zero [per rad or m]
     torque: np.ndarray | None  # (T, J) as logged; None of a motion that nobody made
     run_up: np.ndarray  # (R, J) acceleration of the trial before it
     slow: np.ndarray  # (J,) rate below which it may stand still
     lens: Bump  # what motion and torque were seen through before
     wider: float = 1.0  # by how much what they truly were seen through is wider, in variance
     beside: Mapping[str, Brought] = field(default_factory=dict)  # by doubted factor
+    turn: np.ndarray | None = None  # (T,) rate of a tracked base that floats
 
     def told(self, beyond: Callable[[str], float]) -> Motion:
         """As it truly was, with each doubted factor so much larger than believed."""
@@ -83,7 +80,6 @@ class JointLog:
     turn: np.ndarray | None  # (T,) of a tracked base that floats
     rigid: np.ndarray  # (T, J), empty before it is asked for
     by_link: np.ndarray  # (K, T, J), empty before it is asked for
-    by_zero: np.ndarray  # (Z, T, J), empty before it is asked for
     lens: Bump  # what all were seen through
     wider: float = 1.0  # by how much what they truly were seen through is wider, in variance
 
@@ -98,9 +94,8 @@ class JointLog:
         even = np.ones(min(max(1, round(SLOW / (self.step * by))), shown.size))
         return driven + np.convolve(shown - driven, even, "same") / np.convolve(np.ones(shown.size), even, "same")
 
-    def thinned(self, by: int, arm: Rigid, heavier: Sequence[Rigid], zeros: Sequence[int]) -> JointLog:
-        """Every `by`-th sample, with the rigid body's torque, what of it each doubled link adds, and how it changes
-        with the zero of some joints' encoders."""
+    def thinned(self, by: int, arm: Rigid, heavier: Sequence[Rigid]) -> JointLog:
+        """Every `by`-th sample, with the rigid body's torque and what of it each doubled link adds."""
         some = slice(None, None, by)
         q, v, a = self.position[some], self.velocity[some], self.acceleration[some]
         turn = self.turned(arm, by)
@@ -113,13 +108,8 @@ class JointLog:
         rigid = asked(arm)
         good = np.array([self.good[i : i + by].all() for i in range(0, self.time.size, by)])
         by_link = np.array([asked(other) - rigid for other in heavier]).reshape(len(heavier), *rigid.shape)
-        steps = (np.eye(q.shape[1])[j] * STEP for j in zeros)  # a later zero is an earlier place
-        by_zero = np.array(
-            [(arm.torque(q - s, v, a, turn) - arm.torque(q + s, v, a, turn)) / (2.0 * STEP) for s in steps]
-        )
-        by_zero = by_zero.reshape(len(zeros), *rigid.shape)
         torque, step = self.torque[some], self.step * by
-        return JointLog(self.time[some], step, q, v, a, torque, good, turn, rigid, by_link, by_zero, lens, wider)
+        return JointLog(self.time[some], step, q, v, a, torque, good, turn, rigid, by_link, lens, wider)
 
 
 def unbent(
@@ -160,7 +150,7 @@ def kinematics(grid: Grid, joints: Sequence[str], half: int) -> JointLog:
     time, empty = grid.time[half:-half], np.zeros((0, len(joints)))
     smooth = (sharp.smooth(position), velocity, acceleration, sharp.smooth(torque))
     turn = sharp.rate(grid.value[TURN]) if TURN in grid.value else None
-    return JointLog(time, grid.step, *smooth, good, turn, empty, empty[None], empty[None], sharp)
+    return JointLog(time, grid.step, *smooth, good, turn, empty, empty[None], sharp)
 
 
 def torque_sizes(logs: Iterable[JointLog], index: int, arm: Rigid | None = None) -> Sizes:

@@ -14,8 +14,8 @@ from functools import partial
 import numpy as np
 
 from spacerobot.diagnosis.machines import torque_log
-from spacerobot.diagnosis.machines.asked_torques import AskedTorques, position_of
-from spacerobot.diagnosis.machines.body_columns import BodyColumns, Carried
+from spacerobot.diagnosis.machines.asked_torques import AskedTorques
+from spacerobot.diagnosis.machines.body_columns import BodyColumns
 from spacerobot.diagnosis.machines.clear_width import half_width, logged_noise
 from spacerobot.diagnosis.machines.contract import FACTORS, Machine, Predicted, Variant, conditions_of
 from spacerobot.diagnosis.machines.doubted import NONE, Doubted, beyond
@@ -34,6 +34,7 @@ from spacerobot.diagnosis.machines.links import twice_as_heavy, weighed_links
 from spacerobot.diagnosis.machines.measured import through_sensor
 from spacerobot.diagnosis.machines.mechanism_cache import MechanismCache
 from spacerobot.diagnosis.machines.rigid import Rigid
+from spacerobot.diagnosis.machines.shared_columns import BASE, SharedColumns
 from spacerobot.diagnosis.machines.stated_noise import Lens, StatedNoise, stated_noise, still_below
 from spacerobot.diagnosis.machines.test_functions import Bump
 from spacerobot.diagnosis.machines.torque_pieces import FEWEST, Cutter, Recorded
@@ -131,7 +132,7 @@ class InverseDynamics(Machine):
         sigma = {n: s for n, s in (sigma or {}).items() if not n.startswith("link.") or n.split(".")[1] in self.links}
         heavier = [Rigid(r, gravity, self.joints) for r in twice_as_heavy(robot, link_mass).values()]
         moved = {n for n in {**sigma, **(absolute or {})} if n.endswith(".zero") and n.split(".")[1] in self.joints}
-        zeros = tuple(sorted(moved))
+        self._zeros = sorted(n.removesuffix(".zero") for n in moved)
         sigma = {n: s for n, s in sigma.items() if not n.endswith(".zero") or n in moved}
         unfelt = {f"joint.{j}.torque" for j in self.joints if j not in self.compared}
         self.doubted = doubted.only(lambda channel: channel not in unfelt)
@@ -165,7 +166,7 @@ class InverseDynamics(Machine):
             thin = max(1, int(own_pace / grid.step / POINTS))
             sharp = max(SHARP, 3 * thin)  # or noise folds over
             log = raw[key] if sharp == SHARP else kinematics(grid, self.joints, sharp)
-            log = log.thinned(thin, arm, heavier, [self.joints.index(n.split(".")[1]) for n in zeros])
+            log = log.thinned(thin, arm, heavier)
             half = max(SHARP, round(own_pace / log.step))
             narrow = Bump.of(sharp, grid.step)
             beside = self._brought(key, grid, log, narrow, thin)
@@ -178,8 +179,11 @@ class InverseDynamics(Machine):
         self.trials = tuple(trials)
         last = {columns.joint_of(n): f"link.{n}" for n in robot.links_on(self.compared)}
         ends = [last[i] for j in self.joints if (i := robot.joint_id(j)) in last]
-        self.carried = () if robot.floating or idle else tuple(ends)
-        self._load = Carried(columns, self.carried, [self.joints.index(j) for j in self.compared], self._motion)
+        felt = [self.joints.index(j) for j in self.compared]
+        self._felt = SharedColumns(columns, () if robot.floating or idle else ends, self.joints, felt, self._motion)
+        x, y, z = gravity
+        self._gravity = None if robot.floating or idle else (float(x), float(y), float(z))
+        self.shared = () if self._gravity is None else (*self._felt.links, BASE, *self._felt.joints)
         self._rows = Rows({t.id: (self._motion[t.id], self._bump[t.id]) for t in trials})
         visited = np.concatenate([m.position[:: m.stride] for m in self._motion.values()])
         mean = arm.inertia(visited)
@@ -200,7 +204,15 @@ class InverseDynamics(Machine):
             self.moment |= moment(f"joint.{joint}.delay", {*around, *self.base}, steps)
         self.base |= {n: 0.0 for n in (*around, *self.moment) if n not in self.base}
         self._asks = AskedTorques(
-            self.joints, self.compared, self._idle, mass, link_mass, by_link, zeros, self.base, self._load.numbers
+            self.joints,
+            self.compared,
+            self._idle,
+            mass,
+            link_mass,
+            by_link,
+            self.base,
+            self._gravity,
+            self._felt.numbers,
         )
         own_zeros = self.doubted.sigma
         self.believed = Believed(self.base, sigma, {}, conditions_of(trials), centres, absolute=around, zeros=own_zeros)
@@ -247,8 +259,7 @@ class InverseDynamics(Machine):
         if len(self.compared) == len(self.joints):
             return every
         twins = {word for s in every if s.where in felt for word in s.effect.same_as}  # a bias is a preload
-        felt |= {*self.carried}
-        own = [s for s in every if s.where in felt or "ports" in self.touched(s)]
+        own = [s for s in every if s.where in felt or s.effect.together or "ports" in self.touched(s)]
         return own + [s for s in every if s.where in self._sensors() and s.effect.name not in twins]
 
     def trial_mechanism(self, hypothesis: Hypothesis, z: np.ndarray, trial: TrialData) -> Mechanism:
@@ -278,10 +289,14 @@ class InverseDynamics(Machine):
             readouts=self._followed,
             maps=(
                 *(m for j in self.compared for m in torque_log.logged(values, j)),
-                *(ChannelMap(position_of(n), "offset", values[n] - self.base[n]) for n in self._asks.zeros),
+                *(
+                    ChannelMap(f"{n}.position", "offset", values[f"{n}.zero"] - self.base[f"{n}.zero"])
+                    for n in self._zeros
+                ),
             ),
             sensors=self._sensors(),
-            links=self.carried,
+            links=self._felt.links,
+            gravity=self._gravity,
         )
 
     def _sensors(self) -> dict[str, tuple[str, ...]]:
@@ -314,7 +329,7 @@ class InverseDynamics(Machine):
             other._motion[name] = replace(
                 m, velocity=speed, acceleration=growth, rigid=rigid, torque=None, run_up=factor**2 * m.run_up, beside={}
             )
-        other._load = self._load.along(other._motion)
+        other._felt = self._felt.along(other._motion)
         other._rows = Rows({name: (m, self._bump[name]) for name, m in other._motion.items() if name in self._bump})
         return other
 
@@ -370,16 +385,33 @@ class InverseDynamics(Machine):
 
     def felt(self, trial: TrialData, where: str) -> np.ndarray:
         """As the torque sensors would read it; none of a link that no compared joint carries."""
-        if where not in self.carried:
+        if where not in self.shared:
             return super().felt(trial, where)
-        asked = self._load.piece(trial.id, where)
+        return self._weighted(trial, self._felt.piece(trial.id, where))
+
+    def _weighted(self, trial: TrialData, asked: np.ndarray) -> np.ndarray:
+        """Torques, shape (T, C, N), as a trial's weighted readings show them, shape (N, S)."""
         shown = self.seen(trial, asked.reshape(asked.shape[0], -1)).reshape(-1, *asked.shape[1:])
         (block,) = trial.blocks
         return np.concatenate([w[:, None] * shown[:, c] for c, w in enumerate(block.weight)]).T
 
+    def near(self, numbers: Mapping[str, np.ndarray]) -> InverseDynamics:
+        """The arm with these bodies on its links, under this pull, its encoders' zeros there."""
+        own = {where: x for where, x in numbers.items() if where in self.shared}
+        if not own:
+            return self
+        other = copy(self)
+        other._felt = self._felt.near(own)
+        return other
+
+    def bent(self, trial: TrialData) -> np.ndarray:
+        """As the torque sensors would read it."""
+        shown: np.ndarray = self._weighted(trial, self._felt.bent(trial.id)[..., None])[0]
+        return shown
+
     def numbers(self, where: str, place: np.ndarray | None) -> np.ndarray:
         """As the columns of what it carries stand."""
-        return self._load.numbers(where, place)
+        return self._felt.numbers(where, place)
 
     def bump(self, trial: TrialData) -> Bump:
         """The test function that a piece's balance is seen through."""
@@ -396,7 +428,7 @@ class InverseDynamics(Machine):
         read, bump = self._motion[trial.id], self._bump[trial.id]
         motion = read.told(partial(beyond, mechanism))
         names = [f"joint.{j}" for j in self.joints]
-        torque, out = self._asks.along(mechanism, motion, motion.lens, partial(self._load.piece, trial.id)), []
+        torque, out = self._asks.along(mechanism, motion, motion.lens, partial(self._felt.asked, trial.id)), []
         for joint in self.compared:
             name = f"joint.{joint}"
             maps = torque_log.beside_motion(mechanism.maps, name)
@@ -409,7 +441,7 @@ class InverseDynamics(Machine):
 
     def _of_all(self, mechanism: Mechanism, joined: Joined) -> np.ndarray:
         """The same of all pieces of a row, shape (C, N), where every instant is its own."""
-        torque, out = self._asks.along(mechanism, joined.motion, joined, partial(self._load.row, joined)), []
+        torque, out = self._asks.along(mechanism, joined.motion, joined, partial(self._felt.asked, joined)), []
         for joint in self.compared:
             maps = torque_log.beside_motion(mechanism.maps, f"joint.{joint}")
             shown = joined.seen(through_sensor(maps, torque[f"joint.{joint}"], joined.motion.step))

@@ -11,12 +11,17 @@ That it began at rest need not be true of the turn, which a tracker shows; how f
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from copy import copy
+from functools import cached_property
 
 import numpy as np
 import pinocchio as pin
 
 from spacerobot.model.robot import Robot
+
+STEP = 1e-4
+"""By which a joint is moved to either side for the torque's change with its place [rad or m]: error 1e-8 of it."""
 
 
 class Rigid:
@@ -49,6 +54,64 @@ class Rigid:
                 v[:6], a[:6] = self._base(q, v, a, None if turn is None else float(turn[t]))
             out[t] = pin.rnea(self.model, self.data, q, v, a)[self.index]
         return out
+
+    def by_zero(
+        self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray, turn: np.ndarray | None = None
+    ) -> np.ndarray:
+        """By how much that torque rises with the zero of each joint's encoder, shape (T, J, J): of joint, encoder.
+
+        A later zero is an earlier place.
+        """
+        motion, joints = (velocity, acceleration, turn), position.shape[1]
+        if self._afloat.size:
+            steps = STEP * np.eye(joints)
+            less = [self.torque(position - s, *motion) - self.torque(position + s, *motion) for s in steps]
+            return np.stack(less, axis=-1) / (2.0 * STEP)
+        v, a, own = np.zeros(self.model.nv), np.zeros(self.model.nv), np.ix_(self.index, self.index)
+        out = np.empty((position.shape[0], joints, joints))
+        for t, q in enumerate(self.written(position)):
+            v[self.index], a[self.index] = velocity[t], acceleration[t]
+            pin.computeRNEADerivatives(self.model, self.data, q, v, a)
+            out[t] = -self.data.dtau_dq[own]
+        return out
+
+    def by_gravity(self, position: np.ndarray, *_: np.ndarray | None) -> np.ndarray:
+        """By how much that torque rises with a pull along each of the world's axes, shape (T, J, 3) [per m/s^2].
+
+        Of an arm on a held base.
+        """
+        out = np.empty((*position.shape, 3))
+        for t, q in enumerate(self.written(position)):
+            for k, model in enumerate(self._pulled):
+                out[t, :, k] = pin.computeGeneralizedGravity(model, self.data, q)[self.index]
+        return out
+
+    @cached_property
+    def _pulled(self) -> list[pin.Model]:
+        """The same arm under a unit of gravity along each of the world's axes."""
+        out = []
+        for axis in np.eye(3):
+            model = pin.Model(self.model)
+            model.gravity.linear = axis
+            out.append(model)
+        return out
+
+    def with_bodies(self, bodies: Mapping[int, np.ndarray], pull: np.ndarray) -> Rigid:
+        """The same arm with further bodies, and under a further pull.
+
+        Args:
+            bodies: joint -> the ten numbers (m, m c, I) of what is added to what it moves, in its frame, shape (10,).
+            pull: world axes [m/s^2], shape (3,).
+        """
+        other = copy(self)
+        other.model = pin.Model(self.model)
+        other.model.gravity.linear = self.model.gravity.linear + pull
+        for joint, more in bodies.items():
+            own = np.asarray(self.model.inertias[joint].toDynamicParameters())
+            other.model.inertias[joint] = pin.Inertia.FromDynamicParameters(own + more)
+        other.data = other.model.createData()
+        vars(other).pop("_pulled", None)  # made of the model
+        return other
 
     def turning(self, position: np.ndarray, velocity: np.ndarray) -> np.ndarray:
         """Rate at which an afloat base that began at rest turns about its free axis, shape (T,) [rad/s]."""

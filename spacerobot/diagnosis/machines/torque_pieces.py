@@ -133,13 +133,13 @@ class Cutter:
             rigid,
             stride,
             _joint_by_joint(log.by_link[:, part]),
-            log.by_zero[:, part],
             torque=log.torque[part],
             slow=self.slow,
             run_up=log.acceleration[: int(part[0])],
             lens=log.lens,
             wider=log.wider,
             beside={k: own.part(part) for k, own in of.beside.items()},
+            turn=None if log.turn is None else log.turn[part],
         )
 
 

@@ -1,9 +1,10 @@
 """What every part of a machine feels by one shape is found by all of them together, before each is searched.
 
-A load in the hand asks for torque at every joint that carries it. One joint alone tells little of where it is, and
-takes it for a sensor that reads too much or for a rotor; together they tell ten times over. So each joint says what the
-ten numbers of a body at each link would do for it, beside all that it might lack itself, and the body of which least
-is left over all joints is offered to each. How much of it there is each joint then says alone, as of any effect.
+A load in the hand asks for torque at every joint that carries it, a base that leans at every joint, and so does an
+encoder whose zero is wrong. One joint alone tells little of it, and takes it for a sensor that reads too much or for a
+rotor; together they tell many times over. So each joint says what the numbers of all these would do for it, beside all
+that it might lack itself, and what leaves least over all joints is offered to each; one after the other, while more
+than chance is won. How much of it there is each joint then says alone, as of any effect.
 """
 
 from __future__ import annotations
@@ -13,49 +14,49 @@ from copy import copy
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import minimize
 
 from spacerobot.diagnosis.fitting.noise import floor_of
 from spacerobot.diagnosis.fitting.screen import Projector, Screener
-from spacerobot.diagnosis.machines.contract import TEN, Machine
+from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.selection.bench import Bench
 from spacerobot.diagnosis.selection.nested_laws import by_chance, chance_edge
+from spacerobot.diagnosis.selection.shared_sources import (
+    ROUNDING,
+    Found,
+    Source,
+    amounts,
+    best_of,
+    gained,
+    placed,
+    together,
+    without,
+)
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.effects.effect import Effect
-from spacerobot.effects.located_load import form_of
 
-REACH = 1.0
-"""Furthest that a load may be from its link's origin [m]: beyond that it is another link's."""
-
-ASIDE = 0.1
-"""How far from the origin a search for its place also begins [m]."""
-
-ROUNDING = 1e-6
-"""Share of the largest direction that what a part might lack itself spans, below which one is rounding."""
+NEARER = 2
+"""How often what was found is found again near where it was found, before one further is sought (Gauss-Newton)."""
 
 ROUNDS = 3
-"""How often parts are weighed by what the body before left of them."""
-
-Numbers = Callable[[str, np.ndarray | None], np.ndarray]
-"""Link and place [m] -> the ten numbers of a body of 1 kg there; without a place, of one spread as the link is."""
-
-Place = tuple[float, float, float]
+"""How often parts are weighed by what was found before left of them, and each found again beside the others."""
 
 
 @dataclass(frozen=True, eq=False)
 class Felt:
-    """What bodies at links would do for one part, beside all that it may lack itself. K links, S readings.
+    """What numbers of what is at shared places would do for one part. N numbers, S readings.
 
     Attributes:
         trials: under the weights of its baseline.
-        columns: by how much its weighted readings rise with each of a body's numbers, shape (S, K 10), or (S, K, 10).
-        left: what its baseline leaves over, shape (S,), that a body would have to bring.
-        spent: how many directions were taken out of both.
+        columns: by how much its weighted readings rise with each number, shape (S, N).
+        left: what its baseline leaves over, shape (S,), that these would have to bring.
+        own: what effects of its own would bring, shape (S, E).
+        spent: how many of these were taken out of the rest.
     """
 
     trials: tuple[TrialData, ...]
     columns: np.ndarray
     left: np.ndarray
+    own: np.ndarray
     spent: int = 0
 
     def floor(self, brought: np.ndarray | float) -> float:
@@ -67,12 +68,36 @@ class Felt:
         readings = sum(t.samples for t in self.trials)
         return max(*told.values(), np.finfo(float).tiny) * float(np.sqrt(readings / max(readings - self.spent, 1)))
 
-    def beside(self, own: np.ndarray) -> Felt:
+    def beside_own(self) -> Felt:
+        """Beside all that the part may lack itself."""
+        return self._beside(self.own)
+
+    def beside_shown(self, brought: np.ndarray) -> Felt:
+        """Beside those of its own effects alone that show more than chance would, where so much of the numbers, shape
+        (N,), is there: what it may lack and does not tells nothing, but would hide as much as it can imitate."""
+        left = self.left - self.columns @ brought
+        whole = self.beside_own()
+        noise, shown = whole.floor(whole.columns @ brought), list[int]()
+        edge, rest, others = chance_edge(1, self.own.shape[1]), left, self.own / np.linalg.norm(self.own, axis=0)
+        while len(shown) < self.own.shape[1]:
+            free = np.sum(others**2, axis=0)
+            gain = np.where(free > ROUNDING, (others.T @ rest) ** 2 / np.maximum(free, ROUNDING), 0.0) / noise**2
+            k = int(np.argmax(gain))
+            if gain[k] <= edge:
+                break
+            shown.append(k)
+            unit = others[:, k] / np.sqrt(free[k])
+            rest, others = rest - unit * (unit @ rest), others - np.outer(unit, unit @ others)
+        return self._beside(self.own[:, shown])
+
+    def _beside(self, own: np.ndarray) -> Felt:
         """The same with all taken out that effects of the part's own, shape (S, E), can imitate.
 
-        Where a body and a sensor's scale trade places exactly, the less of them is meant: an effect that explains all
+        Where a load and a sensor's scale trade places exactly, the less of them is meant: an effect that explains all
         that is left costs as much as one reading.
         """
+        if not own.size:
+            return self
         sized = own / np.linalg.norm(own, axis=0)
         basis, size, _ = np.linalg.svd(sized, full_matrices=False)
         basis = basis[:, size > ROUNDING * size[0]]
@@ -84,36 +109,50 @@ class Felt:
             longer = np.concatenate([x, np.zeros((own.shape[1], *x.shape[1:]))])
             return np.asarray(longer - basis @ (basis.T @ longer))
 
-        return Felt(self.trials, freed(self.columns), freed(self.left), own.shape[1])
-
-    def by_link(self, links: int) -> Felt:
-        """The same with columns by link, shape (S, K, 10), from (S, K 10)."""
-        return replace(self, columns=self.columns.reshape(-1, links, TEN))
+        return Felt(self.trials, freed(self.columns), freed(self.left), own, own.shape[1])
 
 
 Shapes = Mapping[tuple[str, str], str]
 """Effect and place -> form; empty where it has none."""
 
-Asked = Callable[[Sequence[int], Sequence[str]], Sequence[tuple[Felt, Felt]]]
-"""Numbers of machines, and links -> what `felt_by` says of each."""
+Asked = Callable[[Sequence[int], Sequence[str], Mapping[str, np.ndarray]], Sequence[tuple[Felt, Felt]]]
+"""Numbers of machines, places, and what is known to be at some of them -> what `felt_by` says of each."""
 
 
 def shapes_of(models: Sequence[Machine], effects: Iterable[Effect], asked: Asked) -> Shapes:
-    """In which form the machines of a study feel an effect together; nothing where they do not."""
-    together = [e for e in effects if e.together]
-    carrying = [k for k, m in enumerate(models) if m.carried and not m.not_measured]
-    if not together or len(carrying) < 2:
+    """In which form the machines of a study feel effects together; nothing where they do not."""
+    wanted = [e for e in effects if e.together]
+    feeling = [k for k, m in enumerate(models) if m.shared and not m.not_measured]
+    if not wanted or len(feeling) < 2:
         return {}
-    links = list(dict.fromkeys(link for k in carrying for link in models[k].carried))
-    felt, numbers = asked(carrying, links), models[carrying[0]].numbers
-    if body_of([freely for _, freely in felt], links, numbers) is None:  # what is stated of the links may be wrong
+    some = [models[k] for k in feeling]
+    places = list(dict.fromkeys(place for m in some for place in m.shared))
+    sources = placed(wanted, places, some)
+    found: list[Leading] = []
+    most = len({s.where for s in sources})
+    felt = asked(feeling, places, {})
+    while len(found) < most:
+        more = found_in([one.beside_own() for one, _ in felt], sources, found)
+        if len(more) == len(found):
+            break
+        found = more
+        for _ in range(NEARER if len(found) > 1 else 1):  # a pull pulls at a load too
+            felt = asked(feeling, places, _numbers(found))
+            found = found_again([one.beside_own() for one, _ in felt], sources, found)
+    if not found:
         return {}
-    found = body_of([stated for stated, _ in felt], links, numbers)
-    if found is None:
-        return {}
-    where, place = found
-    form = "" if place is None else form_of(place)
-    return {(e.name, where): form for e in together if bool(form) == any(p.shape for p in e.parameters)}
+    stated = [one.beside_own() for one, _ in felt]
+    brought = brought_by(stated, found)
+    found = found_again([one.beside_shown(brought) for one, _ in felt], sources, found)
+    # what is stated of the links may be wrong: what only says so is none of these
+    borne_out = still_there([one.beside_shown(brought) for _, one in felt], found, len(sources))
+    every = (one for best, same in borne_out for one in (best, *same))
+    return {(one.source.effect.name, one.source.where): one.form for one in every}
+
+
+def _numbers(found: Sequence[Leading]) -> dict[str, np.ndarray]:
+    """What was found at each place."""
+    return {one.source.where: one.numbers for one, _ in found}
 
 
 def told(model: Machine, shapes: Shapes) -> Machine:
@@ -125,8 +164,16 @@ def told(model: Machine, shapes: Shapes) -> Machine:
     return other
 
 
-def felt_by(model: Machine, links: Sequence[str], effects: Sequence[Effect]) -> tuple[Felt, Felt]:
-    """What bodies at these links would do for a part, beside every effect that it may lack.
+def felt_by(
+    model: Machine, places: Sequence[str], effects: Sequence[Effect], known: Mapping[str, np.ndarray]
+) -> tuple[Felt, Felt]:
+    """What numbers of what is at these places would do for a part, and every effect that it may lack itself.
+
+    Args:
+        model: of the part.
+        places: that it shares with others.
+        effects: that it may lack.
+        known: numbers at some of the places near which it is asked.
 
     Returns:
         With believed values held as they are stated, and with all of them free: a link that is heavier than believed
@@ -134,6 +181,9 @@ def felt_by(model: Machine, links: Sequence[str], effects: Sequence[Effect]) -> 
     """
     bench = Bench(model)
     fit = bench.baseline()
+    # near what is believed: beside what it lacks the values that fit best may be far from there
+    unbent = {k: x for k, x in fit.values().items() if k not in model.believed.fitted}
+    fit = replace(fit, z=fit.hypothesis.start(unbent))
     screener = Screener(bench.fitter(), model.believed, plain=True)
     own = [s.column for s in screener.screen(fit, model.sites(effects)).best().values() if s.norm > 0.0]
     every = tuple(model.believed.sigma)
@@ -142,20 +192,23 @@ def felt_by(model: Machine, links: Sequence[str], effects: Sequence[Effect]) -> 
         """Under the present weights, with each of these sets of believed values free."""
         fitter = bench.fitter()
         state = Screener(fitter, model.believed).state_of(fit)
-        bodies = np.concatenate([np.concatenate([model.felt(t, n) for t in bench.trials], axis=1) for n in links])
+        near = model.near(known)
+        rows = np.concatenate([np.concatenate([near.felt(t, n) for t in bench.trials], axis=1) for n in places])
+        bent = np.concatenate([near.bent(t) for t in bench.trials])
         out = []
         for loose in free:
             project = Projector(fitter, fit, state, robust=False, loose=loose)
             left = -project.free(project.stack(state.raw), fit.z)
-            found = Felt(bench.trials, _freed(project, bodies), left)
-            out.append(found.beside(_freed(project, [c[: bodies.shape[1]] for c in own])) if own else found)
+            left = left - project.free(bent, np.zeros_like(project.pull))
+            mine = _freed(project, [c[: rows.shape[1]] for c in own]) if own else np.zeros((left.size, 0))
+            out.append(Felt(bench.trials, _freed(project, rows), left, mine))
         return out
 
-    # whatever all bodies leave over is noise: beliefs are held by as much as readings then count
-    (first,) = felt(every)
+    # whatever all of these leave over is noise: beliefs are held by as much as readings then count
+    first = felt(every)[0].beside_own()
     best = np.linalg.lstsq(first.columns, first.left, rcond=ROUNDING)[0]
     bench.weights = dict.fromkeys((c for t in bench.trials for c in t.channels), first.floor(first.columns @ best))
-    stated, freely = (one.by_link(len(links)) for one in felt((), every))
+    stated, freely = felt((), every)
     return stated, freely
 
 
@@ -164,59 +217,77 @@ def _freed(project: Projector, rows: Iterable[np.ndarray]) -> np.ndarray:
     return np.stack([project.free(row, np.zeros_like(project.pull)) for row in rows], axis=1)
 
 
-def body_of(felt: Sequence[Felt], links: Sequence[str], numbers: Numbers) -> tuple[str, Place | None] | None:
-    """The body that leaves least of all parts together: its link, of `links` from base to tip, and its place [m].
+Leading = tuple[Found, list[Found]]
+"""What does best, and what none can tell from it."""
 
-    A point mass; or, without a place, a link heavier than its model, where a point does no better than three numbers
-    more would by chance. None where chance would do as much. Of links that do alike the last: what is carried is
-    carried in the hand.
+
+def found_in(felt: Sequence[Felt], sources: Sequence[Source], begun: Sequence[Leading] = ()) -> list[Leading]:
+    """What all parts together feel more of than chance would make: what was begun with, found again, and one more.
+
+    The parts are weighed by what all of these leave over. A place has one: a link one body.
     """
-    floors = [one.floor(0.0) for one in felt]
-    best: tuple[str, Place | None] | None = None
-    for _ in range(ROUNDS):
-        points = [_point(felt, floors, k, link, numbers) for k, link in enumerate(links)]
-        wholes = [_heavier(felt, floors, k, link, numbers) for k, link in enumerate(links)]
-        most, whole = (max(gain for gain, _, _ in tried) for tried in (points, wholes))
-        spread = whole >= most - chance_edge(3, len(links))
-        tried, most = (wholes, whole) if spread else (points, most)
-        k = max(k for k, (gain, _, _) in enumerate(tried) if gain >= most - chance_edge(1))
-        gain, place, mass = tried[k]
-        best = links[k], None if place is None else (float(place[0]), float(place[1]), float(place[2]))
-        brought = [one.columns[:, k] @ (mass * numbers(links[k], place)) for one in felt]
-        floors = [one.floor(own) for one, own in zip(felt, brought, strict=True)]
-    return None if by_chance(gain, 1 if place is None else 4, 2 * len(links)) else best
+    known = found_again(felt, sources, begun)
+    more = found_again(felt, sources, known, further=True)
+    last, _ = more[-1]
+    return known if by_chance(last.gain, last.source.free, len(sources)) else more
 
 
-def _summed(felt: Sequence[Felt], floors: Sequence[float], k: int) -> tuple[np.ndarray, np.ndarray]:
-    """Normal matrix, shape (10, 10), and right-hand side of a link's numbers, of all parts."""
-    sized = [(one.columns[:, k] / f, one.left / f) for one, f in zip(felt, floors, strict=True)]
+def found_again(
+    felt: Sequence[Felt], sources: Sequence[Source], begun: Sequence[Leading], *, further: bool = False
+) -> list[Leading]:
+    """The same many, and perhaps one further, each as it does best beside the others."""
+    tried = list(begun)
+    floors = _floors(felt, [one.floor(0.0) for one in felt], [one for one, _ in tried])
+    many = len(tried) + further
+    for k in [*([len(tried)] if further else []), *[*range(many)] * (ROUNDS - 1)]:
+        normal, right = _summed(felt, floors)
+        others = [one for one, _ in (*tried[:k], *tried[k + 1 :])]
+        taken = {one.source.where for one in others}
+        rest = [s for s in sources if s.where not in taken]
+        free = without(normal, right, [one.among(right.size) for one in others])
+        tried[k:] = [best_of(*free, rest), *tried[k + 1 :]]
+        floors = _floors(felt, floors, [one for one, _ in tried])
+    every = together(*_summed(felt, floors), [one for one, _ in tried]) if tried else []
+    return [(one, same) for one, (_, same) in zip(every, tried, strict=True)]
+
+
+def still_there(felt: Sequence[Felt], found: Sequence[Leading], looks: int) -> list[Leading]:
+    """Those of which the parts feel more than chance would make of so many, each beside the others."""
+    if not found:
+        return []
+    floors = _floors(felt, [one.floor(0.0) for one in felt], [one for one, _ in found])
+    normal, right = _summed(felt, floors)
+    out = []
+    for k, (one, same) in enumerate(found):
+        others = [other.among(right.size) for other, _ in (*found[:k], *found[k + 1 :])]
+        gain = gained(*without(normal, right, others), one.among(right.size))
+        if not by_chance(gain, 1, looks):
+            out.append((one, same))
+    return out
+
+
+def _floors(felt: Sequence[Felt], floors: Sequence[float], found: Sequence[Found]) -> list[float]:
+    """By what the parts' weights must fall for what all that was found leaves over to be noise."""
+    brought = _brought(felt, floors, found)
+    return [one.floor(one.columns @ brought) for one in felt]
+
+
+def brought_by(felt: Sequence[Felt], found: Sequence[Leading]) -> np.ndarray:
+    """How much there is of all numbers, shape (N,), as all parts together tell."""
+    best = [one for one, _ in found]
+    return _brought(felt, _floors(felt, [one.floor(0.0) for one in felt], best), best)
+
+
+def _brought(felt: Sequence[Felt], floors: Sequence[float], found: Sequence[Found]) -> np.ndarray:
+    normal, right = _summed(felt, floors)
+    if not found:
+        return np.zeros(right.size)
+    directions = [one.among(right.size) for one in found]
+    return np.asarray(np.stack(directions, axis=1) @ amounts(normal, right, directions))
+
+
+def _summed(felt: Sequence[Felt], floors: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
+    """Normal matrix, shape (N, N), and right-hand side of all numbers, of all parts."""
+    sized = [(one.columns / f, one.left / f) for one, f in zip(felt, floors, strict=True)]
     normal = np.sum([columns.T @ columns for columns, _ in sized], axis=0)
     return normal, np.sum([columns.T @ left for columns, left in sized], axis=0)
-
-
-def _heavier(
-    felt: Sequence[Felt], floors: Sequence[float], k: int, link: str, numbers: Numbers
-) -> tuple[float, None, float]:
-    """Fall of chi-squared by as much more of a link as does best, no place, and how much [kg]."""
-    normal, right = _summed(felt, floors, k)
-    own = numbers(link, None)
-    norm = float(own @ normal @ own)
-    return (float(own @ right) ** 2 / norm, None, float(own @ right) / norm) if norm > 0.0 else (0.0, None, 0.0)
-
-
-def _point(
-    felt: Sequence[Felt], floors: Sequence[float], k: int, link: str, numbers: Numbers
-) -> tuple[float, np.ndarray, float]:
-    """Fall of chi-squared by the best point mass at a link, its place, shape (3,), and mass."""
-    normal, right = _summed(felt, floors, k)
-
-    def loss(place: np.ndarray) -> float:
-        own = numbers(link, place)
-        norm = float(own @ normal @ own)
-        return -(float(own @ right) ** 2) / norm if norm > 0.0 else 0.0
-
-    starts = [np.zeros(3), *ASIDE * np.eye(3), *-ASIDE * np.eye(3)]
-    ends = [minimize(loss, start, method="L-BFGS-B", bounds=[(-REACH, REACH)] * 3) for start in starts]
-    place = np.asarray(min(ends, key=lambda end: float(end.fun)).x)
-    own = numbers(link, place)
-    return -loss(place), place, float(own @ right) / max(float(own @ normal @ own), np.finfo(float).tiny)

@@ -60,7 +60,8 @@ def keep_aside(growth: Growth) -> Unseen:
     done = [decided_without(growth, out) for _, out in folds(trials, MOST_FOLDS)]
     before, after, selected = (joined([by[name] for _, by in done]) for name in TOLD)
     own = ["each piece's own start, from its readings and the sensor's noise"]
-    own += [f"where {s.effect.phrase} is, which all trials tell" for s in growth.after.sites if s.effect.together]
+    shaped = (s for s in growth.after.sites if s.effect.together and s.effect.settings)
+    own += [f"{', '.join(s.effect.settings)} of {s.effect.phrase}, which all trials tell" for s in shaped]
     scheme, kept = scheme_of(trials, MOST_FOLDS), tuple(fold for fold, _ in done)
     return Unseen(scheme, kept, before, after, selected, taken=tuple(own))
 

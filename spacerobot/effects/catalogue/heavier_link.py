@@ -18,7 +18,7 @@ class HeavierLink(Effect):
     formula = r"\phi \to \left(1 + \frac{m}{m_0}\right) \phi, \quad \tau = Y(q, \dot q, \ddot q)\, \phi"
     source = "Atkeson, An and Hollerbach (1986), Int. J. Robotics Research 5(3), 101, eq. 4"
     kind = "body"
-    together = True
+    together = "whole"
     parameters = (Parameter("mass_kg", "kg", 0.0, 0.1, -1e3, 1e4, (1.0, 0.1, -0.3)),)
 
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:

@@ -5,9 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from spacerobot.effects.effect import Effect, Parameter
-from spacerobot.effects.located_load import AXES, LoadAt, place_of
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Load
+from spacerobot.effects.settled import Settled
+
+AXES = ("x_m", "y_m", "z_m")
+"""Names of the parameters that say where a load is, in its link's frame."""
 
 
 class LinkLoad(Effect):
@@ -19,7 +22,7 @@ class LinkLoad(Effect):
     formula = r"\tau \to \tau + J_c^T\, m\, (\ddot c - g)"
     source = "Atkeson, An and Hollerbach (1986), Int. J. Robotics Research 5(3), 101"
     kind = "body"
-    together = True
+    together = "point"
     parameters = (
         Parameter("mass_kg", "kg", 0.0, 0.1, -1e3, 1e4, (1.0, 0.1, -0.3)),
         *(Parameter(axis, "m", 0.0, 0.1, -10.0, 10.0, (0.0,), shape=True) for axis in AXES),
@@ -37,6 +40,6 @@ class LinkLoad(Effect):
     def in_form(self, form: str) -> Effect:
         """The load at a place that is known, "x_y_z" [micrometres] in the link's frame; its mass remains open."""
         try:
-            return LoadAt(self, place_of(form))
+            return Settled(self, form)
         except ValueError:
             return super().in_form(form)

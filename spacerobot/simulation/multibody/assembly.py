@@ -149,10 +149,11 @@ def _key(scene: Scene, mechanism: Mechanism) -> Any:
     return (
         (robot, scene.prepared.urdf) if isinstance(robot, str) else robot,
         (scene.base, scene.joints, scene.pose, scene.tip, tuple(sorted(scene.others.items()))),
-        (scene.approach, scene.gravity, scene.wrist.mass, repr(scene.spacecraft)),
+        (scene.approach, scene.wrist.mass, repr(scene.spacecraft)),
         (target.attitude, target.inertia_matrix().tobytes()),
         tuple((c, before[n].mass if n in before else None) for n, c in mechanism.coordinates.items()),
         mechanism.loads,
+        mechanism.gravity,
     )
 
 
@@ -211,7 +212,7 @@ def _bodies(scene: Scene, mechanism: Mechanism) -> Bodies:
             carriers[coordinate.name] = coordinate.name, np.zeros(3)
             turned[coordinate.name] = turned[links[-1].parent]
     model, q = put_together(sorted(links, key=lambda link: link.name == TARGET))
-    model.gravity.linear = np.array(scene.gravity)
+    model.gravity.linear = np.array(mechanism.gravity)
     _require_inertia(scene, mechanism, model, q)
     return Bodies(
         model=model,

@@ -20,10 +20,10 @@ from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
 from spacerobot.diagnosis.machines.links import mass_of, with_masses
 from spacerobot.diagnosis.selection.felt_together import felt_by, shapes_of, told
 from spacerobot.diagnosis.selection.forward_selection import grow
-from spacerobot.diagnosis.selection.one_load import differ
+from spacerobot.diagnosis.selection.one_amount import differ
 from spacerobot.diagnosis.terms.hypothesis import Site
-from spacerobot.effects.located_load import place_of
 from spacerobot.effects.registry import all_effects, effect
+from spacerobot.effects.settled import shape_of
 from spacerobot.model.library import load
 from tests.welded import heavier
 
@@ -53,7 +53,7 @@ def machines(urdf: str, change: dict[str, float] | None = None, sigma: dict[str,
 
 def with_shapes(models: list[Machine]) -> list[Machine]:
     """Each told what all of them feel together."""
-    shapes = shapes_of(models, CATALOGUE, lambda some, links: [felt_by(models[k], links, CATALOGUE) for k in some])
+    shapes = shapes_of(models, CATALOGUE, lambda some, *of: [felt_by(models[k], of[0], CATALOGUE, of[1]) for k in some])
     return [told(m, shapes) for m in models]
 
 
@@ -67,7 +67,7 @@ def test_a_load_is_found_where_it_is(carrying: list[Machine]) -> None:
     for machine in carrying:
         ((name, where),) = machine.shapes
         assert (name, where) == ("link_load", "link.fore")
-        x, _, z = place_of(machine.shapes[name, where])
+        x, _, z = shape_of(machine.shapes[name, where])
         assert np.hypot(x - PLACE[0], z - PLACE[2]) < 0.003
 
 
@@ -97,7 +97,7 @@ def test_a_link_that_is_heavier_than_stated_is_a_wrong_value_and_no_load() -> No
     assert all(not m.shapes for m in with_shapes(machines(heavy, sigma=STATED)))
     loaded = with_shapes(machines(heavier(ARM, "fore", 0.8, PLACE), sigma=STATED))
     (form,) = {form for m in loaded for form in m.shapes.values()}
-    assert np.hypot(place_of(form)[0] - PLACE[0], place_of(form)[2] - PLACE[2]) < 0.005
+    assert np.hypot(shape_of(form)[0] - PLACE[0], shape_of(form)[2] - PLACE[2]) < 0.005
 
 
 LOAD = Site(effect("link_load"), "link.fore")

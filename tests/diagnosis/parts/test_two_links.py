@@ -109,7 +109,7 @@ def test_a_smoothed_motion_asks_for_the_smoothed_torque(step: float) -> None:
     plain = arm.torque(log.position, log.velocity, log.acceleration)
     for thin in (1, 2) if step < 0.01 else (1,):
         told = log if thin == 1 else kinematics(grid, JOINTS, 6)
-        rigid = told.thinned(thin, arm, (), ()).rigid[inner]
+        rigid = told.thinned(thin, arm, ()).rigid[inner]
         off = np.abs(rigid - told.torque[::thin][inner]).max()
         assert off < 0.15 * np.abs(plain - log.torque)[inner].max()
 

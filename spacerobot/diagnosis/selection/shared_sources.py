@@ -1,0 +1,210 @@
+"""Where what all parts of a machine feel may come from, and by how much each lowers their common chi-squared.
+
+All parts' chi-squared is a quadratic form of numbers of what is at shared places: ten of a body at each link, three of
+a pull on the base, the zero of each encoder. An effect is some of these: all three of a pull, those of a point mass.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import minimize
+
+from spacerobot.diagnosis.machines.contract import Machine, numbers_at
+from spacerobot.diagnosis.selection.nested_laws import chance_edge
+from spacerobot.diagnosis.terms.candidates import stood_for
+from spacerobot.effects.effect import Effect
+from spacerobot.effects.settled import form_of, shape_of
+
+REACH = 1.0
+"""Furthest that a load may be from its link's origin [m]: beyond that it is another link's."""
+
+ASIDE = 0.1
+"""How far from the origin a search for its place also begins [m]."""
+
+ROUNDING = 1e-6
+"""Share of the largest direction below which one is rounding."""
+
+FREE = {"point": 4, "whole": 1, "field": 3, "zero": 1}
+"""By how an effect is felt, how many numbers of it are free: a point mass has its place, a pull its direction."""
+
+Numbers = Callable[[str, np.ndarray | None], np.ndarray]
+"""Link and place [m] -> the ten numbers of a body of 1 kg there; without a place, of one spread as the link is."""
+
+
+@dataclass(frozen=True, eq=False)
+class Source:
+    """An effect at a place.
+
+    Attributes:
+        effect: felt together.
+        where: its place.
+        at: its numbers among those of all places.
+        numbers: of a body.
+    """
+
+    effect: Effect
+    where: str
+    at: slice
+    numbers: Numbers
+
+    @property
+    def free(self) -> int:
+        """How many of its numbers are free."""
+        return FREE[self.effect.together]
+
+    def price(self, looks: int) -> float:
+        """What chance makes of all its free numbers but one, among so many sources."""
+        return chance_edge(self.free - 1, looks) if self.free > 1 else 0.0
+
+    def best(self, normal: np.ndarray, right: np.ndarray) -> Found:
+        """What of it lowers a quadratic form, normal matrix and right-hand side of all places' numbers, most."""
+        own, pull = normal[self.at, self.at], right[self.at]
+        together = self.effect.together
+        if together == "field":
+            change = np.linalg.lstsq(own, pull, rcond=ROUNDING)[0]
+            return Found(self, float(pull @ change), change, self.form(change))
+        if together == "point":
+            place = self._place(own, pull)
+            return self._along(own, pull, self.numbers(self.where, place), form_of(place))
+        return self._along(own, pull, self.numbers(self.where, None) if together == "whole" else np.ones(1), "")
+
+    def directions(self, size: int, place: np.ndarray | None) -> np.ndarray:
+        """Along what its numbers may lie among those of all places, shape (size, D): a body along one, a pull any.
+
+        Args:
+            size: how many numbers all places have.
+            place: of a point mass, shape (3,).
+        """
+        together = self.effect.together
+        own = np.eye(3) if together == "field" else np.ones((1, 1)) if together == "zero" else None
+        out = np.zeros((size, 1 if own is None else own.shape[1]))
+        out[self.at] = self.numbers(self.where, place)[:, None] if own is None else own
+        return out
+
+    def form(self, numbers: np.ndarray) -> str:
+        """The shape that numbers of what has one in each of them show: the direction of a pull."""
+        size = float(np.linalg.norm(numbers))
+        return form_of(numbers / size) if self.effect.together == "field" and size > 0.0 else ""
+
+    def _along(self, own: np.ndarray, pull: np.ndarray, unit: np.ndarray, form: str) -> Found:
+        (amount,) = amounts(own, pull, [unit])
+        return Found(self, gained(own, pull, unit), amount * unit, form)
+
+    def _place(self, own: np.ndarray, pull: np.ndarray) -> np.ndarray:
+        """Of the best point mass at a link, shape (3,)."""
+
+        def loss(place: np.ndarray) -> float:
+            return -gained(own, pull, self.numbers(self.where, place))
+
+        starts = [np.zeros(3), *ASIDE * np.eye(3), *-ASIDE * np.eye(3)]
+        ends = [minimize(loss, start, method="L-BFGS-B", bounds=[(-REACH, REACH)] * 3) for start in starts]
+        return np.asarray(min(ends, key=lambda end: float(end.fun)).x)
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """What of a source does best.
+
+    Attributes:
+        source: which.
+        gain: by how much chi-squared falls.
+        numbers: of it, shape (N,).
+        form: its shape; empty where it has none.
+    """
+
+    source: Source
+    gain: float
+    numbers: np.ndarray
+    form: str
+
+    def among(self, size: int) -> np.ndarray:
+        """Its numbers among those of all places, shape (size,)."""
+        out = np.zeros(size)
+        out[self.source.at] = self.numbers
+        return out
+
+
+def placed(effects: Sequence[Effect], places: Sequence[str], machines: Sequence[Machine]) -> list[Source]:
+    """Effects wherever machines that feel them may have them, but for those that a fitted value stands for."""
+    ends = np.cumsum([numbers_at(place) for place in places]).tolist()
+    at = {place: slice(end - numbers_at(place), end) for place, end in zip(places, ends, strict=True)}
+    plain, fitted = [m.plain() for m in machines], {name for m in machines for name in m.believed.fitted}
+    out = []
+    for effect in effects:
+        open_to = {where for mechanism in plain for where in effect.places(mechanism)}
+        some = [p for p in places if p in open_to and not stood_for(effect, p, fitted)]
+        out += [Source(effect, p, at[p], machines[0].numbers) for p in some]
+    return out
+
+
+def without(normal: np.ndarray, right: np.ndarray, directions: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """A quadratic form, normal matrix and right-hand side, some directions of its numbers, shape (N,) each, free."""
+    if not directions:
+        return normal, right
+    along = np.stack(directions, axis=1)
+    turned = normal @ along
+    back = np.linalg.pinv(along.T @ turned, rcond=ROUNDING**2, hermitian=True)
+    return normal - turned @ back @ turned.T, right - turned @ (back @ (along.T @ right))
+
+
+def gained(normal: np.ndarray, right: np.ndarray, direction: np.ndarray) -> float:
+    """By how much a quadratic form falls along a direction."""
+    norm, met = float(direction @ normal @ direction), float(direction @ right)
+    return met**2 / norm if norm > 0.0 else 0.0
+
+
+def amounts(normal: np.ndarray, right: np.ndarray, directions: Sequence[np.ndarray]) -> np.ndarray:
+    """How much of each direction does best beside the others, shape (directions,)."""
+    along = np.stack(directions, axis=1)
+    return np.asarray(np.linalg.lstsq(along.T @ normal @ along, along.T @ right, rcond=ROUNDING**2)[0])
+
+
+def together(normal: np.ndarray, right: np.ndarray, found: Sequence[Found]) -> list[Found]:
+    """The same sources, their places and amounts what does best for all of them at once."""
+    points = [k for k, one in enumerate(found) if one.source.effect.together == "point"]
+
+    def directions(places: np.ndarray) -> list[np.ndarray]:
+        """Of each source, shape (N, numbers that are free along it)."""
+        at = dict(zip(points, places.reshape(-1, 3), strict=True))
+        return [one.source.directions(right.size, at.get(k)) for k, one in enumerate(found)]
+
+    def loss(places: np.ndarray) -> float:
+        along = np.concatenate(directions(places), axis=1)
+        return -float(right @ along @ amounts(normal, right, list(along.T)))
+
+    start = np.array([shape_of(found[k].form) for k in points]).ravel()
+    end = minimize(loss, start, method="L-BFGS-B", bounds=[(-REACH, REACH)] * start.size).x if points else start
+    out, parts = [], directions(end)
+    best = amounts(normal, right, list(np.concatenate(parts, axis=1).T))
+    for k, (one, part) in enumerate(zip(found, parts, strict=True)):
+        own, best = best[: part.shape[1]], best[part.shape[1] :]
+        numbers = (part @ own)[one.source.at]
+        rest = without(normal, right, [d for n, other in enumerate(parts) if n != k for d in other.T])
+        form = form_of(end.reshape(-1, 3)[points.index(k)]) if k in points else one.source.form(numbers)
+        out.append(Found(one.source, float(rest[1][one.source.at] @ numbers), numbers, form))
+    return out
+
+
+def best_of(normal: np.ndarray, right: np.ndarray, sources: Sequence[Source]) -> tuple[Found, list[Found]]:
+    """The source that does best, each free number beyond the first at the price of what chance would make of it.
+
+    Of places that do alike by one effect the last: what is carried is carried in the hand.
+
+    Returns:
+        It, and of each other kind (a body, a pull, a zero) the best one that does as well: none can tell these apart.
+    """
+    edge, leading = chance_edge(1), []
+    for effect in dict.fromkeys(s.effect.name for s in sources):
+        tried = [s.best(normal, right) for s in sources if s.effect.name == effect]
+        most = max(one.gain for one in tried)
+        leading.append(next(one for one in reversed(tried) if one.gain >= most - edge))
+    best = max(leading, key=lambda one: one.gain - one.source.price(len(sources)))
+    alike: dict[str, Found] = {}
+    for one in sorted(leading, key=lambda one: one.source.free):
+        kind = one.source.effect.kind
+        if kind != best.source.effect.kind and one.gain >= best.gain - edge:
+            alike.setdefault(kind, one)
+    return best, list(alike.values())
