@@ -18,7 +18,7 @@ class OtherGravity(Effect):
 
     name = "other_gravity"
     title = "other gravity"
-    phrase = "a pull on all that has mass, as a base that leans has it,"
+    phrase = "a further pull of gravity"
     formula = r"\vec g \to \vec g + a\, (x, y, z)"
     source = "inclined plane, Galilei (1638)"
     kind = "gravity"
