@@ -25,10 +25,10 @@ from spacerobot.diagnosis.selection.shared_sources import (
     Found,
     Source,
     amounts,
+    at_once,
     best_of,
     gained,
     placed,
-    together,
     without,
 )
 from spacerobot.diagnosis.terms.data import TrialData
@@ -249,7 +249,7 @@ def found_again(
         free = without(normal, right, [one.among(right.size) for one in others])
         tried[k:] = [best_of(*free, rest), *tried[k + 1 :]]
         floors = _floors(felt, floors, [one for one, _ in tried])
-    every = together(*_summed(felt, floors), [one for one, _ in tried]) if tried else []
+    every = at_once(*_summed(felt, floors), [one for one, _ in tried]) if tried else []
     return [(one, same) for one, (_, same) in zip(every, tried, strict=True)]
 
 

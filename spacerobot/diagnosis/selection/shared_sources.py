@@ -91,7 +91,10 @@ class Source:
 
     def _along(self, own: np.ndarray, pull: np.ndarray, unit: np.ndarray, form: str) -> Found:
         (amount,) = amounts(own, pull, [unit])
-        return Found(self, gained(own, pull, unit), amount * unit, form)
+        most = self.effect.strength
+        # what nothing reads would take an amount that nothing has: its columns are rounding
+        gain = gained(own, pull, unit) if most.lower <= amount <= most.upper else 0.0
+        return Found(self, gain, amount * unit, form)
 
     def _place(self, own: np.ndarray, pull: np.ndarray) -> np.ndarray:
         """Of the best point mass at a link, shape (3,)."""
@@ -162,7 +165,7 @@ def amounts(normal: np.ndarray, right: np.ndarray, directions: Sequence[np.ndarr
     return np.asarray(np.linalg.lstsq(along.T @ normal @ along, along.T @ right, rcond=ROUNDING**2)[0])
 
 
-def together(normal: np.ndarray, right: np.ndarray, found: Sequence[Found]) -> list[Found]:
+def at_once(normal: np.ndarray, right: np.ndarray, found: Sequence[Found]) -> list[Found]:
     """The same sources, their places and amounts what does best for all of them at once."""
     points = [k for k, one in enumerate(found) if one.source.effect.together == "point"]
 

@@ -13,7 +13,8 @@ from spacerobot.diagnosis.machines.grid import Grid
 from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
 from spacerobot.diagnosis.selection.felt_together import felt_by, shapes_of, told
 from spacerobot.diagnosis.selection.forward_selection import grow
-from spacerobot.effects.registry import all_effects
+from spacerobot.diagnosis.selection.shared_sources import Source
+from spacerobot.effects.registry import all_effects, effect
 from spacerobot.effects.settled import shape_of
 from spacerobot.model.library import load
 from tests.welded import heavier
@@ -96,6 +97,18 @@ def test_a_zero_that_nobody_doubted_is_found_at_its_joint(joint: str) -> None:
 def test_a_zero_that_is_doubted_is_a_wrong_value_and_no_effect() -> None:
     for machine in machines(SPATIAL, zeros={"elbow": 0.02}, doubted={"joint.elbow.zero": 0.05}):
         assert all(name != "encoder_zero" or where != "joint.elbow" for name, where in machine.shapes)
+
+
+def test_a_zero_that_nothing_reads_is_not_found() -> None:
+    """About a vertical axis an arm weighs the same wherever it stands: what a zero would do is rounding."""
+    source = Source(effect("encoder_zero"), "joint.shoulder", slice(0, 1), load_numbers)
+    read, unread = (source.best(np.array([[s**2]]), np.array([30.0 * s])).gain for s in (1e3, 1e-15))
+    assert read == pytest.approx(900.0)
+    assert unread == 0.0
+
+
+def load_numbers(where: str, place: np.ndarray | None) -> np.ndarray:
+    raise AssertionError("a zero is no body")
 
 
 def test_friction_alone_is_neither() -> None:
