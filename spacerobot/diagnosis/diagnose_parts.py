@@ -23,8 +23,9 @@ from spacerobot.diagnosis.locate.readings import NothingToBalance
 from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.machines.touch import Moment
 from spacerobot.diagnosis.selection.checks import checks_of_part
+from spacerobot.diagnosis.selection.conclusion import retained
 from spacerobot.diagnosis.selection.felt_together import Felt, Shapes, felt_by, shapes_of, told
-from spacerobot.diagnosis.selection.forward_selection import MOST, grow, retained
+from spacerobot.diagnosis.selection.forward_selection import MOST, grow
 from spacerobot.diagnosis.selection.meetings import meetings
 from spacerobot.diagnosis.selection.moment import with_free_moment
 from spacerobot.diagnosis.selection.one_amount import at_odds

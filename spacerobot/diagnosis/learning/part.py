@@ -21,7 +21,7 @@ from spacerobot.diagnosis.learning.weighed import Law, begun, misfit, settled, s
 from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.selection.bench import Bench
 from spacerobot.diagnosis.selection.candidate import Candidate
-from spacerobot.diagnosis.selection.forward_selection import unshown
+from spacerobot.diagnosis.selection.conclusion import unshown
 from spacerobot.diagnosis.selection.growth import Growth
 from spacerobot.diagnosis.selection.model_choice import pays, ratio, surely
 from spacerobot.diagnosis.selection.part_result import NotLearned

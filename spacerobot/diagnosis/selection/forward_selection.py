@@ -12,24 +12,22 @@ effects in question (`model_choice.py`).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from spacerobot.diagnosis.fitting.fit_store import Kept
-from spacerobot.diagnosis.fitting.fitted import Fit, interval
+from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.selection.bench import Bench, Promise
 from spacerobot.diagnosis.selection.candidate import Candidate
+from spacerobot.diagnosis.selection.conclusion import Conclusion
 from spacerobot.diagnosis.selection.growth import Growth
-from spacerobot.diagnosis.selection.model_choice import as_good, choice, distinct, pays, ratio
-from spacerobot.diagnosis.selection.nameable import not_shown
-from spacerobot.diagnosis.selection.nested_laws import by_chance, inherited, not_excluded, wordings
-from spacerobot.diagnosis.selection.penalty import priced
-from spacerobot.diagnosis.selection.without_prior import unheld
-from spacerobot.diagnosis.terms.candidates import contains, redundant
-from spacerobot.diagnosis.terms.decision import REWORDED, STRIKING, TIE, WORTH_OF_REST
+from spacerobot.diagnosis.selection.model_choice import as_good, choice, distinct, ratio
+from spacerobot.diagnosis.selection.variants import Variants
+from spacerobot.diagnosis.terms.candidates import redundant
+from spacerobot.diagnosis.terms.decision import TIE, WORTH_OF_REST
 from spacerobot.diagnosis.terms.hypothesis import Label, Site, label_of
 from spacerobot.effects.effect import Effect
 
@@ -50,53 +48,6 @@ ANYWAY = 2
 
 MOST = 6
 """Parameters that effects may bring along."""
-
-
-def unshown(fit: Fit) -> str:
-    """Why an effect of a fit is not to be named, as its intervals tell; empty where all are shown."""
-    values = fit.values()
-    for site in fit.hypothesis.sites:
-        intervals = {k: interval(fit, k, 1.0)[1] for k in (site.key(p.name) for p in site.effect.parameters)}
-        why = not_shown(site, values, intervals)
-        if why:
-            return why
-    return ""
-
-
-def retained(growth: Growth, whole: Candidate) -> Growth:
-    """Where nothing was worth naming between knocks, what whole trials had shown, if it predicts the pieces better too.
-
-    A fall that was cut in two tells less of drag than a whole one, and nothing against it.
-
-    Args:
-        growth: of the pieces.
-        whole: the choice before they were cut.
-    """
-    found = next((c for c in growth.considered if c.label == whole.label), None)
-    if growth.after.sites or found is None or ratio(found, growth.considered_baseline) > 1.0 - WORTH_OF_REST:
-        return growth
-    bench = growth.bench
-    weights = bench.weights
-    before, after = weighed(bench, bench.again(found.fit), growth.considered_baseline.fit)
-    if unshown(after.fit):
-        bench.weights = weights
-        return growth
-    return replace(growth, before=before, after=after)
-
-
-def weighed(bench: Bench, chosen: Fit, baseline: Fit) -> tuple[Candidate, Candidate]:
-    """Baseline and choice, fitted and tried again under the weights that what the choice leaves over asks for."""
-    bench.weigh(chosen)
-
-    def again(fit: Fit) -> Candidate:
-        return bench.tested(bench.again(fit))
-
-    before = again(baseline)
-    return before, before if chosen is baseline else again(chosen)
-
-
-Variant = tuple[list[Site], dict[str, float]]
-"""A set of effects, and values at which its fit begins."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -224,12 +175,13 @@ class _Search:
                 self.look_ahead(one, most, ahead)
             if size == 0:
                 self.look_at_pairs(baseline, most, ahead)
+        variants = Variants(self.bench, self.sites)
         chosen = choice(tested, baseline, self.bench.trials)
-        tested += self.varied(chosen, tested, self.reworded(chosen))
+        tested += variants.varied(chosen, tested, variants.reworded(chosen))
         chosen = choice(tested, baseline, self.bench.trials)
-        tested += self.varied(chosen, tested, self.exchanged(chosen, tested))
+        tested += variants.varied(chosen, tested, variants.exchanged(chosen, tested))
         chosen = choice(tested, baseline, self.bench.trials)
-        tested += self.varied(chosen, tested, self.formed(chosen))
+        tested += variants.varied(chosen, tested, variants.formed(chosen))
         return self.concluded(tested, baseline)
 
     def waiting(self, size: int, ahead: Mapping[int, Mapping[Label, Ahead]]) -> bool:
@@ -258,69 +210,8 @@ class _Search:
     def concluded(
         self, tested: list[Candidate], baseline: Candidate, barred: Mapping[Label, str] | None = None
     ) -> Growth:
-        """The simplest as good as the best that stands: of each that does not, the reason is kept."""
-        refused = dict(barred or {})
-        stated, weights = bool(self.bench.model.expected({})), self.bench.weights
-        while True:
-            open_to = [c for c in tested if c.label not in refused]
-            chosen = choice(open_to, baseline, self.bench.trials)
-            before, after = weighed(self.bench, chosen.fit, baseline.fit)
-            if stated:
-                before, after = self.unheld(before, after)
-            why = self.refusal(before, after, stated)
-            if not why:
-                break
-            refused[chosen.label] = why
-            self.bench.weights = weights
-            tested += self.varied(chosen, tested, self.parts(chosen))
-        near = [c for c in open_to if c is not chosen and c is not baseline and c.simplicity <= chosen.simplicity]
-        near = [c for c in near if ratio(c, chosen) < 1.0 + TIE]
-        rivals = tuple(c for c in (*near, *self.ahead_of(chosen, open_to)) if not unshown(self.bench.again(c.fit)))
-        if stated:
-            less = self.without_chance(after, [c.label for c in tested])
-            if less is not after:
-                rivals = tuple(r for r in rivals if r.label != less.label and not contains(r.label, less.label))
-                after = less
-            more = not_excluded(self.bench, after.fit, self.sites)
-            rivals = (*rivals, *(self.bench.tested(fit) for fit in more))
-        ranked = tuple(sorted(tested, key=lambda c: c.error))
-        sites = tuple(self.sites.values())
-        return Growth(self.bench, before, after, rivals, ranked, tuple(self.screened.items()), refused, sites, weights)
-
-    def ahead_of(self, chosen: Candidate, tested: Sequence[Candidate]) -> list[Candidate]:
-        """The simplest of other sets that predict unseen trials clearly better on the whole, if not throughout."""
-        others = [c for c in tested if not set(chosen.label) <= set(c.label)]
-        ahead = [c for c in others if ratio(c, chosen) < 1.0 - STRIKING]
-        best = min(ahead, key=lambda c: c.error, default=chosen)
-        return sorted((c for c in ahead if as_good(c, best, chosen)), key=lambda c: (c.size, c.error))[:1]
-
-    def unheld(self, before: Candidate, after: Candidate) -> tuple[Candidate, Candidate]:
-        """Baseline and choice without what is stated of values that either shows to be wrong."""
-        free = unheld(self.bench, before)
-        return free, free if after is before else unheld(self.bench, after)
-
-    def refusal(self, before: Candidate, after: Candidate, stated: bool) -> str:
-        """Why a choice does not stand under the weights that it asks for; empty where it does."""
-        if after is before:
-            return ""
-        if stated:
-            if by_chance(priced(before.fit) - priced(after.fit), after.size, len(self.sites)):
-                return "gains no more than chance would under the stated noise"
-        elif not pays(after, before, self.bench.trials):
-            return "predicts unseen data no better once readings weigh what it leaves over"
-        return unshown(after.fit)
-
-    def without_chance(self, chosen: Candidate, tried: Sequence[Label]) -> Candidate:
-        """Without effects that gain no more than chance would beside the others, of sets that were tried."""
-        for site in chosen.sites:
-            rest = [s for s in chosen.sites if s is not site]
-            if not rest or label_of(rest) not in tried:
-                continue
-            fit = self.bench.fitted_as(chosen.fit, rest, {})
-            gain = np.inf if fit is None else priced(fit) - priced(chosen.fit)
-            if fit is not None and by_chance(gain, len(site.effect.parameters), len(self.sites)):
-                return self.without_chance(self.bench.tested(fit), tried)
-        return chosen
+        """What is said of all that was met; `barred` sets, and why, take no part."""
+        return Conclusion(self.bench, self.sites, self.screened).of(tested, baseline, barred)
 
     def layer(self, ahead: list[Ahead]) -> list[Candidate]:
         """The most promising candidates of one size, fitted and tried on unseen trials."""
@@ -351,79 +242,6 @@ class _Search:
                         if fit is not None and fit.cost < (1.0 - TIE) * best.cost:
                             best = fit
         return one if best is one.fit else self.bench.tested(best)
-
-    def varied(self, chosen: Candidate, tested: Sequence[Candidate], variants: Iterable[Variant]) -> list[Candidate]:
-        """Of variants of the chosen model those that are new, fitted and tried on unseen trials."""
-        known, out = {c.label for c in tested}, []
-        for sites, start in variants:
-            label = label_of(sites)
-            if label in known or redundant(label):
-                continue
-            known.add(label)
-            fit = self.bench.fitted_as(chosen.fit, sites, start)
-            if fit is not None:
-                for site in sites:
-                    self.sites.setdefault(site.label, site)
-                out.append(self.bench.tested(fit))
-        return out
-
-    def reworded(self, chosen: Candidate) -> Iterator[Variant]:
-        """The chosen model said with a general effect in the place of its special case and of one effect more.
-
-        Friction and a constant force may be one friction of two levels; sensitivities at one start do not see that.
-        """
-        for wording in wordings(chosen.sites, self.sites):
-            start: dict[str, float] = {}
-            for new, special in wording:
-                start |= {} if special is None else inherited(new, special, chosen.fit)
-            yield [s for s, _ in wording], start
-
-    def parts(self, chosen: Candidate) -> Iterator[Variant]:
-        """The model without each of its effects: what was found beside others may never have been tried alone."""
-        for site in chosen.sites:
-            if rest := [s for s in chosen.sites if s is not site]:
-                yield rest, {}
-
-    def exchanged(self, chosen: Candidate, tested: Sequence[Candidate]) -> Iterator[Variant]:
-        """The chosen model with an effect that stood for one of its own beside others, and predicted the same there.
-
-        More inertia and a torque that reads too much are one and the same also beside friction of which nobody knows
-        how large it is, and a beam keeps only one of the two.
-        """
-        for site in chosen.sites:
-            for other, twin in self.twins(site, tested):
-                if other.label not in chosen.label:
-                    start = {k: v for k, v in {**twin.fit.values(), **chosen.fit.values()}.items() if "@" in k}
-                    yield [*(s for s in chosen.sites if s is not site), other], start
-
-    def formed(self, chosen: Candidate) -> Iterator[Variant]:
-        """The chosen model with a filter of higher order in the place of its plain one, and of all that stands there.
-
-        Such a one is late as well: a plain filter and a delay make up for it.
-        """
-        for site in () if self.bench.model.one_lag else chosen.sites:
-            if not site.effect.forms or any(p.reach for p in site.effect.parameters):
-                continue
-            others = [s for s in chosen.sites if s is not site]
-            elsewhere = [s for s in others if s.where != site.where]
-            for form in site.effect.forms:
-                other = self.bench.model.site(site.effect.in_form(form), site.where)
-                start = inherited(other, site, chosen.fit)
-                yield [*elsewhere, other], start
-                yield [*others, other], start
-
-    def twins(self, site: Site, tested: Sequence[Candidate]) -> Iterator[tuple[Site, Candidate]]:
-        """Effects that predicted, beside others, what this one did there, where these alone did not; with that set."""
-        by = {frozenset(c.label): c for c in tested}
-        for own in (c for c in tested if site.label in c.label):
-            rest = frozenset(own.label) - {site.label}
-            plain = by.get(rest)
-            if plain is None or ratio(own, plain) > 1.0 - TIE:
-                continue
-            for other in self.sites.values():
-                twin = by.get(rest | {other.label})
-                if other.label not in own.label and twin is not None and abs(ratio(twin, own) - 1.0) <= REWORDED:
-                    yield other, twin
 
     def look_ahead(self, one: Candidate, most: int, ahead: dict[int, dict[Label, Ahead]]) -> None:
         """What each further effect promises."""

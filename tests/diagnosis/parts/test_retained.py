@@ -9,7 +9,8 @@ import pytest
 
 from spacerobot.diagnosis.machines.choose import models_for
 from spacerobot.diagnosis.machines.touch import Moment
-from spacerobot.diagnosis.selection.forward_selection import grow, retained
+from spacerobot.diagnosis.selection.conclusion import retained
+from spacerobot.diagnosis.selection.forward_selection import grow
 from spacerobot.diagnosis.selection.growth import Growth
 from spacerobot.effects.registry import effect
 from tests.diagnosis.parts.helpers_balls import balls

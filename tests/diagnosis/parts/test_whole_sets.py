@@ -15,7 +15,7 @@ from helpers_driven import driven_study
 from spacerobot.diagnosis.diagnose import diagnose
 from spacerobot.diagnosis.machines.choose import models_for
 from spacerobot.diagnosis.selection.bench import Bench
-from spacerobot.diagnosis.selection.forward_selection import _Search
+from spacerobot.diagnosis.selection.conclusion import Conclusion
 from spacerobot.diagnosis.terms.hypothesis import Label
 from spacerobot.proof.engine.missing import Missing
 
@@ -61,8 +61,8 @@ def test_an_effect_that_chance_would_bring_is_dropped_and_no_other(tmp_path: Pat
     viscous = Missing("viscous_friction", "joint.S1", {"coefficient_Nms_rad": 0.6})
     study = driven_study(tmp_path, viscous, *([Missing(*both[0], {"force_Nm": coulomb})] if coulomb else []))
     (model,) = [m for m in models_for(study) if m.name == "S1"]
-    search = _Search(Bench(model), model.sites())
-    bench, sites = search.bench, search.sites
+    bench, sites = Bench(model), {s.label: s for s in model.sites()}
+    search = Conclusion(bench, sites, {})
     start = bench.baseline()
     bench.sharpen(start)
     fit = bench.fitted_as(bench.again(start), [sites[one] for one in both], {})
