@@ -80,9 +80,9 @@ class AskedTorques:
             out[BASE] = np.array(mechanism.gravity) - np.array(self.gravity)
         for m in mechanism.maps:
             joint = m.channel.removesuffix(".position")
-            if m.kind == "offset" and joint in self.mass and m.value:
+            if m.kind == "offset" and joint in self.mass:
                 out[joint] = out.get(joint, 0.0) + np.array([m.value])
-        return out
+        return {where: numbers for where, numbers in out.items() if numbers.any()}
 
     def outweighing(self, mechanism: Mechanism, joint: str, shown: np.ndarray) -> np.ndarray:
         """What is asked for at a joint, in proportion to believed inertia where nothing drives it."""

@@ -121,12 +121,12 @@ class SharedColumns:
         """What places and pairs of places ask for along a piece per unit of each, shape (T, C) each."""
         steps = {where: ASIDE if where in self.joints else 1.0 for where in directions}
 
-        def at(**of: float) -> np.ndarray:
+        def at(of: Mapping[str, float]) -> np.ndarray:
             numbers = {where: x * steps[where] * directions[where] for where, x in of.items()}
             return self._exactly(name, self._with(numbers), numbers)
 
-        ahead = {where: at(**{where: 1.0}) for where in directions}
-        behind = {where: at(**{where: -1.0}) if where in self.joints else -ahead[where] for where in directions}
+        ahead = {where: at({where: 1.0}) for where in directions}
+        behind = {where: at({where: -1.0}) if where in self.joints else -ahead[where] for where in directions}
         out: dict[tuple[str, ...], np.ndarray] = {}
         for where, step in steps.items():
             out[where,] = (ahead[where] - behind[where]) / (2.0 * step)
@@ -134,11 +134,11 @@ class SharedColumns:
                 out[where, where] = (ahead[where] + behind[where]) / (2.0 * step**2)
         for one, other in combinations(sorted(directions, key=lambda where: where in self.joints), 2):
             size, step = steps[one], steps[other]
-            both = at(**{one: 1.0, other: 1.0}) - ahead[one] - ahead[other]
+            both = at({one: 1.0, other: 1.0}) - ahead[one] - ahead[other]
             if other not in self.joints:
                 out[one, other] = both / (size * step)
                 continue
-            back = at(**{one: 1.0, other: -1.0}) - ahead[one] - behind[other]
+            back = at({one: 1.0, other: -1.0}) - ahead[one] - behind[other]
             out[one, other] = (both - back) / (2.0 * size * step)
             out[one, other, other] = (both + back) / (2.0 * size * step**2)
         return out

@@ -126,3 +126,14 @@ def test_a_load_on_an_arm_that_leans_leans_with_it() -> None:
         values = {key.split("~")[0]: x for key, x in growth.after.fit.values().items()}
         assert values["link_load"] == pytest.approx(0.8, rel=0.02)
         assert values["other_gravity"] == pytest.approx(G * np.hypot(0.02, 0.03), rel=0.03)
+
+
+def test_a_zero_beside_a_load_is_that_of_the_loaded_arm() -> None:
+    """A tenth of a radian: what the arm asks for bends with where it stands. A load aside of the fore arm is nearly an
+    elbow that stands otherwise: beside the other each is told to some per cent."""
+    found = machines(SPATIAL, zeros={"elbow": 0.1}, built=heavier(SPATIAL, "fore", 0.8, (0.25, 0.03, 0.06)))
+    (shoulder,) = (m for m in found if m.name == "shoulder")
+    assert dict(shoulder.shapes.keys()) == {"link_load": "link.fore", "encoder_zero": "joint.elbow"}
+    values = {key.split("~")[0]: x for key, x in grow(shoulder, effects=CATALOGUE).after.fit.values().items()}
+    assert values["link_load"] == pytest.approx(0.8, rel=0.01)
+    assert values["encoder_zero@joint.elbow.zero_m"] == pytest.approx(0.1, rel=0.07)
