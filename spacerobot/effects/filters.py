@@ -7,11 +7,10 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from spacerobot.effects.effect import FORM, Effect
+from spacerobot.effects.effect import Effect
+from spacerobot.effects.form import FormOf
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import ChannelMap
-from spacerobot.effects.sensor_effect import SensorEffect
-from spacerobot.effects.sizes import Sizes
 
 ORDERS = (1, 2, 4)
 ANALOGUE = ("butterworth", "bessel")
@@ -72,32 +71,24 @@ def filter_of(channel: str, cutoff: float, order: int, kind: str) -> ChannelMap:
     return ChannelMap(channel, PLAIN, cutoff, form=(order, kind))
 
 
-class HigherOrder(SensorEffect):
+class HigherOrder(FormOf):
     """A low-pass filter of another form than the plain one: of the same thing, though it equals it at no cutoff."""
-
-    map_kind = PLAIN
 
     def __init__(self, plain: Effect, form: str) -> None:
         order, kind = form.split("_", 1)
         how = kind.capitalize() if kind in ANALOGUE else "forwards and backwards"
-        self.plain, self.form = plain, (int(order), kind)
-        given = {
-            "name": plain.name + FORM + form,
-            "title": f"{plain.title} ({how}, order {order})",
-            "phrase": f"{plain.phrase} ({how}, order {order})",
-            "formula": r"H(s) = \sum_k \frac{g_k}{1 + s / (2\pi f_c r_k)},\; |H(2\pi i f_c)|^2 = \tfrac{1}{2}",
-            "source": f"filter of order {order}, {how}",
-            "parameters": plain.parameters,
-            "refines": (plain.name,),
-            "settings": {"order": float(order), "kind": kind},
-            "choices": 1 + len(plain.forms),
-        }
-        for key, value in given.items():
-            setattr(self, key, value)  # an instance is an effect of its own, as a class of the catalogue is
-
-    def implausible(self, values: Mapping[str, float], sizes: Sizes) -> str:
-        """As the plain one."""
-        return self.plain.implausible(values, sizes)
+        self.form = int(order), kind
+        super().__init__(
+            plain,
+            form,
+            title=f"{plain.title} ({how}, order {order})",
+            phrase=f"{plain.phrase} ({how}, order {order})",
+            formula=r"H(s) = \sum_k \frac{g_k}{1 + s / (2\pi f_c r_k)},\; |H(2\pi i f_c)|^2 = \tfrac{1}{2}",
+            source=f"filter of order {order}, {how}",
+            refines=(plain.name,),
+            settings={"order": float(order), "kind": kind},
+            choices=1 + len(plain.forms),
+        )
 
     def innate(self, values: Mapping[str, float], rate: float) -> bool:
         """Readings without delay that end near half of the rate: what sampling asks for."""

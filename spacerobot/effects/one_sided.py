@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from spacerobot.effects.effect import FORM, Effect
+from spacerobot.effects.effect import Effect
+from spacerobot.effects.form import FormOf
 from spacerobot.effects.kernel import Kernel
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Force
-from spacerobot.effects.sizes import Sizes
 
 SIDES = {"above": 1.0, "below": -1.0}
 """Which displacements it stands beyond, and which way that is."""
@@ -43,36 +43,25 @@ def slope(d: float, v: float, aux: float, p: Any) -> float:
 KERNEL = Kernel(force, edge, energy, slope)
 
 
-class OneSided(Effect):
+class OneSided(FormOf):
     """A stop of a side: where it begins is a displacement with its sign, for a zero need not lie between two stops."""
 
     def __init__(self, plain: Effect, side: str) -> None:
-        self.plain, self.way = plain, SIDES[side]
-        given = {
-            "name": plain.name + FORM + side,
-            "title": f"{plain.title} on one side",
-            "phrase": f"{plain.phrase} on one side",
-            "formula": r"f = -k_s\,(d - d_s) \text{ where that pushes back, else } 0",
-            "source": plain.source,
-            "kind": plain.kind,
-            "parameters": tuple(replace(p, lower=-p.upper) if p.reach else p for p in plain.parameters),
-            "settings": {"kind": side},
-            "choices": 1 + len(plain.forms),
-        }
-        for key, value in given.items():
-            setattr(self, key, value)  # an instance is an effect of its own, as a class of the catalogue is
+        self.way = SIDES[side]
+        super().__init__(
+            plain,
+            side,
+            title=f"{plain.title} on one side",
+            phrase=f"{plain.phrase} on one side",
+            formula=r"f = -k_s\,(d - d_s) \text{ where that pushes back, else } 0",
+            parameters=tuple(replace(p, lower=-p.upper) if p.reach else p for p in plain.parameters),
+            settings={"kind": side},
+            choices=1 + len(plain.forms),
+        )
 
     def towards(self, displacement: np.ndarray) -> np.ndarray:
         """The displacement itself, counted in the stop's own way."""
         return self.way * displacement
-
-    def places(self, mechanism: Mechanism) -> tuple[str, ...]:
-        """As the plain one."""
-        return self.plain.places(mechanism)
-
-    def implausible(self, values: Mapping[str, float], sizes: Sizes) -> str:
-        """As the plain one."""
-        return self.plain.implausible(values, sizes)
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
         """A spring that acts on one side."""

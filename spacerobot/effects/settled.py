@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from spacerobot.effects.effect import FORM, Effect, Parameter
+from spacerobot.effects.effect import Effect
+from spacerobot.effects.form import FormOf
 from spacerobot.effects.mechanism import Mechanism
 
 MILLIONTH = 1e-6
@@ -26,12 +27,18 @@ def shape_of(form: str) -> tuple[float, ...]:
     return tuple(int(word) * MILLIONTH for word in form.split("_"))
 
 
-def shaped(effect: Effect) -> tuple[Parameter, ...]:
-    """What a form of an effect settles."""
-    return tuple(p for p in effect.parameters if p.shape)
+class Shaped(Effect):
+    """An effect whose shape may be settled."""
+
+    def in_form(self, form: str) -> Effect:
+        """The effect in a shape that is known, its numbers in millionths; how much there is of it remains open."""
+        try:
+            return Settled(self, form)
+        except ValueError:
+            return super().in_form(form)
 
 
-class Settled(Effect):
+class Settled(FormOf):
     """An effect in one shape: a form of the one in any."""
 
     def __init__(self, plain: Effect, form: str) -> None:
@@ -40,25 +47,10 @@ class Settled(Effect):
         Raises:
             ValueError: the form does not say as many numbers as the effect's shape has.
         """
-        names = [p.name for p in shaped(plain)]
-        self.plain, self.shape = plain, dict(zip(names, shape_of(form), strict=True))
-        given = {
-            "name": plain.name + FORM + form,
-            "title": plain.title,
-            "phrase": plain.phrase,
-            "formula": plain.formula,
-            "source": plain.source,
-            "kind": plain.kind,
-            "together": plain.together,
-            "parameters": tuple(p for p in plain.parameters if not p.shape),
-            "settings": self.shape,
-        }
-        for key, value in given.items():
-            setattr(self, key, value)  # an instance is an effect of its own, as a class of the catalogue is
-
-    def places(self, mechanism: Mechanism) -> tuple[str, ...]:
-        """Those of the effect in any shape."""
-        return self.plain.places(mechanism)
+        names = [p.name for p in plain.parameters if p.shape]
+        self.shape = dict(zip(names, shape_of(form), strict=True))
+        open_to = tuple(p for p in plain.parameters if not p.shape)
+        super().__init__(plain, form, parameters=open_to, settings=self.shape, together=plain.together)
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
         """The effect in its shape."""

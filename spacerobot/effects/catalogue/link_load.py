@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from spacerobot.effects.effect import Effect, Parameter
+from spacerobot.effects.effect import Parameter
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Load
-from spacerobot.effects.settled import Settled
+from spacerobot.effects.settled import Shaped
 
 AXES = ("x_m", "y_m", "z_m")
 """Names of the parameters that say where a load is, in its link's frame."""
 
 
-class LinkLoad(Effect):
+class LinkLoad(Shaped):
     """A small heavy body fixed to a link: weight and inertia at every joint that carries it."""
 
     name = "link_load"
@@ -36,10 +36,3 @@ class LinkLoad(Effect):
         """The load beside what the link has."""
         x, y, z = (values[axis] for axis in AXES)
         return mechanism.with_load(Load(where, values["mass_kg"], (x, y, z)))
-
-    def in_form(self, form: str) -> Effect:
-        """The load at a place that is known, "x_y_z" [micrometres] in the link's frame; its mass remains open."""
-        try:
-            return Settled(self, form)
-        except ValueError:
-            return super().in_form(form)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from spacerobot.effects.effect import Effect, Parameter
+from spacerobot.effects.effect import Parameter
 from spacerobot.effects.mechanism import Mechanism
-from spacerobot.effects.settled import Settled
+from spacerobot.effects.settled import Shaped
 
 
-class OtherGravity(Effect):
+class OtherGravity(Shaped):
     """A further pull on all that has mass, along a direction of the base's axes.
 
     A base that leans by a small angle is pulled sideways by that share of gravity; one that feels none at all, upwards
@@ -36,10 +36,3 @@ class OtherGravity(Effect):
         """The pull beside gravity."""
         pull = values["pull_m_s2"]
         return mechanism.with_pull((pull * values["x"], pull * values["y"], pull * values["z"]))
-
-    def in_form(self, form: str) -> Effect:
-        """The pull along a direction that is known, "x_y_z" [millionths]; how strong it is remains open."""
-        try:
-            return Settled(self, form)
-        except ValueError:
-            return super().in_form(form)
