@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import TypeVar
 
@@ -24,7 +24,7 @@ from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.machines.touch import Moment
 from spacerobot.diagnosis.selection.checks import checks_of_part
 from spacerobot.diagnosis.selection.conclusion import retained
-from spacerobot.diagnosis.selection.felt_together import Felt, Shapes, felt_by, shapes_of, told
+from spacerobot.diagnosis.selection.felt_together import Alone, Felt, Shapes, alone, felt_by, shapes_of, told
 from spacerobot.diagnosis.selection.forward_selection import MOST, grow
 from spacerobot.diagnosis.selection.meetings import meetings
 from spacerobot.diagnosis.selection.moment import with_free_moment
@@ -54,6 +54,7 @@ class _Held:
         threads: of a part's fits.
         store: keeps them.
         report: told of progress; nobody from a process of its own.
+        alone: parts that were asked what they feel together, once in each process.
     """
 
     models: Sequence[Machine]
@@ -61,6 +62,7 @@ class _Held:
     threads: int
     store: Store | None
     report: Report
+    alone: dict[int, Alone] = field(default_factory=dict)
 
     def catalogue(self) -> list[Effect]:
         """Effects on offer."""
@@ -152,7 +154,9 @@ def _done(waiting: Sequence[Waiting[T]], report: Report, what: str) -> list[T]:
 @one_thread()
 def _felt(held: _Held, k: int, places: Sequence[str], known: Mapping[str, np.ndarray]) -> tuple[Felt, Felt]:
     """What numbers of what is at places that all parts share would do for one part."""
-    return felt_by(held.models[k], places, held.catalogue(), known)
+    if k not in held.alone:
+        held.alone[k] = alone(held.models[k], held.catalogue())
+    return felt_by(held.alone[k], places, known)
 
 
 @one_thread()

@@ -179,8 +179,9 @@ class InverseDynamics(Machine):
         self.trials = tuple(trials)
         last = {columns.joint_of(n): f"link.{n}" for n in robot.links_on(self.compared)}
         ends = [last[i] for j in self.joints if (i := robot.joint_id(j)) in last]
-        felt = [self.joints.index(j) for j in self.compared]
-        self._felt = SharedColumns(columns, () if robot.floating or idle else ends, self.joints, felt, self._motion)
+        felt, encoders = [self.joints.index(j) for j in self.compared], [f"joint.{j}" for j in self.joints]
+        links = () if robot.floating or idle else ends
+        self._felt = SharedColumns(columns, links, encoders, felt, self._motion)
         x, y, z = gravity
         self._gravity = None if robot.floating or idle else (float(x), float(y), float(z))
         self.shared = () if self._gravity is None else (*self._felt.links, BASE, *self._felt.joints)

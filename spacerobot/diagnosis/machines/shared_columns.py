@@ -42,7 +42,7 @@ class SharedColumns:
     ) -> None:
         """Of places, felt by some of the logged joints, along the pieces' motions by their ids."""
         self._columns, self.links, self._rows, self._motion = columns, tuple(links), list(rows), of
-        self.joints = tuple(f"joint.{j}" for j in joints)
+        self.joints = tuple(joints)
         self._there: dict[str, np.ndarray] = {}
         self._believed = self
         self._plain: dict[str, np.ndarray] = {}
@@ -51,8 +51,7 @@ class SharedColumns:
 
     def along(self, motion: Mapping[str, Motion]) -> SharedColumns:
         """The same along other motions."""
-        joints = [j.removeprefix("joint.") for j in self.joints]
-        return SharedColumns(self._columns, self.links, joints, self._rows, motion)
+        return SharedColumns(self._columns, self.links, self.joints, self._rows, motion)
 
     def near(self, numbers: Mapping[str, np.ndarray]) -> SharedColumns:
         """The same where these are at some of the places: what more of each asks for there."""

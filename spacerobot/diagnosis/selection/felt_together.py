@@ -12,9 +12,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
+from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.noise import floor_of
 from spacerobot.diagnosis.fitting.screen import Projector, Screener
 from spacerobot.diagnosis.machines.contract import Machine
@@ -73,6 +75,7 @@ class Felt:
         readings = sum(t.samples for t in self.trials)
         return max(*told.values(), np.finfo(float).tiny) * float(np.sqrt(readings / max(readings - self.spent, 1)))
 
+    @cached_property
     def beside_own(self) -> Felt:
         """Beside all that the part may lack itself."""
         return self._beside(self.own)
@@ -81,7 +84,7 @@ class Felt:
         """Beside those of its own effects alone that show more than chance would, where so much of the numbers, shape
         (N,), is there: what it may lack and does not tells nothing, but would hide as much as it can imitate."""
         left = self.left - self.columns @ brought
-        whole = self.beside_own()
+        whole = self.beside_own
         noise, shown = whole.floor(whole.columns @ brought), list[int]()
         edge, rest, others = chance_edge(1, self.own.shape[1]), left, self.own / np.linalg.norm(self.own, axis=0)
         while len(shown) < self.own.shape[1]:
@@ -135,18 +138,18 @@ def shapes_of(models: Sequence[Machine], effects: Iterable[Effect], asked: Asked
     sources = placed(wanted, places, some)
     found: list[Leading] = []
     felt = asked(feeling, places, {})
-    while len(more := found_in([one.beside_own() for one, _ in felt], sources, found)) > len(found):
+    while len(more := found_in([one.beside_own for one, _ in felt], sources, found)) > len(found):
         found = more
         if len(found) > FEW:
             return {}
         for _ in range(NEARER):  # a pull pulls at a load too
             felt, before = asked(feeling, places, _numbers(found)), found
-            found = found_again([one.beside_own() for one, _ in felt], sources, found)
-            if by_chance(moved([one.beside_own() for one, _ in felt], before, found), 1):
+            found = found_again([one.beside_own for one, _ in felt], sources, found)
+            if by_chance(moved([one.beside_own for one, _ in felt], before, found), 1):
                 break
     if not found:
         return {}
-    stated = [one.beside_own() for one, _ in felt]
+    stated = [one.beside_own for one, _ in felt]
     brought = brought_by(stated, found)
     found = found_again([one.beside_shown(brought) for one, _ in felt], sources, found)
     # what is stated of the links may be wrong: what only says so is none of these
@@ -169,35 +172,53 @@ def told(model: Machine, shapes: Shapes) -> Machine:
     return other
 
 
-def felt_by(
-    model: Machine, places: Sequence[str], effects: Sequence[Effect], known: Mapping[str, np.ndarray]
-) -> tuple[Felt, Felt]:
+@dataclass(frozen=True, eq=False)
+class Alone:
+    """A part before it is asked.
+
+    Attributes:
+        model: of the part.
+        fit: its baseline near what is believed.
+        own: what every effect that it may lack itself would do for its weighted readings, shape (S,) each, and more.
+    """
+
+    model: Machine
+    fit: Fit
+    own: Sequence[np.ndarray]
+
+
+def alone(model: Machine, effects: Sequence[Effect]) -> Alone:
+    """A part, and effects that it may lack."""
+    bench = Bench(model)
+    fit = bench.baseline()
+    # beside what it lacks the values that fit best may be far from what is believed
+    unbent = {k: x for k, x in fit.values().items() if k not in model.believed.fitted}
+    fit = replace(fit, z=fit.hypothesis.start(unbent))
+    screener = Screener(bench.fitter(), model.believed, plain=True)
+    best = screener.screen(fit, model.sites(effects)).best().values()
+    return Alone(model, fit, [s.column for s in best if s.norm > 0.0])
+
+
+def felt_by(part: Alone, places: Sequence[str], known: Mapping[str, np.ndarray]) -> tuple[Felt, Felt]:
     """What numbers of what is at these places would do for a part, and every effect that it may lack itself.
 
     Args:
-        model: of the part.
+        part: who is asked.
         places: that it shares with others.
-        effects: that it may lack.
         known: numbers at some of the places near which it is asked.
 
     Returns:
         With believed values held as they are stated, and with all of them free: a link that is heavier than believed
         is a wrong value, no body on it.
     """
-    bench = Bench(model)
-    fit = bench.baseline()
-    # near what is believed: beside what it lacks the values that fit best may be far from there
-    unbent = {k: x for k, x in fit.values().items() if k not in model.believed.fitted}
-    fit = replace(fit, z=fit.hypothesis.start(unbent))
-    screener = Screener(bench.fitter(), model.believed, plain=True)
-    own = [s.column for s in screener.screen(fit, model.sites(effects)).best().values() if s.norm > 0.0]
+    model, fit, own = part.model, part.fit, part.own
+    bench, near = Bench(model), model.near(known)
     every = tuple(model.believed.sigma)
 
     def felt(*free: Sequence[str]) -> list[Felt]:
         """Under the present weights, with each of these sets of believed values free."""
         fitter = bench.fitter()
         state = Screener(fitter, model.believed).state_of(fit)
-        near = model.near(known)
         rows = np.concatenate([np.concatenate([near.felt(t, n) for t in bench.trials], axis=1) for n in places])
         bent = np.concatenate([near.bent(t) for t in bench.trials])
         out = []
@@ -210,7 +231,7 @@ def felt_by(
         return out
 
     # whatever all of these leave over is noise: beliefs are held by as much as readings then count
-    first = felt(every)[0].beside_own()
+    first = felt(every)[0].beside_own
     best = np.linalg.lstsq(first.columns, first.left, rcond=ROUNDING)[0]
     bench.weights = dict.fromkeys((c for t in bench.trials for c in t.channels), first.floor(first.columns @ best))
     stated, freely = felt((), every)
@@ -258,8 +279,7 @@ def found_again(
 
 def moved(felt: Sequence[Felt], before: Sequence[Leading], after: Sequence[Leading]) -> float:
     """By how much chi-squared tells what was found before from what was found after."""
-    found = [one for one, _ in after]
-    normal, right = _summed(felt, _floors(felt, [one.floor(0.0) for one in felt], found))
+    normal, right = _beside(felt, after)
     more, less = (sum((one.among(right.size) for one, _ in some), np.zeros(right.size)) for some in (after, before))
     return float((more - less) @ normal @ (more - less))
 
@@ -268,8 +288,7 @@ def still_there(felt: Sequence[Felt], found: Sequence[Leading], looks: int) -> l
     """Those of which the parts feel more than chance would make of so many, each beside the others."""
     if not found:
         return []
-    floors = _floors(felt, [one.floor(0.0) for one in felt], [one for one, _ in found])
-    normal, right = _summed(felt, floors)
+    normal, right = _beside(felt, found)
     out = []
     for k, (one, same) in enumerate(found):
         others = [other.among(right.size) for other, _ in (*found[:k], *found[k + 1 :])]
@@ -277,6 +296,11 @@ def still_there(felt: Sequence[Felt], found: Sequence[Leading], looks: int) -> l
         if not by_chance(gain, 1, looks):
             out.append((one, same))
     return out
+
+
+def _beside(felt: Sequence[Felt], found: Sequence[Leading]) -> tuple[np.ndarray, np.ndarray]:
+    """Normal matrix and right-hand side of all numbers, the parts weighed by what all that was found leaves over."""
+    return _summed(felt, _floors(felt, [one.floor(0.0) for one in felt], [one for one, _ in found]))
 
 
 def _floors(felt: Sequence[Felt], floors: Sequence[float], found: Sequence[Found]) -> list[float]:

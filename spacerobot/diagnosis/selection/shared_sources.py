@@ -62,39 +62,30 @@ class Source:
     def best(self, normal: np.ndarray, right: np.ndarray) -> Found:
         """What of it lowers a quadratic form, normal matrix and right-hand side of all places' numbers, most."""
         own, pull = normal[self.at, self.at], right[self.at]
-        together = self.effect.together
-        if together == "field":
-            change = np.linalg.lstsq(own, pull, rcond=ROUNDING)[0]
-            return Found(self, float(pull @ change), change, self.form(change))
-        if together == "point":
-            place = self._place(own, pull)
-            return self._along(own, pull, self.numbers(self.where, place), form_of(place))
-        return self._along(own, pull, self.numbers(self.where, None) if together == "whole" else np.ones(1), "")
+        place = self._place(own, pull) if self.effect.together == "point" else None
+        directions = self.directions(place)
+        much, most = amounts(own, pull, list(directions.T)), self.effect.strength
+        numbers = directions @ much
+        # what nothing reads would take an amount that nothing has: its columns are rounding
+        possible = bool(np.all((most.lower <= much) & (much <= most.upper)))
+        return Found(self, float(pull @ numbers) if possible else 0.0, numbers, self.form(numbers, place))
 
-    def directions(self, size: int, place: np.ndarray | None) -> np.ndarray:
-        """Along what its numbers may lie among those of all places, shape (size, D): a body along one, a pull any.
+    def directions(self, place: np.ndarray | None) -> np.ndarray:
+        """Along what its numbers may lie, shape (N, D): a body's along one, a pull's along any.
 
         Args:
-            size: how many numbers all places have.
             place: of a point mass, shape (3,).
         """
-        together = self.effect.together
-        own = np.eye(3) if together == "field" else np.ones((1, 1)) if together == "zero" else None
-        out = np.zeros((size, 1 if own is None else own.shape[1]))
-        out[self.at] = self.numbers(self.where, place)[:, None] if own is None else own
-        return out
+        if self.effect.together in ("field", "zero"):
+            return np.eye(self.at.stop - self.at.start)
+        return self.numbers(self.where, place)[:, None]
 
-    def form(self, numbers: np.ndarray) -> str:
-        """The shape that numbers of what has one in each of them show: the direction of a pull."""
+    def form(self, numbers: np.ndarray, place: np.ndarray | None) -> str:
+        """Its shape: the place of a point mass, the direction of a pull; empty of what has none."""
         size = float(np.linalg.norm(numbers))
+        if place is not None:
+            return form_of(place)
         return form_of(numbers / size) if self.effect.together == "field" and size > 0.0 else ""
-
-    def _along(self, own: np.ndarray, pull: np.ndarray, unit: np.ndarray, form: str) -> Found:
-        (amount,) = amounts(own, pull, [unit])
-        most = self.effect.strength
-        # what nothing reads would take an amount that nothing has: its columns are rounding
-        gain = gained(own, pull, unit) if most.lower <= amount <= most.upper else 0.0
-        return Found(self, gain, amount * unit, form)
 
     def _place(self, own: np.ndarray, pull: np.ndarray) -> np.ndarray:
         """Of the best point mass at a link, shape (3,)."""
@@ -170,9 +161,13 @@ def at_once(normal: np.ndarray, right: np.ndarray, found: Sequence[Found]) -> li
     points = [k for k, one in enumerate(found) if one.source.effect.together == "point"]
 
     def directions(places: np.ndarray) -> list[np.ndarray]:
-        """Of each source, shape (N, numbers that are free along it)."""
-        at = dict(zip(points, places.reshape(-1, 3), strict=True))
-        return [one.source.directions(right.size, at.get(k)) for k, one in enumerate(found)]
+        """Of each source among the numbers of all places, shape (N, D)."""
+        at, out = dict(zip(points, places.reshape(-1, 3), strict=True)), []
+        for k, one in enumerate(found):
+            own = one.source.directions(at.get(k))
+            out.append(np.zeros((right.size, own.shape[1])))
+            out[-1][one.source.at] = own
+        return out
 
     def loss(places: np.ndarray) -> float:
         along = np.concatenate(directions(places), axis=1)
@@ -186,7 +181,8 @@ def at_once(normal: np.ndarray, right: np.ndarray, found: Sequence[Found]) -> li
         own, best = best[: part.shape[1]], best[part.shape[1] :]
         numbers = (part @ own)[one.source.at]
         rest = without(normal, right, [d for n, other in enumerate(parts) if n != k for d in other.T])
-        form = form_of(end.reshape(-1, 3)[points.index(k)]) if k in points else one.source.form(numbers)
+        place = end.reshape(-1, 3)[points.index(k)] if k in points else None
+        form = one.source.form(numbers, place)
         out.append(Found(one.source, float(rest[1][one.source.at] @ numbers), numbers, form))
     return out
 

@@ -11,7 +11,7 @@ from helpers_models import ARM, arm_log
 from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.machines.grid import Grid
 from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
-from spacerobot.diagnosis.selection.felt_together import felt_by, shapes_of, told
+from spacerobot.diagnosis.selection.felt_together import alone, felt_by, shapes_of, told
 from spacerobot.diagnosis.selection.forward_selection import grow
 from spacerobot.diagnosis.selection.shared_sources import Source
 from spacerobot.effects.registry import all_effects, effect
@@ -53,7 +53,8 @@ def machines(
         InverseDynamics(load(urdf), (0.0, 0.0, -G), grids, JOINTS, compared=[j], noise=noise, absolute=doubted)
         for j in JOINTS
     ]
-    shapes = shapes_of(made, CATALOGUE, lambda some, *of: [felt_by(made[k], of[0], CATALOGUE, of[1]) for k in some])
+    parts = [alone(m, CATALOGUE) for m in made]
+    shapes = shapes_of(made, CATALOGUE, lambda some, *of: [felt_by(parts[k], *of) for k in some])
     return [told(m, shapes) for m in made]
 
 

@@ -18,7 +18,7 @@ from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.machines.grid import Grid
 from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
 from spacerobot.diagnosis.machines.links import mass_of, with_masses
-from spacerobot.diagnosis.selection.felt_together import felt_by, shapes_of, told
+from spacerobot.diagnosis.selection.felt_together import alone, felt_by, shapes_of, told
 from spacerobot.diagnosis.selection.forward_selection import grow
 from spacerobot.diagnosis.selection.one_amount import differ
 from spacerobot.diagnosis.terms.hypothesis import Site
@@ -53,7 +53,8 @@ def machines(urdf: str, change: dict[str, float] | None = None, sigma: dict[str,
 
 def with_shapes(models: list[Machine]) -> list[Machine]:
     """Each told what all of them feel together."""
-    shapes = shapes_of(models, CATALOGUE, lambda some, *of: [felt_by(models[k], of[0], CATALOGUE, of[1]) for k in some])
+    parts = [alone(m, CATALOGUE) for m in models]
+    shapes = shapes_of(models, CATALOGUE, lambda some, *of: [felt_by(parts[k], *of) for k in some])
     return [told(m, shapes) for m in models]
 
 
