@@ -9,7 +9,13 @@ from spacerobot.effects.kernel import Kernel
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Force
 
-ACROSS = {"target": ("target.y", "target.z"), "base": ("base.y",)}
+PLACES = ("target", "target.y", "target.z")
+"""A body's place along three axes that stand square on each other, right-handed with its spins."""
+
+SPINS = ("target.roll", "target.pitch", "target.yaw")
+"""And how it turns about these, one after the other."""
+
+ACROSS = {PLACES[0]: PLACES[1:], "target.yaw": SPINS[:2], "base": ("base.y",)}
 """Coordinate of a body -> the others that its motion may have."""
 
 

@@ -18,7 +18,7 @@ from spacerobot.simulation.rig import rig
 
 RIG = rig({"wrist.damping": 3.0, "contact.damping": 30.0, "target.yaw_inertia": 0.4, "hand.mass": 25.0}, lateral=True)
 AT = np.concatenate([-np.geomspace(0.08, 1e-5, 40), np.geomspace(1e-5, 0.08, 40)])
-GYROSCOPIC = ("magnus",)
+GYROSCOPIC = ("magnus", "lift")
 """Effects whose forces are each no friction, and together work on nothing (tests/simulation)."""
 
 

@@ -8,6 +8,7 @@ from functools import partial
 
 import numpy as np
 
+from spacerobot.diagnosis.machines.body_axes import Axis, axes_of, directions_of, flies, spins_of
 from spacerobot.diagnosis.machines.contract import FIRST_NOISE, conditions_of
 from spacerobot.diagnosis.machines.doubted import doubted
 from spacerobot.diagnosis.machines.simulated import Build, Simulated
@@ -34,107 +35,6 @@ FORCES = "command.force"
 
 RESTART = 1.5
 """Length of a window under recorded forces, in units of the motion's own time: simulations of a free body drift."""
-
-
-class Axis:
-    """One coordinate of a free body: what it is called, which channels show it, which force drives it."""
-
-    def __init__(self, name: str, group: str, letter: str, sign: float, angular: bool = False) -> None:
-        """`group` is the channels' first word; `letter` x, y, z or yaw; the coordinate grows along sign * axis."""
-        self.name, self.sign, self.angular = name, sign, angular
-        self.position = (f"{group}.yaw",) if angular else (f"{group}.position.{letter}", f"{group}.{letter}")
-        self.velocity = (
-            (f"{group}.velocity.yaw", f"{group}.angular_velocity.z") if angular else (f"{group}.velocity.{letter}",)
-        )
-        self.force = f"{group}.torque.yaw" if angular else f"{group}.force.{letter}"
-
-    def shown(self, channels: Sequence[str]) -> list[tuple[str, str]]:
-        """(channel, kind) among these."""
-        return [(c, "position") for c in self.position if c in channels] + [
-            (c, "velocity") for c in self.velocity if c in channels
-        ]
-
-
-LETTERS = "xyz"
-
-
-def _directions(study: Study) -> tuple[int, int]:
-    """Which world axes the approach and gravity follow; z is up where nothing falls."""
-    gravity = np.array(study.baseline.gravity)
-    along = int(np.argmax(np.abs(study.baseline.approach)))
-    return along, int(np.argmax(np.abs(gravity))) if gravity.any() else 2
-
-
-def axes_of(study: Study, group: str, flies: bool = False) -> list[Axis]:
-    """The coordinates that a body of this study may have: along the approach, across it, and about the vertical.
-
-    One that flies moves in the third direction too.
-    """
-    along, up = _directions(study)
-    across, third = [i for i in range(3) if i not in (along, up)] + ([up] if along != up else [])
-    found = [Axis("target", group, LETTERS[along], float(np.sign(study.baseline.approach[along])))]
-    if along != up or flies:
-        found.append(Axis("target.y", group, LETTERS[across], 1.0))
-    if flies:
-        found.append(Axis("target.z", group, LETTERS[third], 1.0))
-    if along != up:
-        found.append(Axis("target.yaw", group, "yaw", 1.0, angular=True))
-    return found
-
-
-PARTS = (4, 16, 64)
-"""Into how many stretches a track is cut to read its curvature; between bounces only short ones fall freely."""
-
-LEAST = 5
-"""Readings that a stretch has at least."""
-
-FREELY = 0.5
-"""Share of gravity with which a body moves that nothing carries: a table leaves none of it, free flight all."""
-
-
-def flies(study: Study, trials: Sequence[Trial], group: str) -> bool:
-    """Whether nothing carries a tracked body: it falls freely, is thrust up and down, or floats where nothing falls."""
-    along, up = _directions(study)
-    gravity = float(study.baseline.gravity[up])
-    upright = Axis("target.z", group, LETTERS[up], 1.0)
-    if along == up:
-        aside = [Axis("target.y", group, LETTERS[i], 1.0) for i in range(3) if i != up]
-        return all(all(a.shown(sorted(study.recording(t))) for a in aside) for t in trials)
-    tracks: list[tuple[np.ndarray, np.ndarray, int]] = []
-    for trial in trials:
-        recording = study.recording(trial)
-        shown = {kind: c for c, kind in upright.shown(sorted(recording))}
-        if not shown:
-            return False
-        if not gravity or upright.force in recording:
-            return True
-        kind = "position" if "position" in shown else "velocity"
-        tracks.append((*recording[shown[kind]].good(), 2 if kind == "position" else 1))
-    return any(_falling([_accelerations(*t, parts) for t in tracks], gravity) for parts in PARTS)
-
-
-def _accelerations(time: np.ndarray, value: np.ndarray, degree: int, parts: int) -> list[float]:
-    """Of a track of places (degree 2) or rates (1), over so many stretches of it or the whole of a short one."""
-    out = []
-    for part in np.array_split(np.arange(time.size), parts if time.size >= LEAST * parts else 1):
-        if part.size > degree + 1:
-            leading = np.polynomial.Polynomial.fit(time[part], value[part], degree).convert().coef[-1]
-            out.append(float(degree * leading))
-    return out
-
-
-def _falling(accelerations: Sequence[Sequence[float]], gravity: float) -> bool:
-    """Whether most stretches fall as freely as that, and their scatter does not make it chance."""
-    every = np.concatenate([np.array(a) for a in accelerations]) / gravity
-    if not every.size:
-        return False
-    middle = float(np.median(every))
-    error = float(np.median(np.abs(every - middle))) / every.size**0.5
-    return bool(middle - CLEAR * error > FREELY)
-
-
-CLEAR = 2.0
-"""Standard errors of a median by which it must lie beyond what it is compared with."""
 
 
 def body(
@@ -206,7 +106,9 @@ def _model(study: Study, trials: Sequence[Trial], group: str, name: str) -> Simu
     every = {c for t in trials for c in study.recording(t)}
     driven = sorted(c for c in every if c.startswith((f"{group}.force.", f"{group}.torque.")))
     free = flies(study, trials, group)
-    axes = [a for a in axes_of(study, group, free) if a.shown(sorted(every)) and (not driven or a.force in driven)]
+    spins = spins_of(study, trials, group) if free and not driven else []
+    plain = [a for a in axes_of(study, group, free) if a.name not in {spin.name for spin in spins}]
+    axes = [a for a in (*plain, *spins) if a.shown(sorted(every)) and (not driven or a.force in driven)]
     shown = [c for a in axes for c, _ in a.shown(sorted(every))]
     doubts = doubted(study, trials, {*shown, *driven})
     bodily = _bodily(study, trials, group)
@@ -318,7 +220,7 @@ def _pull(study: Study, free: bool) -> dict[str, float]:
     gravity, approach = np.array(study.baseline.gravity), np.array(study.baseline.approach)
     pull = {"target": float(gravity @ approach)}
     if free:
-        along, up = _directions(study)
+        along, up = directions_of(study)
         pull["target.z"] = float(gravity[up]) if along != up else 0.0
     return pull
 

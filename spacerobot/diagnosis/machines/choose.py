@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from spacerobot.diagnosis.machines.axis import axis_model, mass_name
-from spacerobot.diagnosis.machines.body import axes_of, body_models
+from spacerobot.diagnosis.machines.body import body_models
+from spacerobot.diagnosis.machines.body_axes import axes_of
 from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.machines.doubted import doubted
 from spacerobot.diagnosis.machines.grid import Grid, even_grid

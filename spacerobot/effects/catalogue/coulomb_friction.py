@@ -51,8 +51,9 @@ class CoulombFriction(Effect):
 
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:
         """Guides, joints, and a body that slides on a table."""
-        bearing = ("target.yaw", "base.yaw") if mechanism.contact is None else ()
-        sliding = () if in_space(mechanism) else ("target", "target.y")
+        afloat = in_space(mechanism)
+        bearing = ("target.yaw", "base.yaw") if mechanism.contact is None and not afloat else ()
+        sliding = () if afloat else ("target", "target.y")
         return bodies(mechanism, "wrist", *sliding, *bearing, "base", "joint")
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:

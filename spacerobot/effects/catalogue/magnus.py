@@ -8,6 +8,7 @@ from typing import Any
 from spacerobot.effects.effect import Effect, Parameter
 from spacerobot.effects.kernel import Kernel
 from spacerobot.effects.mechanism import Mechanism
+from spacerobot.effects.plane import PLACES, SPINS
 from spacerobot.effects.primitives import Force
 
 
@@ -30,13 +31,25 @@ class Magnus(Effect):
     parameters = (Parameter("coefficient_kg", "kg", 0.0, 0.05, -1e3, 1e3, (0.1, -0.1)),)
 
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:
-        """A target that moves in the plane and turns."""
-        return ("target",) if {"target.y", "target.yaw"} <= set(mechanism.coordinates) else ()
+        """A target that moves in the plane or in space and turns."""
+        return ("target",) if _pushes(mechanism) else ()
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
-        """Two forces that together do no work."""
+        """Forces that together do no work."""
         c = values["coefficient_kg"]
         return mechanism.with_force(
-            Force("magnus along", "target", KERNEL, (-c,), sense="target.y", aux="target.yaw"),
-            Force("magnus across", "target.y", KERNEL, (c,), sense="target", aux="target.yaw"),
+            *(
+                Force(f"{self.name} at {port} by {spin}", port, KERNEL, (sign * c,), sense=sense, aux=spin)
+                for port, sense, spin, sign in _pushes(mechanism)
+            )
         )
+
+
+def _pushes(mechanism: Mechanism) -> list[tuple[str, str, str, float]]:
+    """Of a cross product spin x velocity: port, the velocity's, the spin, and the sign, one after the other."""
+    known, out = mechanism.coordinates, []
+    for k, spin in enumerate(SPINS):
+        one, other = PLACES[(k + 1) % 3], PLACES[(k + 2) % 3]
+        if {spin, one, other} <= known.keys():
+            out += [(other, one, spin, 1.0), (one, other, spin, -1.0)]
+    return out

@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 from spacerobot.diagnosis.diagnose import diagnose
-from spacerobot.diagnosis.machines.body import flies
+from spacerobot.diagnosis.machines.body_axes import flies
 from spacerobot.diagnosis.machines.choose import models_for
 from spacerobot.diagnosis.selection.meetings import meetings
 from spacerobot.effects.mechanism import Mechanism
