@@ -22,10 +22,10 @@ from spacerobot.recordings.drafting.events import event_lines
 from spacerobot.recordings.drafting.files import Found, recordings_in, robots_in
 from spacerobot.recordings.drafting.gearing import gearing
 from spacerobot.recordings.drafting.groups import Group, Trial, groups_of, trials_of
-from spacerobot.recordings.drafting.heads import head
+from spacerobot.recordings.drafting.heads import AXIS, head
 from spacerobot.recordings.drafting.hints import loose
 from spacerobot.recordings.drafting.lines import Line, comment, toml
-from spacerobot.recordings.drafting.machines import AXIS, as_platform, draft_machine, kind_of
+from spacerobot.recordings.drafting.machines import AXIS_URDF, as_platform, draft_machine, kind_of
 from spacerobot.recordings.drafting.names import ENDINGS
 from spacerobot.recordings.drafting.own_rates import by_rate
 from spacerobot.recordings.drafting.pendulum import hang, pendulum_urdf, swing_of
@@ -37,7 +37,7 @@ from spacerobot.recordings.drafting.remarks import (
     unrecognised,
 )
 from spacerobot.recordings.drafting.rigs import RIGS
-from spacerobot.recordings.drafting.robots import joints_of
+from spacerobot.recordings.drafting.robots import hangs, joints_of
 from spacerobot.recordings.drafting.run_list import RunList, run_lists, sheet_list
 from spacerobot.recordings.drafting.several_hits import apart
 from spacerobot.recordings.drafting.time_files import with_times
@@ -200,16 +200,22 @@ def draft(folder: Path, robot: str | None = None, *, rig: str = "", pattern: str
         seen = with_target(seen, trials)
     if kind == "wrist":
         trials = apart(seen, trials)
-    swinging = swing_of(seen, trials, named) if kind in ("axis", "pendulum") else None
-    kind = "axis" if kind == "pendulum" else kind
+    alone = kind in ("axis", "pendulum")
+    its_own = robot if alone and robot is not None and len(joints) == 1 else None  # a URDF of one joint is what moves
+    rest = hangs(folder / its_own, joints[0]) if its_own is not None else 0.0
+    swinging = swing_of(seen, trials, named, turns=its_own is not None) if alone and rest is not None else None
+    kind = "axis" if alone else kind
     representative = {g.name: g.leanest for g in groups}
     if kind == "wrist":
         drafted = draft_wrist(seen, trials) if is_wrist(seen) else Drafted({})
     else:
-        drafted = Drafted(events or draft_machine(kind, seen, representative, driven=swinging is None))
+        joint = joints[0] if its_own else AXIS
+        columns = draft_machine(kind, seen, representative, driven=swinging is None, joint=joint)
+        drafted = Drafted(events or columns)
     if swinging is not None:
         kind = "pendulum"
-        hang(next(x for x in drafted.lines[swinging[0]] if x.channel.endswith(".position")), swinging[1])
+        place = next(x for x in drafted.lines[swinging[0]] if x.channel.endswith(".position"))
+        hang(place, swinging[1], rest or 0.0)
     ask_what_no_name_says(drafted, named, "does in a hit" if kind == "wrist" else "does")
     told = [g for g in groups if drafted.lines.get(g.name)] or groups
     if len(told) < len(groups):  # files of which nothing was recognised would only part what belongs together
@@ -224,7 +230,7 @@ def draft(folder: Path, robot: str | None = None, *, rig: str = "", pattern: str
     made = Draft(
         title=folder.resolve().name or "study",
         kind=kind,
-        robot=robot if kind in ("arm", "platform") else None,
+        robot=robot if kind in ("arm", "platform") else its_own,
         joints=joints,
         groups={g.name: g for g in told},
         lines={name: found for name, found in lines.items() if found},
@@ -238,13 +244,13 @@ def draft(folder: Path, robot: str | None = None, *, rig: str = "", pattern: str
     if kind in ("arm", "platform"):
         made.gears = gearing(made.lines, representative)
     in_degrees(made.lines, representative)
-    if swinging is not None:
+    if swinging is not None and its_own is None:
         made.files["pendulum.urdf"] = pendulum_urdf(swinging[1])
-    if kind == "axis":
-        columns = [line.reading for found in lines.values() for line in found]
-        turning = any(c.unit in ("rad", "deg") or c.axis == "yaw" for c in columns)
-        shape = ("revolute", "0 0 1") if turning else ("prismatic", "1 0 0")
-        made.files["axis.urdf"] = AXIS.format(kind=shape[0], direction=shape[1])
+    if kind == "axis" and its_own is None:
+        told_of = [line.reading for found in lines.values() for line in found]
+        turns = any(c.unit in ("rad", "deg") or c.axis == "yaw" for c in told_of)
+        shape = ("revolute", "0 0 1") if turns else ("prismatic", "1 0 0")
+        made.files["axis.urdf"] = AXIS_URDF.format(kind=shape[0], direction=shape[1])
     return _readable(made, folder)
 
 

@@ -11,7 +11,10 @@ from spacerobot.cli.main import main
 from spacerobot.recordings.dataroot import recordings_folder
 
 DRAFT = "draft = true"
-ASKED = '# ? which column drives the axis: joint.axis.torque or .voltage, with use = "input"'
+ASKED = (
+    '# ? which column drives the axis: joint.axis.torque or .voltage, with use = "input"; where nothing does, '
+    "joint.axis.torque = 0 above"
+)
 COUPLED = [
     [32, 0, 0, 0, 0, 0],
     [0, 32, 0, 0, 0, 0],

@@ -55,7 +55,8 @@ class Reading:
         index: of the column in its file.
         thing: "target", "wrist", "hand", "base", the joint's number as text or its name after "joint:", a body's own
             name after "body:", or "" where the name is silent.
-        quantity: "position", "velocity", "torque", "force", "current", "voltage", "orientation", or "" if unknown.
+        quantity: "position", "velocity", "torque", "force", "current", "voltage", "orientation", "angular_velocity"
+            (about x or y; about z it is the velocity of the yaw), or "" if unknown.
         axis: "x", "y", "z", "w", "yaw" or "".
         unit: unit that name or file states, None where neither does.
         command: whether it is what was asked for, not what was measured.
@@ -151,8 +152,14 @@ def _reading(
     axis = next((_LATERAL[w] for w in said if w in _LATERAL), "")
     if not axis:
         axis = next((w[-1] for w in said if re.fullmatch(r"(?:v|d|f|p|t|m|w|force|pos|vel)[xyz]", w)), "")
-    if quantity in ("velocity", "position") and {"angular", "gyro", "omega", "rotation"} & set(words):
-        axis = "yaw" if axis in ("", "z", "yaw") else ""
+    spin = any(re.fullmatch(r"w[xyz]", w) for w in said)
+    if spin and not quantity:
+        quantity = "velocity"
+    if quantity in ("velocity", "position") and (spin or {"angular", "gyro", "omega", "rotation"} & set(words)):
+        if quantity == "velocity" and axis in ("x", "y"):
+            quantity = "angular_velocity"
+        else:
+            axis = "yaw" if axis in ("", "z", "yaw") else ""
     if ({"quat", "quaternion", "orientation"} & set(words) and axis != "yaw") or (
         TURN.intersection(words) and file.format == "motive"
     ):

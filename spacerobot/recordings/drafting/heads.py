@@ -7,6 +7,9 @@ from collections.abc import Sequence
 from spacerobot.recordings.drafting.lines import toml
 from spacerobot.recordings.drafting.rigs import RIGS
 
+AXIS = "axis"
+"""What a draft calls the joint of a lone axis, where no URDF does."""
+
 _TOP = """format = 1
 draft = true               # diagnose waits until you have read this through and deleted this line
 title = {title}
@@ -64,40 +67,47 @@ gravity = [0, 0, -9.80665] # across a level table; turn it where another axis po
 """
 
 _AXIS = """[baseline]                 # one driven axis
-robot = "axis.urdf"
+robot = {robot}
 base = "fixed"
 joints = "free"
-gravity = [0, 0, 0]
+{gravity}
 
-[baseline.joint.axis]
-mass = "unknown"           # kg, or kg m2 where it turns; state what you know
+[baseline.joint.{joint}]
+{mass}
 damping = 0.0              # N s/m, or N m s/rad
 # stiffness =              # N/m, or N m/rad: of a spring that holds it where it reads 0
 # gain =                   # N m, or N, for one unit of what drives it, where that is a current or a voltage
 
 # How well you know them: one standard deviation, relative; a size with its unit where the value is 0.
 [baseline.sigma]
-# joint.axis.mass =
-# joint.axis.damping =     # as "0.1 N s/m" or "0.1 N m s/rad"
-# joint.axis.gain =
+# joint.{joint}.mass =
+# joint.{joint}.damping =     # as "0.1 N s/m" or "0.1 N m s/rad"
+# joint.{joint}.gain =
 """
 
+_LEVEL = "gravity = [0, 0, 0]"
+_FALLS = "gravity = [0, 0, -9.80665] # in the robot's world"
+_UNKNOWN = 'mass = "unknown"           # kg, or kg m2 where it turns; state what you know'
+_OF_URDF = "# mass =                   # kg, or kg m2 where it turns, if it is not as the URDF has it"
+
 _PENDULUM = """[baseline]                 # a pendulum that swings freely
-robot = "pendulum.urdf"    # ? 1 kg, as far out as its period asks for: state your mass, its place and inertia there
+robot = {robot}{asked}
 base = "fixed"
 joints = "free"
 gravity = [0, 0, -9.80665]
 
-[baseline.joint.axis]
+[baseline.joint.{joint}]
 damping = 0.0              # N m s/rad
 torque = 0                 # nothing drives it
 
 # How well you know them: one standard deviation, relative. The mass of what turns is its inertia; without a line
 # here it counts as exact, and a wrong one as a payload.
 [baseline.sigma]
-# joint.axis.mass =
-# joint.axis.damping =
+# joint.{joint}.mass =
+# joint.{joint}.damping =
 """
+
+_OF_ITS_PERIOD = "    # ? 1 kg, as far out as its period asks for: state your mass, its place and inertia there"
 
 _UNTOLD = """# No column was recognised. Below, each says what it does and what it could be. Say which rig it is, and
 # the draft has its beliefs: spacerobot study new FOLDER --overwrite --rig {rigs}.
@@ -127,5 +137,13 @@ def head(title: str, kind: str, robot: str | None, joints: Sequence[str], masses
         named = toml(robot if robot and joints else "pa10")
         base = '"free"' if kind == "platform" else '"fixed"'
         return top + _ARM.format(words=words, robot=named, asked=asked, base=base)
+    own = robot if robot and len(joints) == 1 else None
+    joint = joints[0] if own else AXIS
+    if kind == "axis":
+        gravity, mass = (_FALLS, _OF_URDF) if own else (_LEVEL, _UNKNOWN)
+        return top + _AXIS.format(robot=toml(own or "axis.urdf"), joint=joint, gravity=gravity, mass=mass)
+    if kind == "pendulum":
+        asked = "" if own else _OF_ITS_PERIOD
+        return top + _PENDULUM.format(robot=toml(own or "pendulum.urdf"), joint=joint, asked=asked)
     untold = _UNTOLD.format(rigs=f"{', '.join(list(RIGS)[:-1])} or {list(RIGS)[-1]}")
-    return top + {"body": _BODY, "axis": _AXIS, "pendulum": _PENDULUM}.get(kind, untold)
+    return top + (_BODY if kind == "body" else untold)

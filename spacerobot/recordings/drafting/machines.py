@@ -10,12 +10,15 @@ import numpy as np
 
 from spacerobot.recordings.drafting.columns import Reading
 from spacerobot.recordings.drafting.files import Found
+from spacerobot.recordings.drafting.heads import AXIS
 from spacerobot.recordings.drafting.lines import LARGEST_RIG, Line
+from spacerobot.recordings.drafting.pendulum import GRAVITY
+from spacerobot.recordings.guess import time_unit
 from spacerobot.recordings.series import estimate_noise
 from spacerobot.recordings.table import Floats
 from spacerobot.recordings.units import UNITS
 
-AXIS = """<?xml version="1.0"?>
+AXIS_URDF = """<?xml version="1.0"?>
 <!-- One driven axis, written by `study new`. Its mass comes from the study. -->
 <robot name="axis">
   <link name="frame">
@@ -31,6 +34,9 @@ AXIS = """<?xml version="1.0"?>
   </joint>
 </robot>
 """
+
+FEWEST = 12
+"""Readings of a fall, at least: a parabola has three numbers."""
 
 _MEASURED = re.compile(r"current_|actual|meas", re.I)
 
@@ -64,7 +70,12 @@ def as_platform(readings: Mapping[str, Sequence[Reading]]) -> dict[str, list[Rea
 
 
 def draft_machine(
-    kind: str, readings: Mapping[str, Sequence[Reading]], files: Mapping[str, Found], *, driven: bool = True
+    kind: str,
+    readings: Mapping[str, Sequence[Reading]],
+    files: Mapping[str, Found],
+    *,
+    driven: bool = True,
+    joint: str = AXIS,
 ) -> dict[str, list[Line]]:
     """Stream -> its channels, for a machine of this kind.
 
@@ -73,6 +84,7 @@ def draft_machine(
         readings: stream -> what its columns seem to be.
         files: stream -> one of its files.
         driven: whether something drives an axis, so that a column of that is asked for.
+        joint: what an axis is called.
     """
     main = _main_thing(readings) if kind == "body" else ""
     found: dict[str, list[Line]] = {}
@@ -81,7 +93,7 @@ def draft_machine(
         # Where two columns are one channel, the one that says it is measured goes first.
         measured = {r.column for r in columns if _MEASURED.search(r.column) and not r.command}
         for reading in sorted(columns, key=lambda r: r.column not in measured):
-            line = _line(kind, reading, main)
+            line = _line(kind, reading, main, joint)
             if line is None or line.channel in taken:
                 continue
             if measured and reading.column not in measured and kind == "body" and line.use == "output":
@@ -94,13 +106,19 @@ def draft_machine(
                 line.remark = f"scatter about {noise:.2g} as read: sigma = ?" if noise > 0 else ""
             found.setdefault(stream, []).append(line)
     if kind == "body":
+        if not any(x.channel == "body.position.z" for lines in found.values() for x in lines):  # in a plane
+            aside = ("body.angular_velocity.x", "body.angular_velocity.y")
+            found = {stream: [x for x in lines if x.channel not in aside] for stream, lines in found.items()}
         for stream, lines in found.items():
             _too_far_for_metres(lines, files[stream])
     if kind == "axis":
-        _as_torque([line for lines in found.values() for line in lines])
+        _as_torque([line for lines in found.values() for line in lines], joint)
     if kind == "axis" and driven and found and not any(x.use == "input" for lines in found.values() for x in lines):
         first = next(iter(found.values()))[0]
-        first.question = 'which column drives the axis: joint.axis.torque or .voltage, with use = "input"'
+        first.question = (
+            f'which column drives the axis: joint.{joint}.torque or .voltage, with use = "input"; where nothing does, '
+            f"joint.{joint}.torque = 0 above"
+        )
     return {stream: sorted(lines, key=lambda x: x.reading.index) for stream, lines in found.items()}
 
 
@@ -109,7 +127,14 @@ def _too_far_for_metres(lines: Sequence[Line], file: Found) -> None:
     places = [x for x in lines if re.fullmatch(r"(?:body|marker\..+)\.position\.[xyz]", x.channel)]
     places = [x for x in places if x.reading.unit is None]
     spans = {id(x): float(np.nanmax(v) - np.nanmin(v)) for x in places if len(v := _values(x, file))}
-    if not spans or max(spans.values()) <= LARGEST_RIG:
+    if not spans or (unit := _unit_of_fall(places, file)) == "m":
+        return
+    if unit:
+        for line in places:
+            line.reading = replace(line.reading, unit=unit)
+            line.remark = "; ".join(r for r in (line.remark, f"in {unit} it falls freely") if r)
+        return
+    if max(spans.values()) <= LARGEST_RIG:
         return
     for line in places:
         line.reading = replace(line.reading, unit="mm")
@@ -119,21 +144,42 @@ def _too_far_for_metres(lines: Sequence[Line], file: Found) -> None:
     )
 
 
+NEARLY = 0.2
+"""Share of standard gravity within which a track falls freely: the air holds a ball back by less."""
+
+
+def _unit_of_fall(places: Sequence[Line], file: Found) -> str:
+    """In which unit of length the third place falls freely from the first reading to the last; empty where in none."""
+    if file.clock is None:
+        return ""
+    time = file.table.columns[file.clock].values * UNITS[time_unit(file.called.columns[file.clock])].factor
+    for line in places:
+        value = file.table.columns[line.reading.index].values
+        known = np.isfinite(value) & np.isfinite(time) if value.shape == time.shape else np.zeros(0, dtype=bool)
+        if not line.channel.endswith(".z") or known.sum() < FEWEST:
+            continue
+        bend = 2.0 * np.polynomial.Polynomial.fit(time[known], value[known], 2).convert().coef[-1]
+        for unit in ("m", "cm", "mm"):
+            if abs(bend * UNITS[unit].factor / -GRAVITY - 1.0) < NEARLY:
+                return unit
+    return ""
+
+
 def _values(line: Line, file: Found) -> Floats:
     values = file.table.columns[line.reading.index].values
     return values[np.isfinite(values)]
 
 
-def _as_torque(lines: Sequence[Line]) -> None:
+def _as_torque(lines: Sequence[Line], joint: str) -> None:
     """What drives an axis, where no torque is logged: its current or voltage, for which the baseline has a constant."""
-    drives = [x for x in lines if x.channel in ("joint.axis.current", "joint.axis.voltage")]
-    if len(drives) != 1 or any(x.channel == "joint.axis.torque" for x in lines):
+    drives = [x for x in lines if x.channel in (f"joint.{joint}.current", f"joint.{joint}.voltage")]
+    if len(drives) != 1 or any(x.channel == f"joint.{joint}.torque" for x in lines):
         return
     line, unit = drives[0], drives[0].reading.unit
     counted = "A" if line.channel.endswith("current") else "V"
-    line.channel, line.scale = "joint.axis.torque", UNITS[unit].factor if unit else 1.0
+    line.channel, line.scale = f"joint.{joint}.torque", UNITS[unit].factor if unit else 1.0
     line.reading = replace(line.reading, unit=None)
-    line.question = f"in {counted}: state joint.axis.gain above, its N m (or N where it slides) for each"
+    line.question = f"in {counted}: state joint.{joint}.gain above, its N m (or N where it slides) for each"
 
 
 def _main_thing(readings: Mapping[str, Sequence[Reading]]) -> str:
@@ -144,14 +190,12 @@ def _main_thing(readings: Mapping[str, Sequence[Reading]]) -> str:
     return max(dict.fromkeys(things), key=things.count) if things else ""
 
 
-def _line(kind: str, reading: Reading, main: str) -> Line | None:
+def _line(kind: str, reading: Reading, main: str, joint: str) -> Line | None:
     if reading.thing.startswith("joint:"):
         return _joint_line(reading, reading.thing.removeprefix("joint:"))
     if kind == "axis":
         return (
-            _joint_line(reading, "axis")
-            if reading.thing == "" or reading.quantity in ("position", "velocity")
-            else None
+            _joint_line(reading, joint) if reading.thing == "" or reading.quantity in ("position", "velocity") else None
         )
     return _body_line(kind, reading, main)
 
@@ -203,6 +247,8 @@ def _body_line(kind: str, reading: Reading, main: str) -> Line | None:
         return Line(reading, f"{body}.yaw" if axis == "yaw" else f"{body}.position.{axis}")
     if quantity == "velocity":
         return Line(reading, f"{body}.velocity.{axis}")
+    if quantity == "angular_velocity" and kind == "body":
+        return Line(reading, f"{body}.angular_velocity.{axis}")
     return None
 
 

@@ -41,8 +41,9 @@ GRAVITY = 9.80665
 FEWEST = 6
 """Times that a swing passes its middle, at least: three periods."""
 
-LATEST = 3
-"""The last part of a trial that is looked at, as one in so many: swings are smallest there, and nearest to a sine."""
+LATEST = (3, 2, 1)
+"""The last part of a trial that is looked at, as one in so many: swings are smallest there, and nearest to a sine. More
+of it where that has too few."""
 
 EVEN = 0.1
 """Share by which the halves of a period may differ: a tenth, as its middle is found to a few hundredths of a swing."""
@@ -64,7 +65,11 @@ class Swing:
 
 
 def swing_of(
-    readings: Mapping[str, Sequence[Reading]], trials: Sequence[Trial], named: Mapping[str, Sequence[Reading]]
+    readings: Mapping[str, Sequence[Reading]],
+    trials: Sequence[Trial],
+    named: Mapping[str, Sequence[Reading]],
+    *,
+    turns: bool = False,
 ) -> tuple[str, Swing] | None:
     """The stream of the one angle that is measured and its swing; None where something drives it, or it does not swing.
 
@@ -72,14 +77,15 @@ def swing_of(
         readings: stream -> what its columns seem to be.
         trials: the trials.
         named: stream -> what their names alone say; a column of which they say nothing may be an angle [rad].
+        turns: whether the only joint is known to turn, so that what states no unit is an angle.
     """
     every = [(stream, r) for stream, found in readings.items() for r in found if r.quantity]
     angles = [(s, r) for s, r in every if r.quantity == "position" and not r.command]
     if len(angles) != 1 or any(r.quantity not in ("position", "velocity") or r.command for _, r in every):
         return None
     stream, reading = angles[0]
-    silent = any(r.column == reading.column and not r.quantity for r in named[stream]) and reading.unit is None
-    if not (silent or (reading.unit and UNITS[reading.unit].dimension == "angle")):
+    silent = turns or any(r.column == reading.column and not r.quantity for r in named[stream])
+    if not ((silent and reading.unit is None) or (reading.unit and UNITS[reading.unit].dimension == "angle")):
         return None
     seen = [t for trial in trials if stream in trial.files and (t := track(trial.files[stream], reading.column))]
     tracks = [Track(t.time, UNITS[reading.unit or "rad"].factor * t.value) for t in seen]
@@ -92,14 +98,20 @@ def swing_of(
 
 def swing(own: Track) -> Swing | None:
     """The swing in the last part of a trial, in rad; None where it does not swing evenly."""
-    last = own.time >= own.time[-1] - (own.time[-1] - own.time[0]) / LATEST
-    time, value = own.time[last], own.value[last]
-    middle = 0.5 * (float(np.quantile(value, 0.01)) + float(np.quantile(value, 0.99)))
-    noise, size = estimate_noise(value), 0.5 * float(np.ptp(value))
-    side = np.where(np.abs(value - middle) > max(3 * noise, 0.1 * size), np.sign(value - middle), 0)
-    clear = np.flatnonzero(side)
-    turns = clear[1:][np.diff(side[clear]) != 0]
-    if len(turns) < FEWEST or not size > 10 * noise:
+    for part in LATEST:
+        last = own.time >= own.time[-1] - (own.time[-1] - own.time[0]) / part
+        time, value = own.time[last], own.value[last]
+        middle = 0.5 * (float(np.quantile(value, 0.01)) + float(np.quantile(value, 0.99)))
+        noise, size = estimate_noise(value), 0.5 * float(np.ptp(value))
+        side = np.where(np.abs(value - middle) > max(3 * noise, 0.1 * size), np.sign(value - middle), 0)
+        clear = np.flatnonzero(side)
+        turns = clear[1:][np.diff(side[clear]) != 0]
+        if len(turns) >= FEWEST:
+            break
+    else:
+        return None
+    peaks = np.array([np.abs(part - middle).max() for part in np.split(value, turns)[1:-1]])
+    if not size > 10 * noise or np.any(peaks[1:] > (1.0 + EVEN) * peaks[:-1] + 3 * noise):  # no swing grows by itself
         return None
     halves = np.diff(time[turns])
     period = float(np.median(halves[1:] + halves[:-1]))
@@ -109,14 +121,22 @@ def swing(own: Track) -> Swing | None:
     return Swing(period / wide, middle, max(noise, EVEN * size))
 
 
-def hang(line: Line, swing: Swing) -> None:
-    """Take the reading at rest off, where it is certain to be none: 0 is hanging."""
-    if abs(swing.middle) > CERTAIN * swing.error:
-        upright = math.copysign(math.pi, swing.middle)  # counted from there, it hangs half a turn away exactly
-        exact = abs(swing.middle - upright) < CERTAIN * swing.error
-        middle = (upright if exact else swing.middle) / UNITS[line.reading.unit or "rad"].factor
+def hang(line: Line, swing: Swing, rest: float = 0.0) -> None:
+    """Take off what it reads at rest, where it is certain that its joint is elsewhere there.
+
+    Args:
+        line: of the angle.
+        swing: as it reads.
+        rest: where the joint hangs, by its URDF [rad].
+    """
+    far = swing.middle - rest
+    if abs(far) > CERTAIN * swing.error:
+        upright = math.copysign(math.pi, far)  # counted from there, it hangs half a turn away exactly
+        exact = abs(far - upright) < CERTAIN * swing.error
+        middle = (upright if exact else far) / UNITS[line.reading.unit or "rad"].factor
         line.offset = -float(f"{middle:.10g}" if exact else f"{middle:.4g}")
-        line.remark = "; ".join(r for r in (line.remark, "0 where it hangs") if r)
+        where = f"{rest:.3g} rad where it hangs, as the URDF has it" if rest else "0 where it hangs"
+        line.remark = "; ".join(r for r in (line.remark, where) if r)
 
 
 def pendulum_urdf(swing: Swing) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -43,3 +44,24 @@ def joints_of(
             except InputError:
                 continue
     return (str(urdfs[0]) if urdfs else None), ()
+
+
+def hangs(urdf: Path, joint: str) -> float | None:
+    """Where the only joint of a URDF hangs at rest [rad]; None where it slides, or no weight brings it back."""
+    import pinocchio as pin
+
+    from spacerobot.dynamics.joint_kinds import joint_axis
+    from spacerobot.model.library import load
+
+    robot = load(urdf, mend=True)
+    if not joint_axis(robot.model, robot.joint_id(joint))[0]:
+        return None
+    data, index = robot.model.createData(), robot.velocity_index(joint)
+
+    def asked(angle: float) -> float:
+        return float(
+            pin.computeGeneralizedGravity(robot.model, data, robot.configuration(others={joint: angle}))[index]
+        )
+
+    a, b = asked(0.5 * math.pi), asked(0.0)  # a sin q + b cos q, by Pinocchio's own gravity, down along z
+    return math.atan2(-b, a) if math.hypot(a, b) > 0.0 else None
