@@ -31,13 +31,19 @@ class Normal:
         cls, jacobians: Sequence[np.ndarray], residuals: Sequence[np.ndarray], z: np.ndarray, prior: np.ndarray
     ) -> Normal:
         """From the trials' Jacobians, shape (S, G + N) each, residuals, and the prior's precision, shape (G, G)."""
+        squares = [jacobian.T @ jacobian for jacobian in jacobians]
+        return cls.of_sums(squares, [j.T @ r for j, r in zip(jacobians, residuals, strict=True)], z, prior)
+
+    @classmethod
+    def of_sums(
+        cls, squares: Sequence[np.ndarray], rights: Sequence[np.ndarray], z: np.ndarray, prior: np.ndarray
+    ) -> Normal:
+        """From the trials' J'J, shape (G + N, G + N) each, and J'r, shape (G + N,)."""
         count = z.size
         full = prior.astype(float)
         right = prior @ z
         own = []
-        for jacobian, residual in zip(jacobians, residuals, strict=True):
-            a = jacobian.T @ jacobian
-            b = jacobian.T @ residual
+        for a, b in zip(squares, rights, strict=True):
             full += a[:count, :count]
             right = right + b[:count]
             own.append((a[count:, count:] + 1e-9 * np.eye(a.shape[0] - count), a[count:, :count], b[count:]))

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from spacerobot.diagnosis.learning.learnt import Learnt
-from spacerobot.diagnosis.learning.part import Taken, louder, refused, take, words
+from spacerobot.diagnosis.learning.part import Taken, louder, refused, take, taken_by_curves, words
 from spacerobot.diagnosis.learning.part_held import kept_aside
 from spacerobot.diagnosis.selection.candidate import Candidate, tried
 from spacerobot.diagnosis.selection.growth import Growth
@@ -15,7 +15,7 @@ from spacerobot.diagnosis.selection.kept_aside import Unseen
 from spacerobot.diagnosis.selection.model_choice import agreeing, pays
 from spacerobot.diagnosis.selection.part_result import NotLearned, Part
 from spacerobot.diagnosis.selection.search_state import Report
-from spacerobot.diagnosis.terms.decision import AS_GOOD, CROWD, DOUBT, TIE
+from spacerobot.diagnosis.terms.decision import AS_GOOD, CROWD, DOUBT, MOST_LEFT, TIE
 from spacerobot.diagnosis.terms.kinds import AMBIGUOUS, LEARNED, NAMED, NOTHING_MISSING, UNKNOWN, WRONG_PARAMETER, Kind
 
 
@@ -51,14 +51,17 @@ def room_for_a_law(part: Part) -> bool:
 
     Nothing of the catalogue explains it; or, where the noise is stated, what is named of it leaves more, or is a crowd
     at ports, where laws act.
-    Where nothing is said to be missing and no noise is stated, a law that predicts better is what tells.
+    Where nothing is said to be missing and no noise is stated, a law that predicts better is what tells; and where
+    something is named, one that takes most of what that leaves.
     """
     said, bench = part.verdict, part.growth.bench
     stated = bool(bench.model.stated_noise(part.fit.values()))
     if said in (NOTHING_MISSING, WRONG_PARAMETER):
         return not stated and part.shown
-    if said not in (NAMED, AMBIGUOUS) or not stated:
+    if said not in (NAMED, AMBIGUOUS):
         return said == UNKNOWN
+    if not stated:
+        return part.shown and bool(part.fit.hypothesis.sites) and taken_by_curves(part.growth) > MOST_LEFT
     ports = bench.model.plain().ports
     count = sum(s.effect.kind != "sensor" and s.where in ports for s in part.fit.hypothesis.sites)
     return louder(bench, part.fit) > 0.0 or count >= CROWD - (said == AMBIGUOUS)

@@ -14,9 +14,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from spacerobot.diagnosis.fitting.fitted import Fit
+from spacerobot.diagnosis.fitting.noise import split
 from spacerobot.diagnosis.learning.beside import beside_it, better_of, form_of, from_where_it_is, tested, without_curve
-from spacerobot.diagnosis.learning.curves import Curve
+from spacerobot.diagnosis.learning.curves import Curve, fitted
 from spacerobot.diagnosis.learning.describe import Described
+from spacerobot.diagnosis.learning.roughness import likeliest
 from spacerobot.diagnosis.learning.weighed import Law, begun, misfit, settled, shape_for
 from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.selection.bench import Bench
@@ -35,6 +37,27 @@ TRIED = 3
 
 LEVEL = "a level of friction"
 """The curve of effects where dry friction may act."""
+
+
+def taken_by_curves(growth: Growth) -> float:
+    """Largest share of what is left, rms, that a curve at a port would take, as far as it acts linearly."""
+    bench, fit = _bench(growth), growth.after.fit
+    kept: dict[str, list[np.ndarray]] = {}
+    for trial in bench.trials:
+        for channel, left in split(fit.trials[trial.id].residual, trial).items():
+            kept.setdefault(channel, []).append(left[left != 0.0])
+    whole = {c: float(np.sqrt(np.mean(np.square(np.concatenate(some))))) for c, some in kept.items()}
+    most = 0.0
+    for law in (one for one in laws_of(growth) if one.of != "q"):
+        with contextlib.suppress(SimulationError):
+            shape = shape_for(bench, fit, law)
+            if shape is None:
+                continue
+            start, fitter = begun(shape, law.where, fit), bench.fitter()
+            now = fitted(fitter, bench, growth.after.sites, start, 1)
+            level = likeliest(bench.trials, now, fitter.rows_at(now.fit)).level
+            most = max(most, 1.0 - max(level[c] / whole[c] for c in level if whole[c] > 0.0))
+    return most
 
 
 @dataclass(frozen=True, eq=False)

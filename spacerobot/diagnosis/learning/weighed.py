@@ -11,6 +11,7 @@ from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.noise import squares_of
 from spacerobot.diagnosis.learning.curves import SETTLED, Begun, Curve, evidence, first_shape, fitted, rougher
 from spacerobot.diagnosis.learning.periods import period
+from spacerobot.diagnosis.learning.roughness import likeliest
 from spacerobot.diagnosis.selection.bench import Bench
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Site
@@ -19,6 +20,9 @@ from spacerobot.support.errors import SimulationError
 
 ROUNDS, STEPS = 8, 8
 """Fits one after the other, each of so many steps at most: a force is linear in its curve."""
+
+FAR = 3.0
+"""Factor on the roughness from which on another one is another solution: what is nearer the next fits find."""
 
 WAVES = 12
 """Cells of one period."""
@@ -57,13 +61,43 @@ def begun(shape: Shape, where: str, beside: Fit) -> Begun:
 def settled(bench: Bench, sites: Sequence[Site], start: Begun, *, listen: bool = True) -> Curve | None:
     """A curve beside effects, as rough as it shows itself; None where it cannot be simulated.
 
-    A force is linear in its curve: the derivatives of the first fit serve for all but the last one.
+    What a smooth curve cannot follow is noise to it, and under so much noise it stays smooth: where another roughness
+    is likelier by far, it is found once more from there.
 
     Args:
         bench: of the trials; its weights are from then on what the curve asks for.
         sites: the effects.
         start: from where it begins.
         listen: whether the weights are found too; those of the bench as it is where not.
+    """
+    found = _settled(bench, sites, start, listen=listen)
+    if found is None or not listen:
+        return found
+    weights = dict(bench.weights)
+    try:
+        factor = likeliest(bench.trials, found, bench.fitter().rows_at(found.fit)).factor
+    except (SimulationError, np.linalg.LinAlgError):
+        return found
+    if 1.0 / FAR < factor < FAR:
+        return found
+    likely = _likelihood(bench, found)
+    other = _settled(bench, sites, start.after(found, found.shape.rougher(factor)), listen=True)
+    if other is not None and _likelihood(bench, other) > likely:
+        return other
+    bench.weights = weights
+    return found
+
+
+def _likelihood(bench: Bench, curve: Curve) -> float:
+    """Log marginal likelihood of a curve and of the noise that the weights stand for, up to what all curves share."""
+    counts = {c: n for c, (_, n) in squares_of(curve.fit.residuals(), bench.trials).items()}
+    return curve.evidence - sum(n * float(np.log(bench.weights.get(c, 1.0))) for c, n in counts.items())
+
+
+def _settled(bench: Bench, sites: Sequence[Site], start: Begun, *, listen: bool) -> Curve | None:
+    """The same from one roughness on.
+
+    A force is linear in its curve: the derivatives of the first fit serve for all but the last one.
     """
     rows: Mapping[str, np.ndarray] | None = None
     try:

@@ -62,6 +62,11 @@ nothing, where a joint or a counter stood still, would outweigh every other tria
 TIE = 0.01
 """Rivals whose held-out rms differ by less than this share are not told apart."""
 
+MOST_LEFT = 0.5
+"""Share of what a name leaves, rms, that a curve at one port must take for a law to be learned where no noise is stated
+(more than half is that law's). Curves at the real arms' joints take a third at most (a Staubli's friction by rate).
+"""
+
 REPEATS = 2
 """Trials of a part up to which no curve that is not believed takes a name back: two that begin alike repeat whatever is
 wrong with them, and a curve of the place foretells that (a ball's two drops from one bridge).

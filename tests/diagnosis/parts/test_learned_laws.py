@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+import re
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,7 @@ from spacerobot.diagnosis.answer.schema import validate
 from spacerobot.diagnosis.learning.bands import band
 from spacerobot.diagnosis.learning.learned_part import LearnedPart, room_for_a_law, settle_part
 from spacerobot.diagnosis.learning.learnt import Learnt
-from spacerobot.diagnosis.learning.part import laws_of, words
+from spacerobot.diagnosis.learning.part import laws_of, taken_by_curves, words
 from spacerobot.diagnosis.machines.choose import some_models_for
 from spacerobot.diagnosis.machines.measured import port_forces
 from spacerobot.diagnosis.selection.forward_selection import grow
@@ -28,7 +29,7 @@ from spacerobot.effects import registry
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Coordinate, Friction
 from spacerobot.effects.registry import effect
-from spacerobot.recordings.study import Study
+from spacerobot.recordings.study import Study, load_study
 from spacerobot.view.report.write import write_report
 
 RESISTANCE = ("coulomb_friction", "viscous_friction", "viscous_drag", "quadratic_drag")
@@ -189,6 +190,33 @@ def test_what_does_not_repeat_is_not_learned_and_says_why(tmp_path: Path) -> Non
     assert after.not_learned
     said = written(verdict_of(joint(tmp_path, law, seed=6), [after], seed=0, seconds=1.0))
     assert any(after.not_learned.why in line for line in said["why"])
+
+
+def waving(q: np.ndarray) -> np.ndarray:
+    """A level of friction along the way of one joint."""
+    return np.asarray(0.2 * (1.0 + 0.6 * np.sin(9.0 * q)))
+
+
+@pytest.mark.slow
+def test_a_name_that_leaves_mostly_one_curve_is_asked_again_where_no_noise_is_stated(tmp_path: Path) -> None:
+    """A mean level explains much; what it leaves is the same at the same place, and many bends long."""
+    joint(tmp_path, lambda q, v: waving(q) * np.sign(v))
+    file = tmp_path / "study.toml"
+    file.write_text(re.sub(r", sigma = [^ }]+", "", file.read_text()))
+    part = searched(load_study(tmp_path))
+    assert {s.effect.name for s in part.fit.hypothesis.sites} == {"coulomb_friction"}
+    assert taken_by_curves(part.growth) > 0.7
+    learnt = law_of(settle_part(part, quiet))
+    assert (learnt.curve.shape.kind, learnt.curve.shape.of) == ("friction", "d")
+    assert held(learnt, waving) >= 0.8
+
+
+@pytest.mark.slow
+def test_what_a_name_leaves_and_no_curve_takes_is_not_asked(tmp_path: Path) -> None:
+    joint(tmp_path, lambda q, v: 0.2 * np.sign(v))
+    file = tmp_path / "study.toml"
+    file.write_text(re.sub(r", sigma = [^ }]+", "", file.read_text()))
+    assert taken_by_curves(searched(load_study(tmp_path)).growth) < 0.2
 
 
 @pytest.mark.slow
