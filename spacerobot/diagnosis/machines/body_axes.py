@@ -82,9 +82,8 @@ body that tumbles goes from one axis to the next."""
 def spins_of(study: Study, trials: Sequence[Trial], group: str) -> Sequence[Axis]:
     """How a body that flies turns about the axes of its places, as far as that is logged and steady."""
     along = _along(study)
-    hand = float(
-        np.linalg.det([sign * np.eye(3)[axis] for axis, sign in along])
-    )  # left-handed places turn the other way
+    # of left-handed places the spins are turned round
+    hand = float(np.linalg.det([sign * np.eye(3)[axis] for axis, sign in along]))
     found = [Spin(n, group, LETTERS[axis], hand * sign) for n, (axis, sign) in zip(SPINS, along, strict=True)]
     every = [study.recording(t) for t in trials]
     told = [a for a in found if all(a.shown(sorted(r)) for r in every)]
