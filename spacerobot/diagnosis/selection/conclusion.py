@@ -97,11 +97,11 @@ class Conclusion:
         near = [c for c in open_to if c is not chosen and c is not baseline and c.simplicity <= chosen.simplicity]
         near = [c for c in near if ratio(c, chosen) < 1.0 + TIE]
         rivals = tuple(c for c in (*near, *self.ahead_of(chosen, open_to)) if not unshown(self.bench.again(c.fit)))
+        less = self.without_chance(after, [c.label for c in tested])
+        if less is not after:
+            rivals = tuple(r for r in rivals if r.label != less.label and not contains(r.label, less.label))
+            after = less
         if stated:
-            less = self.without_chance(after, [c.label for c in tested])
-            if less is not after:
-                rivals = tuple(r for r in rivals if r.label != less.label and not contains(r.label, less.label))
-                after = less
             more = not_excluded(self.bench, after.fit, self.sites)
             rivals = (*rivals, *(self.bench.tested(fit) for fit in more))
         ranked = tuple(sorted(tested, key=lambda c: c.error))
@@ -124,10 +124,9 @@ class Conclusion:
         """Why a choice does not stand under the weights that it asks for; empty where it does."""
         if after is before:
             return ""
-        if stated:
-            if by_chance(priced(before.fit) - priced(after.fit), after.size, len(self.sites)):
-                return "gains no more than chance would under the stated noise"
-        elif not pays(after, before, self.bench.trials):
+        if by_chance(priced(before.fit) - priced(after.fit), after.size, len(self.sites)):
+            return f"gains no more than chance would under the noise that {'is stated' if stated else 'it leaves'}"
+        if not stated and not pays(after, before, self.bench.trials):
             return "predicts unseen data no better once readings weigh what it leaves over"
         return unshown(after.fit)
 

@@ -14,8 +14,8 @@ class JointSpring(Effect):
     """A torque in proportion to the joint's angle, of which the model knows nothing; negative drives it away.
 
     With a constant torque beside it the spring rests elsewhere than at the joint's zero. Not at joints that have a
-    spring already, nor at those of an arm that gravity pulls at: a link that is heavier than believed does nearly the
-    same there.
+    spring already; of several joints only where the robot is known to have no weight: a link that is heavier than
+    believed does nearly the same there.
     """
 
     name = "joint_spring"
@@ -28,11 +28,12 @@ class JointSpring(Effect):
     parameters = (Parameter("stiffness_N_m", "N/m", 0.0, 1.0, -1e7, 1e7, (1.0, -1.0, 30.0)),)
 
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:
-        """Joints without a spring, where no weight hangs on the pose."""
-        if any(mechanism.gravity or ()):
+        """Joints without a spring, one alone or of a robot without weight."""
+        joints = positions(mechanism, "joint")
+        if len(joints) > 1 and (mechanism.gravity is None or any(mechanism.gravity)):
             return ()
         sprung = {f.port for f in mechanism.forces if f.role == "spring"}
-        return tuple(n for n in positions(mechanism, "joint") if n not in sprung)
+        return tuple(n for n in joints if n not in sprung)
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
         """A further spring at the port; it is nobody's to replace."""
