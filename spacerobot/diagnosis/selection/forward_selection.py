@@ -3,8 +3,8 @@
 For recordings whose noise is not known and whose best model is not exact, where information criteria keep
 rewarding arbitrary terms: what is left out of a fit decides, not what is in it. The search is a beam over the
 number of parameters that effects bring along; the choice among all that it met is made at the end. It was made under
-weights that no noise bears out, so that descents end where they should; where the noise is stated, the choice must
-gain more under it than chance would bring.
+weights that no noise bears out, so that descents end where they should; the choice must gain more than chance would
+bring, under the noise that is stated or that it leaves.
 
 Every body, joint and axis grows alone: what is said of it hangs on no other, and on no reading that does not feel the
 effects in question (`model_choice.py`).
