@@ -60,8 +60,9 @@ def room_for_a_law(part: Part) -> bool:
         return not stated and part.shown
     if said not in (NAMED, AMBIGUOUS):
         return said == UNKNOWN
-    if not stated:
-        return part.shown and bool(part.fit.hypothesis.sites) and taken_by_curves(part.growth) > MOST_LEFT
+    if not stated:  # what is ambiguous says already that it is open
+        named = said == NAMED and bool(part.fit.hypothesis.sites)
+        return named and part.shown and taken_by_curves(part.growth) > MOST_LEFT
     ports = bench.model.plain().ports
     count = sum(s.effect.kind != "sensor" and s.where in ports for s in part.fit.hypothesis.sites)
     return louder(bench, part.fit) > 0.0 or count >= CROWD - (said == AMBIGUOUS)
