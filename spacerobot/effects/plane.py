@@ -19,6 +19,12 @@ ACROSS = {PLACES[0]: PLACES[1:], "target.yaw": SPINS[:2], "base": ("base.y",)}
 """Coordinate of a body -> the others that its motion may have."""
 
 
+def turned_by(axis: int) -> tuple[tuple[str, str, float], ...]:
+    """Of one of the axes, from 0, cross the velocity: the place that has it, by whose rate, and with which sign."""
+    one, other = PLACES[(axis + 1) % 3], PLACES[(axis + 2) % 3]
+    return (other, one, 1.0), (one, other, -1.0)
+
+
 def across(mechanism: Mechanism, where: str) -> tuple[str, ...]:
     """The other directions of a body; none where it moves along one, or something pushes along one."""
     if mechanism.contact is not None:

@@ -201,7 +201,8 @@ def draft(folder: Path, robot: str | None = None, *, rig: str = "", pattern: str
     if kind == "wrist":
         trials = apart(seen, trials)
     alone = kind in ("axis", "pendulum")
-    its_own = robot if alone and robot is not None and len(joints) == 1 else None  # a URDF of one joint is what moves
+    beside = robot is not None and (folder / robot).is_file()
+    its_own = robot if alone and beside and len(joints) == 1 else None  # a URDF of one joint is what moves
     rest = hangs(folder / its_own, joints[0]) if its_own is not None else 0.0
     swinging = swing_of(seen, trials, named, turns=its_own is not None) if alone and rest is not None else None
     kind = "axis" if alone else kind

@@ -50,6 +50,15 @@ def split(residual: np.ndarray, trial: TrialData) -> dict[str, np.ndarray]:
     return out
 
 
+def counted_by_channel(residuals: Mapping[str, np.ndarray], trials: Sequence[TrialData]) -> dict[str, list[np.ndarray]]:
+    """Of each channel what is left of the readings that count, trial by trial; others have exactly nothing left."""
+    out: dict[str, list[np.ndarray]] = {}
+    for trial in trials:
+        for channel, part in split(residuals[trial.id], trial).items():
+            out.setdefault(channel, []).append(part[part != 0.0])
+    return out
+
+
 def common_level(squares: np.ndarray, counts: np.ndarray, least: float | None = None) -> float:
     """Mean square of several channels as if each had left as much a reading: their geometric mean.
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from spacerobot.diagnosis.fitting.fitted import Fit
-from spacerobot.diagnosis.fitting.noise import split
+from spacerobot.diagnosis.fitting.noise import counted_by_channel
 from spacerobot.diagnosis.learning.beside import beside_it, better_of, form_of, from_where_it_is, tested, without_curve
 from spacerobot.diagnosis.learning.curves import Curve, fitted
 from spacerobot.diagnosis.learning.describe import Described
@@ -42,10 +42,7 @@ LEVEL = "a level of friction"
 def taken_by_curves(growth: Growth) -> float:
     """Largest share of what is left, rms, that a curve at a port would take, as far as it acts linearly."""
     bench, fit = _bench(growth), growth.after.fit
-    kept: dict[str, list[np.ndarray]] = {}
-    for trial in bench.trials:
-        for channel, left in split(fit.trials[trial.id].residual, trial).items():
-            kept.setdefault(channel, []).append(left[left != 0.0])
+    kept = counted_by_channel({t.id: fit.trials[t.id].residual for t in bench.trials}, bench.trials)
     whole = {c: float(np.sqrt(np.mean(np.square(np.concatenate(some))))) for c, some in kept.items()}
     most = 0.0
     for law in (one for one in laws_of(growth) if one.of != "q"):

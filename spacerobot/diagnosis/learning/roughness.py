@@ -21,6 +21,7 @@ GRID = tuple(float(x) for x in 10.0 ** np.arange(-2.0, 1.26, 0.25))
 """Roughnesses that are looked at, in units of a curve's size; between them Fellner and Schall's rule finds it."""
 
 TINY = 1e-150
+"""Mean square that is as good as nothing, and has a logarithm."""
 
 HEARINGS = 5
 """How often the noise is found again at each of them."""
@@ -54,16 +55,13 @@ class _Sums:
         return float(max(self.left + 2.0 * self.right @ step + step @ self.square @ step, 0.0))
 
 
-def likeliest(
-    trials: Sequence[TrialData], curve: Curve, rows: Mapping[str, np.ndarray], *, listen: bool = True
-) -> Likeliest:
+def likeliest(trials: Sequence[TrialData], curve: Curve, rows: Mapping[str, np.ndarray]) -> Likeliest:
     """The roughness of the largest marginal likelihood, noise of unknown level in each channel.
 
     Args:
         trials: under their present weights.
         curve: a fit of it.
         rows: derivatives there, by trial, shape (S, P) each.
-        listen: whether the noise is found too, or is as the weights have it.
     """
     fit, shape = curve.fit, curve.shape
     sums = [_sums(t, fit.trials[t.id].residual, rows[t.id]) for t in trials]
@@ -75,21 +73,19 @@ def likeliest(
         block, prior = replace(shape, roughness=roughness).precision(), fit.hypothesis.precision.copy()
         prior[np.ix_(at, at)] = block
         level = dict.fromkeys(counts, 1.0)
-        for _ in range(HEARINGS if listen else 1):
+        for _ in range(HEARINGS):
             system = _system(sums, level, prior, fit.z)
             steps = _steps(system)
             left = dict.fromkeys(counts, 0.0)
             for own, step in zip(sums, steps, strict=True):
                 for one in own:
                     left[one.channel] += one.after(step)
-            if listen:
-                level = {c: float(np.sqrt(max(left[c] / n, TINY))) for c, n in counts.items()}
+            level = {c: float(np.sqrt(max(left[c] / n, TINY))) for c, n in counts.items()}
         z = fit.z + steps[0][: fit.z.size]
-        cost = sum(left[c] / level[c] ** 2 + 2.0 * n * np.log(level[c]) for c, n in counts.items()) + z @ prior @ z
+        cost = sum(2.0 * n * np.log(level[c]) for c, n in counts.items()) + z @ prior @ z
         inner = sum(float(np.linalg.slogdet(a)[1]) for a, _, _ in system.own)
         volume = float(np.linalg.slogdet(block)[1]) - float(np.linalg.slogdet(system.reduced)[1]) - inner
-        said = {c: float(np.sqrt(left[c] / n)) for c, n in counts.items()}
-        found.append((0.5 * (volume - float(cost)), roughness, said))
+        found.append((0.5 * (volume - float(cost)), roughness, level))
     _, best, likely = max(found, key=lambda one: one[0])
     return Likeliest(best / shape.roughness, likely)
 

@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 
 import numpy as np
-import pinocchio as pin
 
 from spacerobot.diagnosis.machines import torque_log
 from spacerobot.diagnosis.machines.contract import FIRST_NOISE, conditions_of
@@ -21,6 +20,7 @@ from spacerobot.diagnosis.terms.data import Block, TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed
 from spacerobot.dynamics.inertia import joint_space_inertia
 from spacerobot.dynamics.joint_kinds import joint_axis
+from spacerobot.dynamics.joint_weight import weight_of
 from spacerobot.effects.catalogue.preload import KERNEL as CONSTANT
 from spacerobot.effects.laws import DAMPER, SPRING
 from spacerobot.effects.mechanism import Mechanism
@@ -48,22 +48,6 @@ SWINGS = 10.0
 ZERO = math.radians(0.5)
 """Standard deviation [rad] of where an encoder's zero is, of a joint that swings by itself and of which no study says
 more: it is set by eye, or by what it hangs at, which dry friction holds off."""
-
-
-def weight_of(robot: Robot, gravity: Sequence[float], joint: str) -> tuple[float, float]:
-    """(a, b): gravity asks a sin q + b cos q of the joint at its angle q, or b wherever it has slid [N m or N].
-
-    The other joints are at neutral.
-    """
-    model = pin.Model(robot.model)
-    model.gravity.linear = np.array(gravity, dtype=float)
-    data, index = model.createData(), robot.velocity_index(joint)
-
-    def at(angle: float) -> float:
-        return float(pin.computeGeneralizedGravity(model, data, robot.configuration(others={joint: angle}))[index])
-
-    turns = joint_axis(robot.model, robot.joint_id(joint))[0]
-    return (at(0.5 * math.pi) if turns else 0.0), at(0.0)
 
 
 def axis(

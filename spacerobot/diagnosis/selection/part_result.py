@@ -9,7 +9,7 @@ import numpy as np
 
 from spacerobot.diagnosis.fitting.approach import lag1
 from spacerobot.diagnosis.fitting.fitted import Fit
-from spacerobot.diagnosis.fitting.noise import levels_of, split, squares_of
+from spacerobot.diagnosis.fitting.noise import counted_by_channel, levels_of, squares_of
 from spacerobot.diagnosis.locate.located import Located, Row
 from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.machines.sizes import spread
@@ -139,11 +139,8 @@ class Part:
     @property
     def shown(self) -> bool:
         """Whether what the chosen model leaves of some channel goes on from one reading to the next."""
-        parts: dict[str, list[np.ndarray]] = {}
-        for trial in self.trials:
-            for channel, left in split(self.fit.trials[trial.id].residual, trial).items():
-                parts.setdefault(channel, []).append(left[left != 0.0])
-        found = [lag1(some) for some in parts.values()]
+        residuals = {t.id: self.fit.trials[t.id].residual for t in self.trials}
+        found = [lag1(some) for some in counted_by_channel(residuals, self.trials).values()]
         return any(lag > SIGNIFICANT / max(count, 1) ** 0.5 for lag, count in found)
 
     @property

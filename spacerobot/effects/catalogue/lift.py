@@ -8,7 +8,7 @@ from typing import Any
 from spacerobot.effects.effect import Effect, Parameter
 from spacerobot.effects.kernel import Kernel
 from spacerobot.effects.mechanism import Mechanism
-from spacerobot.effects.plane import PLACES, SPINS, in_space
+from spacerobot.effects.plane import PLACES, SPINS, in_space, turned_by
 from spacerobot.effects.primitives import Force
 
 
@@ -39,9 +39,10 @@ class Lift(Effect):
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
         """Two forces that together do no work."""
-        c, k = values["coefficient_Ns_m"], PLACES.index(where)
-        one, other = PLACES[(k + 1) % 3], PLACES[(k + 2) % 3]
+        c = values["coefficient_Ns_m"]
         return mechanism.with_force(
-            Force(f"{self.name} at {other} about {where}", other, KERNEL, (c,), sense=one),
-            Force(f"{self.name} at {one} about {where}", one, KERNEL, (-c,), sense=other),
+            *(
+                Force(f"{self.name} at {port} about {where}", port, KERNEL, (sign * c,), sense=sense)
+                for port, sense, sign in turned_by(PLACES.index(where))
+            )
         )

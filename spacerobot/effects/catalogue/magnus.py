@@ -8,7 +8,7 @@ from typing import Any
 from spacerobot.effects.effect import Effect, Parameter
 from spacerobot.effects.kernel import Kernel
 from spacerobot.effects.mechanism import Mechanism
-from spacerobot.effects.plane import PLACES, SPINS
+from spacerobot.effects.plane import SPINS, turned_by
 from spacerobot.effects.primitives import Force
 
 
@@ -47,9 +47,6 @@ class Magnus(Effect):
 
 def _pushes(mechanism: Mechanism) -> list[tuple[str, str, str, float]]:
     """Of a cross product spin x velocity: port, the velocity's, the spin, and the sign, one after the other."""
-    known, out = mechanism.coordinates, []
-    for k, spin in enumerate(SPINS):
-        one, other = PLACES[(k + 1) % 3], PLACES[(k + 2) % 3]
-        if {spin, one, other} <= known.keys():
-            out += [(other, one, spin, 1.0), (one, other, spin, -1.0)]
-    return out
+    known = mechanism.coordinates
+    every = [(port, sense, spin, sign) for k, spin in enumerate(SPINS) for port, sense, sign in turned_by(k)]
+    return [push for push in every if {*push[:3]} <= known.keys()]

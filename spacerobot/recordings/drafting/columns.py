@@ -153,8 +153,6 @@ def _reading(
     if not axis:
         axis = next((w[-1] for w in said if re.fullmatch(r"(?:v|d|f|p|t|m|w|force|pos|vel)[xyz]", w)), "")
     spin = any(re.fullmatch(r"w[xyz]", w) for w in said)
-    if spin and not quantity:
-        quantity = "velocity"
     if quantity in ("velocity", "position") and (spin or {"angular", "gyro", "omega", "rotation"} & set(words)):
         if quantity == "velocity" and axis in ("x", "y"):
             quantity = "angular_velocity"

@@ -137,13 +137,12 @@ def head(title: str, kind: str, robot: str | None, joints: Sequence[str], masses
         named = toml(robot if robot and joints else "pa10")
         base = '"free"' if kind == "platform" else '"fixed"'
         return top + _ARM.format(words=words, robot=named, asked=asked, base=base)
-    own = robot if robot and len(joints) == 1 else None
-    joint = joints[0] if own else AXIS
+    joint = joints[0] if robot else AXIS
     if kind == "axis":
-        gravity, mass = (_FALLS, _OF_URDF) if own else (_LEVEL, _UNKNOWN)
-        return top + _AXIS.format(robot=toml(own or "axis.urdf"), joint=joint, gravity=gravity, mass=mass)
+        gravity, mass = (_FALLS, _OF_URDF) if robot else (_LEVEL, _UNKNOWN)
+        return top + _AXIS.format(robot=toml(robot or "axis.urdf"), joint=joint, gravity=gravity, mass=mass)
     if kind == "pendulum":
-        asked = "" if own else _OF_ITS_PERIOD
-        return top + _PENDULUM.format(robot=toml(own or "pendulum.urdf"), joint=joint, asked=asked)
+        asked = "" if robot else _OF_ITS_PERIOD
+        return top + _PENDULUM.format(robot=toml(robot or "pendulum.urdf"), joint=joint, asked=asked)
     untold = _UNTOLD.format(rigs=f"{', '.join(list(RIGS)[:-1])} or {list(RIGS)[-1]}")
     return top + (_BODY if kind == "body" else untold)

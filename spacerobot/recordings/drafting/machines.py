@@ -110,7 +110,7 @@ def draft_machine(
             aside = ("body.angular_velocity.x", "body.angular_velocity.y")
             found = {stream: [x for x in lines if x.channel not in aside] for stream, lines in found.items()}
         for stream, lines in found.items():
-            _too_far_for_metres(lines, files[stream])
+            _in_their_unit(lines, files[stream])
     if kind == "axis":
         _as_torque([line for lines in found.values() for line in lines], joint)
     if kind == "axis" and driven and found and not any(x.use == "input" for lines in found.values() for x in lines):
@@ -122,8 +122,8 @@ def draft_machine(
     return {stream: sorted(lines, key=lambda x: x.reading.index) for stream, lines in found.items()}
 
 
-def _too_far_for_metres(lines: Sequence[Line], file: Found) -> None:
-    """Millimetres, and a question, where a body's places state no unit and in metres would be off any table."""
+def _in_their_unit(lines: Sequence[Line], file: Found) -> None:
+    """Of a body's places that state none: as it falls; millimetres, and a question, if in metres it left any table."""
     places = [x for x in lines if re.fullmatch(r"(?:body|marker\..+)\.position\.[xyz]", x.channel)]
     places = [x for x in places if x.reading.unit is None]
     spans = {id(x): float(np.nanmax(v) - np.nanmin(v)) for x in places if len(v := _values(x, file))}

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from pathlib import Path
 
+from spacerobot.recordings.drafting.pendulum import GRAVITY
 from spacerobot.support.errors import InputError
 
 _CALLED = {"panda": "panda", "franka": "panda", "ur10": "ur10", "ur5": "ur5", "ur3": "ur3", "kinova": "kinova"}
@@ -48,20 +49,11 @@ def joints_of(
 
 def hangs(urdf: Path, joint: str) -> float | None:
     """Where the only joint of a URDF hangs at rest [rad]; None where it slides, or no weight brings it back."""
-    import pinocchio as pin
-
     from spacerobot.dynamics.joint_kinds import joint_axis
+    from spacerobot.dynamics.joint_weight import weight_of
     from spacerobot.model.library import load
 
     robot = load(urdf, mend=True)
-    if not joint_axis(robot.model, robot.joint_id(joint))[0]:
-        return None
-    data, index = robot.model.createData(), robot.velocity_index(joint)
-
-    def asked(angle: float) -> float:
-        return float(
-            pin.computeGeneralizedGravity(robot.model, data, robot.configuration(others={joint: angle}))[index]
-        )
-
-    a, b = asked(0.5 * math.pi), asked(0.0)  # a sin q + b cos q, by Pinocchio's own gravity, down along z
-    return math.atan2(-b, a) if math.hypot(a, b) > 0.0 else None
+    a, b = weight_of(robot, (0.0, 0.0, -GRAVITY), joint)
+    turns = joint_axis(robot.model, robot.joint_id(joint))[0]
+    return math.atan2(-b, a) if turns and math.hypot(a, b) > 0.0 else None

@@ -25,7 +25,7 @@ QUANTITY = {
         "rz height pose efpose att attitude disp displ displacement defl deflection stroke"
     ),
     "velocity": words(
-        "vel velocity velocities speed rate omega vx vy vz dx dy dz xdot ydot zdot dq qd qdot dtheta wz w gyro "
+        "vel velocity velocities speed rate omega vx vy vz dx dy dz xdot ydot zdot dq qd qdot dtheta wx wy wz w gyro "
         "thetadot yawrate twist"
     ),
     "torque": words("tau torque torques effort efforts moment"),

@@ -11,7 +11,6 @@ from scipy.integrate import solve_ivp
 
 from spacerobot.diagnosis.fitting.fit_store import Kept
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
-from spacerobot.diagnosis.machines.axis import weight_of
 from spacerobot.diagnosis.machines.choose import models_for
 from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
 from spacerobot.diagnosis.machines.simulated import Simulated
@@ -19,6 +18,7 @@ from spacerobot.diagnosis.selection.bench import Bench
 from spacerobot.diagnosis.selection.forward_selection import grow
 from spacerobot.diagnosis.selection.moment import with_free_moment
 from spacerobot.diagnosis.terms.hypothesis import hypothesis
+from spacerobot.dynamics.joint_weight import weight_of
 from spacerobot.effects.registry import effect
 from spacerobot.model.library import load
 from spacerobot.recordings.study import Study, load_study
