@@ -183,6 +183,16 @@ class Effect(ABC):
         """
         return ""
 
+    def swinging(self, inertia: float, pace: float, ratio: float) -> Mapping[str, float]:
+        """Its values with so much of its place moving by itself; empty of what lets nothing do so.
+
+        Args:
+            inertia: of what moves [kg or kg m^2].
+            pace: at which it would swing on a place held still [rad/s].
+            ratio: of its damping to critical damping.
+        """
+        return {}
+
     @property
     def precision(self) -> np.ndarray | None:
         """Inverse covariance of a normal prior of all its parameters about null, in their scales, shape (P, P).

@@ -10,7 +10,7 @@ import numpy as np
 from spacerobot.diagnosis.machines import torque_log
 from spacerobot.diagnosis.machines.hidden_motion import hidden
 from spacerobot.diagnosis.machines.joined_pieces import Joined
-from spacerobot.diagnosis.machines.joint_log import Motion
+from spacerobot.diagnosis.machines.joint_log import Motion, Onset
 from spacerobot.diagnosis.machines.measured import port_forces
 from spacerobot.diagnosis.machines.shared_columns import BASE
 from spacerobot.diagnosis.machines.test_functions import Bump
@@ -60,7 +60,8 @@ class AskedTorques:
             before = motion.run_up.shape[0]
             whole = np.concatenate([motion.run_up, motion.acceleration])
             shaken = {n: whole[:, i] for i, n in enumerate(names)}
-            for name, (x, rate) in hidden(mechanism, shaken, motion.step).items():
+            rested = self._rested(mechanism, motion.onset)
+            for name, (x, rate) in hidden(mechanism, shaken, motion.step, rested).items():
                 carrier = str(mechanism.coordinates[name].carrier)
                 position[name] = position[carrier] + x[before:]
                 velocity[name] = velocity[carrier] + rate[before:]
@@ -69,6 +70,23 @@ class AskedTorques:
             # drives that see two joints act at both
             asked = {n: torque - mechanism.ports[port].get(n, 0.0) * force for n, torque in asked.items()}
         return asked
+
+    def _rested(self, mechanism: Mechanism, onset: Onset) -> list[str]:
+        """Riders whose carrier was at rest until the record began: nothing of them shows yet in its drive's torque.
+
+        Amid a motion that is slow beside its resonance what rides on a joint is carried along, and asks for its share.
+        """
+        found = []
+        for name, rider in mechanism.coordinates.items():
+            carrier = rider.carrier or ""
+            if carrier in self.mass:
+                k = self.joints.index(carrier.removeprefix("joint."))
+                a = float(onset.acceleration[k])
+                alone = onset.rigid[k] + (mechanism.coordinates[carrier].mass - self.mass[carrier]) * a
+                left = alone - onset.torque[k]
+                if abs(left) < abs(left + rider.mass * a):
+                    found.append(name)
+        return found
 
     def _beside(self, mechanism: Mechanism) -> dict[str, np.ndarray]:
         """What all joints feel beside the rigid body as it is believed: by place, the numbers of it, shape (N,)."""

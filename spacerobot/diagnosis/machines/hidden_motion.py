@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any
 
 import numpy as np
@@ -16,16 +16,19 @@ Motion = tuple[np.ndarray, np.ndarray]
 """Displacement and rate, shape (T,) each."""
 
 
-def hidden(mechanism: Mechanism, acceleration: Mapping[str, np.ndarray], step: float) -> dict[str, Motion]:
+def hidden(
+    mechanism: Mechanism, acceleration: Mapping[str, np.ndarray], step: float, rested: Collection[str] = ()
+) -> dict[str, Motion]:
     """Motion of every coordinate without a measured one, beside what carries it; by coordinate.
 
-    x'' + (c / m) x' + (k / m) x = -a, from where the first acceleration would hold it still. Between samples the
-    acceleration is joined by lines, and the motion is exact.
+    x'' + (c / m) x' + (k / m) x = -a, from where the first acceleration would hold it still, or undeflected. Between
+    samples the acceleration is joined by lines, and the motion is exact.
 
     Args:
         mechanism: whose coordinates ride on others by linear springs and dampers.
         acceleration: measured, by coordinate, shape (T,) [m/s^2 or rad/s^2].
         step: from sample to sample [s].
+        rested: those that begin undeflected.
 
     Raises:
         SimulationError: one does not ride on a measured one, or not by linear springs and dampers.
@@ -40,11 +43,12 @@ def hidden(mechanism: Mechanism, acceleration: Mapping[str, np.ndarray], step: f
         if shakes is None or not linear:
             raise SimulationError(f"{name} has no measured motion")
         spring, damper = (sum(f.p[0] for f in own if f.kernel is law) / coordinate.mass for law in (SPRING, DAMPER))
-        found[name] = _shaken(spring, damper, shakes, step)
+        held = -shakes[0] / spring if spring and name not in rested else 0.0
+        found[name] = _shaken(spring, damper, shakes, step, float(held))
     return found
 
 
-def _shaken(spring: float, damper: float, acceleration: np.ndarray, step: float) -> Motion:
+def _shaken(spring: float, damper: float, acceleration: np.ndarray, step: float, begins: float) -> Motion:
     from scipy.linalg import expm
 
     # the state, the acceleration and its slope within a step, as one linear system
@@ -52,7 +56,7 @@ def _shaken(spring: float, damper: float, acceleration: np.ndarray, step: float)
     system[:2] = [0.0, 1.0, 0.0, 0.0], [-spring, -damper, -1.0, 0.0]
     system[2, 3] = 1.0
     out = np.empty((acceleration.size, 2))
-    out[0] = -acceleration[0] / spring if spring else 0.0, 0.0
+    out[0] = begins, 0.0
     _stepped(expm(system * step), acceleration, step, out)
     return out[:, 0].copy(), out[:, 1].copy()
 

@@ -29,6 +29,20 @@ _LOGGED = ("position", "torque")
 
 
 @dataclass(frozen=True, eq=False)
+class Onset:
+    """Where the smoothed record of a trial begins: of each joint, shape (J,)."""
+
+    acceleration: np.ndarray
+    rigid: np.ndarray  # torque that the rigid body asks for
+    torque: np.ndarray  # as logged
+
+    def times(self, factor: float) -> Onset:
+        """Of a motion so many times as fast, of which no torque is known."""
+        more = factor**2 * self.acceleration
+        return replace(self, acceleration=more, torque=np.full_like(self.torque, np.nan))
+
+
+@dataclass(frozen=True, eq=False)
 class Motion:
     """A stretch of measured motion. T samples, J joints."""
 
@@ -40,7 +54,8 @@ class Motion:
     stride: int
     by_link: np.ndarray  # (K, T, J) of it, what each link of doubted mass asks for
     torque: np.ndarray | None  # (T, J) as logged; None of a motion that nobody made
-    run_up: np.ndarray  # (R, J) acceleration of the trial before it
+    run_up: np.ndarray  # (R, J) acceleration of the trial before it, from where its record begins
+    onset: Onset  # of the trial
     slow: np.ndarray  # (J,) rate below which it may stand still
     lens: Bump  # what motion and torque were seen through before
     wider: float = 1.0  # by how much what they truly were seen through is wider, in variance

@@ -328,7 +328,14 @@ class InverseDynamics(Machine):
             speed, growth = factor * m.velocity, factor**2 * m.acceleration
             rigid = self._arm.torque(m.position, speed, growth)
             other._motion[name] = replace(
-                m, velocity=speed, acceleration=growth, rigid=rigid, torque=None, run_up=factor**2 * m.run_up, beside={}
+                m,
+                velocity=speed,
+                acceleration=growth,
+                rigid=rigid,
+                torque=None,
+                run_up=factor**2 * m.run_up,
+                onset=m.onset.times(factor),
+                beside={},
             )
         other._felt = self._felt.along(other._motion)
         other._rows = Rows({name: (m, self._bump[name]) for name, m in other._motion.items() if name in self._bump})

@@ -23,10 +23,18 @@ class MechanismCache:
         self._ready: dict[int, Prepared] = {}
 
     def mechanism(
-        self, hypothesis: Hypothesis, z: np.ndarray, trial: TrialData, make: Callable[[], Mechanism]
+        self,
+        hypothesis: Hypothesis,
+        z: np.ndarray,
+        trial: TrialData,
+        make: Callable[[], Mechanism],
+        alone: bool = False,
     ) -> Mechanism:
-        """The mechanism of a trial; made only if none like it was made lately."""
-        own = (*trial.overrides.items(), trial.recorded if hypothesis.changes else "")
+        """The mechanism of a trial; made only if none like it was made lately.
+
+        With `alone` only the windows of one recorded trial share theirs.
+        """
+        own = (*trial.overrides.items(), trial.recorded if alone or hypothesis.changes else "")
         condition = trial.condition if hypothesis.scattered else ""
         key = (id(hypothesis), z.tobytes(), condition, own, hypothesis.idle(trial.id))
         found = self._made.get(key)

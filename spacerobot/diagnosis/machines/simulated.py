@@ -12,11 +12,13 @@ import numpy as np
 
 from spacerobot.diagnosis.machines.contract import FACTORS, Machine, Nuisance, Predicted, Variant
 from spacerobot.diagnosis.machines.doubted import NONE, Doubted, beyond
+from spacerobot.diagnosis.machines.mechanism_cache import MechanismCache
 from spacerobot.diagnosis.machines.readings_noise import readings_noise
+from spacerobot.diagnosis.machines.riders import SETTLED, Riders, State, placed, riding
 from spacerobot.diagnosis.machines.touch import Moment
 from spacerobot.diagnosis.machines.windows import CHANGED, FOLDS, Drive, Local, beside, cut, local, overlap, spread_over
 from spacerobot.diagnosis.terms.data import TrialData
-from spacerobot.diagnosis.terms.hypothesis import Believed, Site
+from spacerobot.diagnosis.terms.hypothesis import Believed, Hypothesis, Site
 from spacerobot.effects.effect import Effect
 from spacerobot.effects.learned import Variable
 from spacerobot.effects.mechanism import Mechanism
@@ -99,7 +101,8 @@ class Simulated(Machine):
         self.recorded = {t.id: t for t in recorded}
         self.at_rest, self.covered, self.doubted = at_rest, covered, doubted
         self.believed = replace(believed, zeros=doubted.sigma) if doubted.sigma else believed
-        self._window, self._budget = window, budget
+        self._window = self._length = window
+        self._budget = budget
         self._cuts: Mapping[str, Sequence[Moment]] = {}
         windows = [w for t in recorded for w in cut(t, window)]
         if not windows:
@@ -107,7 +110,13 @@ class Simulated(Machine):
         self.trials = tuple(spread_over(windows, budget))
         self._absolute = min(min(s.length / PLACE, s.length / s.time / RATE) for s in sizes.values())
         self._hidden: tuple[TrialData, ...] = ()
+        self._lately = MechanismCache()
+        self._forget()
+
+    def _forget(self) -> None:
+        """What was found of how its windows begin."""
         self._starts: dict[str, tuple[Nuisance, ...]] = {}
+        self._riders = Riders()
 
     @property
     def window(self) -> float:
@@ -121,18 +130,20 @@ class Simulated(Machine):
     def in_windows(self, length: float) -> Self:
         """The same recordings in windows of another length [s], all of them."""
         other = copy(self)
+        other._length = length
         windows = (w for t in self.recorded.values() for w in cut(t, length, self._cuts.get(t.id, ())))
         other.trials = tuple(w for w in windows if not any(overlap(w, h) for h in self._hidden))
-        other._starts = {}
+        other._forget()
         return other
 
     def cut_at(self, moments: Mapping[str, Sequence[Moment]]) -> Self:
         """No window goes over one of these moments, nor over one at which it met something."""
         other = copy(self)
         other._cuts = {t: (*self.met.get(t, ()), *moments.get(t, ())) for t in (*self.met, *moments)}
+        other._length = self._window
         windows = [w for t in self.recorded.values() for w in cut(t, self._window, other._cuts.get(t.id, ()))]
         other.trials = tuple(spread_over(windows, self._budget, beside(windows, moments)))
-        other._starts = {}
+        other._forget()
         return other
 
     def steady(self, trial: TrialData, start: float, end: float) -> bool:
@@ -150,7 +161,7 @@ class Simulated(Machine):
         kept = {t.recorded for t in other.trials}
         other.recorded = {k: t for k, t in self.recorded.items() if k in kept}
         other._hidden = (*self._hidden, *(t for t in self.trials if t.id in out))
-        other._starts = {}
+        other._forget()
         return other
 
     def divided(self) -> Self:
@@ -166,6 +177,11 @@ class Simulated(Machine):
     def mechanism(self, values: Mapping[str, float], trial: TrialData) -> Mechanism:
         """The baseline of one trial with these values."""
         return self.build(values, trial)
+
+    def trial_mechanism(self, hypothesis: Hypothesis, z: np.ndarray, trial: TrialData) -> Mechanism:
+        """As everywhere; windows of one trial share theirs."""
+        make = partial(super().trial_mechanism, hypothesis, z, trial)
+        return self._lately.mechanism(hypothesis, z, trial, make, alone=True)
 
     def sites(self, effects: Iterable[Effect] | None = None) -> list[Site]:
         """As everywhere, less those that a fitted value stands for."""
@@ -185,6 +201,7 @@ class Simulated(Machine):
             if driven:
                 other = copy(self)
                 other.drives = {t: d.times(factor) for t, d in driven.items()}
+                other._forget()
                 yield Variant({"drive": f"{factor:g} times the recorded one"}, other, rates=factor)
             else:
                 yield Variant({"initial speed": f"{factor:g} times the recorded one"}, self, rates=factor)
@@ -262,10 +279,30 @@ class Simulated(Machine):
         return {"d": run.port(port, taken.position), "v": rate}
 
     def _run(self, mechanism: Mechanism, trial: TrialData, initial: np.ndarray) -> ReducedRun:
-        position: dict[str, float] = {}
-        velocity: dict[str, float] = {}
+        beside = SETTLED
+        if riding(mechanism):
+            beside = self._riders.beside(
+                mechanism, trial, partial(self._in_a_row, mechanism, trial), partial(self._simulated, mechanism)
+            )
+        return self._simulated(mechanism, trial, placed(mechanism, self._begins(mechanism, trial, initial), beside))
+
+    def _begins(self, mechanism: Mechanism, trial: TrialData, initial: Iterable[float]) -> State:
+        """Where a window begins and how fast, of what its readings tell."""
+        state: State = {}, {}
         for nuisance, value in zip(self.nuisances(trial), initial, strict=True):
-            (velocity if nuisance.rate else position)[nuisance.coordinate] = nuisance.true(float(value), mechanism)
+            state[nuisance.rate][nuisance.coordinate] = nuisance.true(float(value), mechanism)
+        return state
+
+    def _in_a_row(self, mechanism: Mechanism, trial: TrialData) -> Iterator[tuple[TrialData, State | None]]:
+        """All windows of a trial, with where each begins; None where its readings are kept aside."""
+        whole = self.recorded[trial.recorded]
+        for window in cut(whole, self._length, self._cuts.get(whole.id, ())):
+            aside = any(overlap(window, h) for h in self._hidden)
+            guesses = () if aside else (n.guess for n in self.nuisances(window))
+            yield window, None if aside else self._begins(mechanism, window, guesses)
+
+    def _simulated(self, mechanism: Mechanism, trial: TrialData, begins: State) -> ReducedRun:
+        position, velocity = begins
         # what a late sensor shows at the window's start happened before it: the run begins then, with that state
         late = _delays(mechanism, trial)
         start, end = trial.start - max(late), trial.end - min(late) + 1e-9

@@ -9,7 +9,7 @@ import numpy as np
 
 from spacerobot.diagnosis.machines.contract import FIRST_NOISE
 from spacerobot.diagnosis.machines.joint_factors import Brought
-from spacerobot.diagnosis.machines.joint_log import JointLog, Motion
+from spacerobot.diagnosis.machines.joint_log import JointLog, Motion, Onset
 from spacerobot.diagnosis.machines.test_functions import Bump
 from spacerobot.diagnosis.machines.windows import PIECES
 from spacerobot.diagnosis.terms.data import Block, TrialData, piece_id
@@ -135,7 +135,8 @@ class Cutter:
             _joint_by_joint(log.by_link[:, part]),
             torque=log.torque[part],
             slow=self.slow,
-            run_up=log.acceleration[: int(part[0])],
+            run_up=np.concatenate([*[log.acceleration[:1]] * log.lens.half, log.acceleration[: int(part[0])]]),
+            onset=Onset(log.acceleration[0], log.rigid[0], log.torque[0]),
             lens=log.lens,
             wider=log.wider,
             beside={k: own.part(part) for k, own in of.beside.items()},

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -20,9 +19,10 @@ from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.selection.candidate import Candidate
 from spacerobot.diagnosis.selection.held_out import MOST, HeldOut, folds, predict_held_out
 from spacerobot.diagnosis.selection.nameable import implausible, reached
+from spacerobot.diagnosis.selection.swinging import starts
 from spacerobot.diagnosis.terms.data import TrialData, ends_of
 from spacerobot.diagnosis.terms.hypothesis import Site, hypothesis
-from spacerobot.support.errors import InputError, SimulationError
+from spacerobot.support.errors import SimulationError
 
 STEPS = 15
 """Gauss-Newton steps of a fit."""
@@ -193,13 +193,15 @@ class Bench:
         """Of a screened column, without what the free parameters' priors say."""
         return column[: self._valid.size]
 
-    def _screen(self, fit: Fit, sites: Sequence[Site]) -> Screen:
+    def _screener(self, fit: Fit) -> Screener:
         """Every reading counts as it does in the costs and held-out errors that a promise is measured by.
 
         What is missing may show most in the trials that fit worst.
         """
-        believed = self.model.believed.free_of(fit.hypothesis.freed)
-        return Screener(self.fitter(), believed, plain=True).screen(fit, sites)
+        return Screener(self.fitter(), self.model.believed.free_of(fit.hypothesis.freed), plain=True)
+
+    def _screen(self, fit: Fit, sites: Sequence[Site]) -> Screen:
+        return self._screener(fit).screen(fit, sites)
 
     def _screened(self, fit: Fit, sites: Sequence[Site]) -> list[Promise]:
         screen = self._screen(fit, sites)
@@ -217,24 +219,14 @@ class Bench:
     def _tried_whole(self, fit: Fit, sites: Sequence[Site]) -> list[Promise]:
         """Of effects that let something move by itself, what a few steps of a fit from the best of some starts come to.
 
-        A resonance is nothing like a faint one, nor is the rest of a fit that had to do without it. Which starts are
-        best the first steps tell. What the study leaves open begins as that fit has it and, since it may have settled
-        to make up for the effect (a motor whose link rides on a spring moves like a light one), at its typical size.
+        Which starts are best the first steps tell.
         """
-        plain, out = self.model.plain(), []
-        opened = self.model.believed.unknown
-        for site in sites:
-            full = {p.name: p.starts[0] for p in site.effect.parameters}
-            try:
-                if len(site.effect.edit(plain, site.where, full).coordinates) == len(plain.coordinates):
-                    continue
-            except InputError:
-                continue
-            starts = _whole_starts(site)
-            out += self._begun_whole(fit, site, starts)
-            if opened:
-                out += self._begun_whole(fit, site, [{**start, **opened} for start in starts])
-        return out
+        swinging = [s for s in sites if s.effect.swinging(1.0, 1.0, 1.0)]
+        if not swinging:
+            return []
+        screener = self._screener(fit)
+        at = screener.at(fit, robust=False)
+        return [p for s in swinging for p in self._begun_whole(fit, s, starts(screener, at, s))]
 
     def _begun_whole(self, fit: Fit, site: Site, starts: Sequence[Mapping[str, float]]) -> list[Promise]:
         """From the best of these starts of one effect more; none where no start can be simulated."""
@@ -309,13 +301,6 @@ class Bench:
 
 def _as_row(promise: Promise) -> Row:
     return promise.site.label, dict(promise.start), promise.left
-
-
-def _whole_starts(site: Site) -> list[dict[str, float]]:
-    """Every start of how strong it is, with every one of each constant that may be of any power of ten."""
-    every = [p.starts if not p.shape or p.log else p.starts[:1] for p in site.effect.parameters]
-    keys = [site.key(p.name) for p in site.effect.parameters]
-    return [dict(zip(keys, start, strict=True)) for start in itertools.product(*every)]
 
 
 def _begun(item: Screened, amplitude: float) -> dict[str, float]:

@@ -54,3 +54,7 @@ class HiddenOscillator(Effect):
         edited, inner = divided(mechanism, where, "slosh", share, stiffness=share * omega * omega, damping=damping)
         pulls = [replace(f, body=inner.name) for f in mechanism.fields if f.body == where]
         return edited.with_field(*pulls)
+
+    def swinging(self, inertia: float, pace: float, ratio: float) -> Mapping[str, float]:
+        """The mass that sloshes."""
+        return {"mass_kg": inertia, "frequency_Hz": pace / (2.0 * math.pi), "damping_ratio": ratio}

@@ -59,6 +59,14 @@ class JointFlexibility(Effect):
         )
         return edited
 
+    def swinging(self, inertia: float, pace: float, ratio: float) -> Mapping[str, float]:
+        """The link's inertia on its spring and damper."""
+        return {
+            "link_inertia_kg_m2": inertia,
+            "stiffness_N_m": inertia * pace**2,
+            "damping_Ns_m": 2.0 * ratio * inertia * pace,
+        }
+
     def implausible(self, values: Mapping[str, float], sizes: Sizes) -> str:
         """Past critical damping nothing swings: such a link only lags, as a filter of the motion's noise does."""
         critical = 2.0 * math.sqrt(values["stiffness_N_m"] * values["link_inertia_kg_m2"])

@@ -15,7 +15,7 @@ from spacerobot.diagnosis.machines.sizes import sizes_of
 from spacerobot.diagnosis.machines.windows import Drive
 from spacerobot.diagnosis.selection.bench import Bench
 from spacerobot.diagnosis.terms.data import Block, TrialData
-from spacerobot.diagnosis.terms.hypothesis import Believed, hypothesis
+from spacerobot.diagnosis.terms.hypothesis import Believed, Hypothesis, hypothesis
 
 NAME = "joint.motor"
 MOTOR, LINK, STIFFNESS, FRICTION = 2.7e-3, 4.4e-3, 1.1, 0.1
@@ -42,7 +42,7 @@ def shown(drive: np.ndarray) -> np.ndarray:
     return np.asarray(lsim(StateSpace(a, b, c, np.zeros((1, 1))), drive, TIME)[1])
 
 
-def motor(*names: str) -> Simulated:
+def motor(*names: str, window: float = 4.0) -> Simulated:
     """These trials of it, its inertia and friction unknown; a counter reads whole counts."""
     angles = {n: np.round(shown(DRIVES[n])) for n in names}
     every = np.concatenate(list(angles.values()))
@@ -57,7 +57,7 @@ def motor(*names: str) -> Simulated:
     unknown = {f"{NAME}.mass": sizes.mass, f"{NAME}.damping": sizes.of("N s/m")}
     believed = Believed({}, {}, {}, names, unknown)
     build = axis("motor", "log", angular=True)
-    return Simulated("motor", build, recorded, drives, believed=believed, sizes={"": sizes}, window=4.0)
+    return Simulated("motor", build, recorded, drives, believed=believed, sizes={"": sizes}, window=window)
 
 
 @pytest.mark.parametrize("absolute", ["of its size", "of metres"])
@@ -97,3 +97,56 @@ def test_a_link_on_a_spring_is_found_beside_a_rigid_fit_that_made_up_for_it(name
     assert values[site.key("stiffness_N_m")] == pytest.approx(STIFFNESS, rel=0.05)
     if "high" in names:
         assert rigid.values()[f"{NAME}.mass"] < LINK
+
+
+def with_its_link(model: Simulated) -> tuple[Hypothesis, dict[str, float]]:
+    """The truth as a hypothesis, and its values."""
+    site = next(s for s in model.sites() if s.label == ("joint_flexibility", NAME))
+    link = {"link_inertia_kg_m2": LINK, "stiffness_N_m": STIFFNESS, "damping_Ns_m": 0.0}
+    values = {f"{NAME}.mass": MOTOR + LINK, f"{NAME}.damping": FRICTION, **{site.key(n): v for n, v in link.items()}}
+    return hypothesis(model.believed, (site,), values), values
+
+
+def left(model: Simulated) -> dict[str, float]:
+    """By window, rms of what the truth leaves from where its readings have it begin [counts]."""
+    made, values = with_its_link(model)
+    fitter = Fitter(model, model.trials)
+    state = fitter.state(made, made.start(values), fitter.guess())
+    assert state is not None
+    return {t.id: float(np.sqrt(np.mean((state.raw[t.id] / t.blocks[0].weight[0].max()) ** 2))) for t in model.trials}
+
+
+def test_a_window_begins_with_its_link_as_the_trial_up_to_there_has_swung_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    model = motor("step", "swept", window=0.8)
+    assert len(model.trials) == 10
+    assert max(left(model).values()) < 12.0  # of a motion of hundreds; where a window begins is told by some readings
+    monkeypatch.setattr(simulated, "riding", lambda mechanism: [])  # as it would ride along after a long rest
+    assert max(left(motor("step", "swept", window=0.8)).values()) > 50.0
+
+
+def test_a_link_goes_on_through_a_window_whose_readings_are_kept_aside() -> None:
+    model = motor("step", "swept", window=0.8)
+    aside = [t.id for t in model.trials if t.recorded == "step"][1]
+    whole, rest = left(model), left(model.but_for([aside]))
+    assert aside not in rest
+    for name, own in rest.items():
+        assert own < max(1.5 * whole[name], 12.0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("pace", [0.3, 2.5])
+def test_a_resonance_far_from_the_pace_of_the_motion_is_found(pace: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The spring a tenth and six times as stiff: whatever a catalogue's starts are, a row of frequencies is tried."""
+    stiff = pace**2 * STIFFNESS
+    monkeypatch.setitem(globals(), "STIFFNESS", stiff)
+    model = motor("swept", "fixed", "step")
+    bench = Bench(model)
+    rigid = bench.baseline()
+    bench.sharpen(rigid)
+    rigid = bench.again(rigid)
+    site = next(s for s in model.sites() if s.label == ("joint_flexibility", NAME))
+    (promise,) = bench.promises(rigid, [site])
+    fit = bench.fitted(rigid, promise)
+    assert fit is not None
+    assert fit.values()[site.key("link_inertia_kg_m2")] == pytest.approx(LINK, rel=0.1)
+    assert fit.values()[site.key("stiffness_N_m")] == pytest.approx(stiff, rel=0.1)

@@ -1,0 +1,69 @@
+"""Where fits of what lets something move by itself begin: at the resonances that recordings ask for."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from spacerobot.diagnosis.fitting.screen import At, Screener
+from spacerobot.diagnosis.terms.data import TrialData
+from spacerobot.diagnosis.terms.hypothesis import Site
+
+SHARES = (0.2, 0.5, 0.8)
+"""Of a body's inertia, as what may move by itself."""
+
+ROW = 1.2
+"""Ratio of neighbouring frequencies: as wide as a resonance of this damping ratio is."""
+
+RATIO = 0.1
+"""Damping ratio at which they are tried, well below what still swings."""
+
+FASTEST = 2.5
+"""Cycles between two readings: faster ones, which the readings cannot follow, show by what they take of the inertia."""
+
+
+def starts(screener: Screener, at: At, site: Site) -> list[dict[str, float]]:
+    """For each share of what moves there, values at the frequency after which least would be left over.
+
+    A resonance is nothing like a faint one, nor like one a factor away: every frequency that the trials could show is
+    tried at full size. Where the study leaves the inertia open, it is tried as the fit has it and, since above its
+    resonance a motor moves without its link, as if that were the motor's alone.
+    """
+    machine = screener.fitter.model
+    fit, trials = at.fit, screener.fitter.trials
+    inertia = machine.trial_mechanism(fit.hypothesis, fit.z, trials[0]).coordinates[site.where].mass
+    key, found = f"{site.where}.mass", []
+    for share in SHARES:
+        wholes: list[dict[str, float]] = [{}]
+        if key in machine.believed.unknown:
+            wholes.append({key: inertia / (1.0 - share)})
+        for whole in wholes:
+            row = [_values(site, share * whole.get(key, inertia), f) | whole for f in frequencies(trials)]
+            left = [_left(screener, at, site, start) for start in row]
+            if min(left) < np.inf:
+                found.append(row[int(np.argmin(left))])
+    return found
+
+
+def frequencies(trials: Sequence[TrialData]) -> np.ndarray:
+    """From a cycle in the longest trial to the fastest that may show in its readings, shape (F,) [Hz]."""
+    slowest = 1.0 / max(t.end - t.start for t in trials)
+    gaps = [float(np.median(np.diff(b.time))) for t in trials for b in t.blocks if b.time.size > 1]
+    fastest = max(FASTEST / min(gaps), slowest)
+    return np.geomspace(slowest, fastest, 1 + round(math.log(fastest / slowest) / math.log(ROW)))
+
+
+def _values(site: Site, inertia: float, frequency: float) -> dict[str, float]:
+    own = site.effect.swinging(inertia, 2.0 * math.pi * frequency, RATIO)
+    return {site.key(name): value for name, value in own.items()}
+
+
+def _left(screener: Screener, at: At, site: Site, start: Mapping[str, float]) -> float:
+    """What would be left over of chi-squared; infinite where it cannot be simulated."""
+    moved = screener.with_effect(at.fit, at.state, site, start)
+    if moved is None:
+        return np.inf
+    left = at.project.free(at.project.stack(moved.raw), at.fit.z)
+    return float(left @ left)
