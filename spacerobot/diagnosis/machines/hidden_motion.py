@@ -22,7 +22,8 @@ def hidden(
     """Motion of every coordinate without a measured one, beside what carries it; by coordinate.
 
     x'' + (c / m) x' + (k / m) x = -a, from where the first acceleration would hold it still, or undeflected. Between
-    samples the acceleration is joined by lines, and the motion is exact.
+    two samples the acceleration is the cubic through the four about them, and the motion is exact: joined by lines,
+    seven samples a cycle would lack 6 % of a resonance.
 
     Args:
         mechanism: whose coordinates ride on others by linear springs and dampers.
@@ -51,19 +52,24 @@ def hidden(
 def _shaken(spring: float, damper: float, acceleration: np.ndarray, step: float, begins: float) -> Motion:
     from scipy.linalg import expm
 
-    # the state, the acceleration and its slope within a step, as one linear system
-    system = np.zeros((4, 4))
-    system[:2] = [0.0, 1.0, 0.0, 0.0], [-spring, -damper, -1.0, 0.0]
-    system[2, 3] = 1.0
+    # the state, the acceleration and its derivatives within a step, counted in steps, as one linear system
+    system = np.zeros((6, 6))
+    system[:2, :3] = [0.0, step, 0.0], [-spring * step, -damper * step, -step]
+    system[2:5, 3:] = np.eye(3)
     out = np.empty((acceleration.size, 2))
     out[0] = begins, 0.0
-    _stepped(expm(system * step), acceleration, step, out)
+    _stepped(expm(system), acceleration, out)
     return out[:, 0].copy(), out[:, 1].copy()
 
 
 @jit
-def _stepped(over: Any, a: Any, step: float, out: Any) -> None:
-    for i in range(a.size - 1):
-        slope = (a[i + 1] - a[i]) / step
+def _stepped(over: Any, a: Any, out: Any) -> None:
+    last = a.size - 1
+    for i in range(last):
+        q, r = a[i], a[i + 1]
+        p, s = a[max(i - 1, 0)], a[min(i + 2, last)]
+        first = r - p / 3.0 - q / 2.0 - s / 6.0
+        second, third = p - 2.0 * q + r, s - p + 3.0 * (q - r)
         for k in range(2):
-            out[i + 1, k] = over[k, 0] * out[i, 0] + over[k, 1] * out[i, 1] + over[k, 2] * a[i] + over[k, 3] * slope
+            out[i + 1, k] = over[k, 0] * out[i, 0] + over[k, 1] * out[i, 1] + over[k, 2] * q
+            out[i + 1, k] += over[k, 3] * first + over[k, 4] * second + over[k, 5] * third

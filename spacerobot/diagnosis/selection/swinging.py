@@ -11,8 +11,12 @@ from spacerobot.diagnosis.fitting.screen import At, Screener
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Site
 
-SHARES = (0.2, 0.5, 0.8)
-"""Of a body's inertia, as what may move by itself."""
+SHARES = (0.5, 0.2, 0.8)
+"""Of a body's inertia, as what may move by itself; the first at every frequency."""
+
+NEAR = 2.0
+"""Factor on the best frequency of the first share within which the others' are: from a resonance of a body held still
+to that of one that is free beside four times its inertia."""
 
 ROW = 1.2
 """Ratio of neighbouring frequencies: as wide as a resonance of this damping ratio is."""
@@ -35,15 +39,16 @@ def starts(screener: Screener, at: At, site: Site) -> list[dict[str, float]]:
     fit, trials = at.fit, screener.fitter.trials
     inertia = machine.trial_mechanism(fit.hypothesis, fit.z, trials[0]).coordinates[site.where].mass
     key, found = f"{site.where}.mass", []
-    for share in SHARES:
-        wholes: list[dict[str, float]] = [{}]
-        if key in machine.believed.unknown:
-            wholes.append({key: inertia / (1.0 - share)})
-        for whole in wholes:
-            row = [_values(site, share * whole.get(key, inertia), f) | whole for f in frequencies(trials)]
-            left = [_left(screener, at, site, start) for start in row]
-            if min(left) < np.inf:
-                found.append(row[int(np.argmin(left))])
+    for alone in (False, True) if key in machine.believed.unknown else (False,):
+        row = frequencies(trials)
+        for share in SHARES:
+            known = {key: inertia / (1.0 - share)} if alone else {}
+            tried = [_values(site, share * known.get(key, inertia), f) | known for f in row]
+            left = [_left(screener, at, site, start) for start in tried]
+            best = int(np.argmin(left))
+            if left[best] < np.inf:
+                found.append(tried[best])
+                row = row[(row >= row[best] / NEAR) & (row <= row[best] * NEAR)]
     return found
 
 

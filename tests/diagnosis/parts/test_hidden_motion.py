@@ -20,18 +20,21 @@ def machine(share: float, stiffness: float, damping: float) -> Mechanism:
     return divided(whole, JOINT, "link", share, stiffness=stiffness, damping=damping)[0]
 
 
-@pytest.mark.parametrize("step", [0.01, 0.04])
+@pytest.mark.parametrize("step", [0.01, 0.045])
 def test_it_is_what_an_integrator_makes_of_the_same_motion(step: float) -> None:
-    """Exact for an acceleration that is joined by lines, however coarse."""
+    """Seven samples to a cycle of the resonance are enough."""
     time = np.arange(0.0, 4.0, step)
-    acceleration = np.sin(3.0 * time) + 0.3 * np.cos(7.0 * time)
-    ((_, (x, rate)),) = hidden(machine(1.5, 600.0, 1.8), {JOINT: acceleration}, step).items()
+
+    def acceleration(t: np.ndarray) -> np.ndarray:
+        return np.sin(3.0 * t) + 0.3 * np.cos(20.0 * t)
+
+    ((_, (x, rate)),) = hidden(machine(1.5, 600.0, 1.8), {JOINT: acceleration(time)}, step).items()
     told = solve_ivp(
-        lambda t, y: [y[1], -400.0 * y[0] - 1.2 * y[1] - np.interp(t, time, acceleration)],
-        (0.0, time[-1]), [-acceleration[0] / 400.0, 0.0], t_eval=time, rtol=1e-9, atol=1e-12, max_step=step,
+        lambda t, y: [y[1], -400.0 * y[0] - 1.2 * y[1] - acceleration(t)],
+        (0.0, time[-1]), [-acceleration(0.0) / 400.0, 0.0], t_eval=time, rtol=1e-9, atol=1e-12, max_step=step,
     ).y  # fmt: skip
-    np.testing.assert_allclose(x, told[0], atol=1e-8)
-    np.testing.assert_allclose(rate, told[1], atol=1e-7)
+    np.testing.assert_allclose(x, told[0], atol=0.02 * np.abs(told[0]).max())
+    np.testing.assert_allclose(rate, told[1], atol=0.02 * np.abs(told[1]).max())
 
 
 def test_a_stiff_spring_is_none() -> None:
