@@ -77,20 +77,17 @@ class Riders:
 def _along(mechanism: Mechanism, stretch: Iterable[tuple[TrialData, State | None]], run: Run) -> dict[float, Beside]:
     names, found = riding(mechanism), {}
     shown = [n for n in mechanism.coordinates if n not in names]
-    beside, before, end = SETTLED, None, -np.inf
+    before: tuple[TrialData, State, Beside] | None = None
     for window, begins in stretch:
-        if window.start > end + 1e-6:  # it met something, or was at rest: settled anew
-            beside, before = SETTLED, None
+        beside, state = SETTLED, begins
+        if before is not None and window.start <= before[0].end + 1e-6:  # it met nothing and was not left at rest
+            made = run(before[0], placed(mechanism, *before[1:]))
+            x, v = (of[0] for of in made.states(np.array([made.end])))
+            at = {n: (float(x[k]), float(v[k])) for k, n in enumerate(mechanism.coordinates)}
+            beside = {n: _difference(at[n], at[str(mechanism.carrier_of(n))]) for n in names}
+            state = begins or ({n: at[n][0] for n in shown}, {n: at[n][1] for n in shown})
         found[window.start] = beside
-        state = begins or before
-        if state is None:
-            continue
-        made = run(window, placed(mechanism, state, beside))
-        end = window.end
-        x, v = (of[0] for of in made.states(np.array([made.end])))
-        at = {n: (float(x[k]), float(v[k])) for k, n in enumerate(mechanism.coordinates)}
-        beside = {n: _difference(at[n], at[str(mechanism.carrier_of(n))]) for n in names}
-        before = {n: at[n][0] for n in shown}, {n: at[n][1] for n in shown}
+        before = None if state is None else (window, state, beside)
     return found
 
 
