@@ -35,6 +35,9 @@ from spacerobot.support.jit import jit, lean
 MAX_STEPS, MAX_EVENTS = 150_000, 5_000
 """The record of so many steps takes most of 1 GB."""
 
+AHEAD = 1e-7
+"""Share of a step before its end at which the slope of what comes to rest there is taken."""
+
 NEAR = 1e-7
 """Share of a step: what Newton's correction of an event's time leaves is the square of it, so that the state goes there
 along its slope."""
@@ -154,7 +157,11 @@ def _polished(
             for i in range(y.size):
                 new[i] += change * k[STAGES, i]
             stretch(o, change)
-            rate_at(m, t + part, new, k[STAGES])
+            # what comes to rest has a direction only just before: there rounding would tell the slope's
+            before = AHEAD * part if hit > m.c[FORCES] else 0.0
+            for i in range(y.size):
+                temp[i] = new[i] - before * k[0, i]
+            rate_at(m, t + part - before, temp, k[STAGES])
             break
         if not np.isfinite(_advance(m, t, y, part, k, scale, o, stiff, temp, new)):
             return -1.0
