@@ -102,7 +102,10 @@ class Screener:
 
     def screen(self, fit: Fit, sites: Sequence[Site]) -> Screen:
         """Scores of adding each site to the fit's own hypothesis."""
-        at = self.at(fit, robust=not self.plain)
+        return self.screen_at(self.at(fit, robust=not self.plain), sites)
+
+    def screen_at(self, at: At, sites: Sequence[Site]) -> Screen:
+        """The same at a fit that stands."""
         scored = []
         for site in sites:
             starts = starts_of(site, self.fitter.trials)
@@ -112,7 +115,7 @@ class Screener:
             found = sorted((i for i in items if i is not None), key=lambda s: -s.gain)
             scored += found[:1] + [replace(i, column=np.zeros(0)) for i in found[1:]]
         scored.sort(key=lambda s: -s.gain)
-        return Screen(fit, tuple(scored), at.residual)
+        return Screen(at.fit, tuple(scored), at.residual)
 
     def screen_full(self, fit: Fit, sites: Sequence[Site]) -> Screen:
         """The same at full sizes: of each effect the start and size after which least would be left over.
@@ -121,20 +124,24 @@ class Screener:
         not in proportion. Only what the free parameters do about it is still taken to be in proportion.
         """
         at = self.at(fit, robust=False)
-        project, residual = at.project, at.residual
+        residual = at.residual
         least = float(residual @ residual)
         scored = []
         for site in sites:
             found = []
             for start in full_starts(site, self.fitter.trials):
-                moved = self.with_effect(fit, at.state, site, start)
-                if moved is not None:
-                    left = project.free(project.stack(moved.raw), fit.z)
+                left = self.left_with(at, site, start)
+                if left is not None:
                     norm = float(np.square(left - residual).sum())
                     found.append(Screened(site, start, np.zeros(0), least - float(left @ left), 1.0, norm))
             scored += sorted(found, key=lambda s: -s.gain)[:1]
         scored.sort(key=lambda s: -s.gain)
         return Screen(fit, tuple(scored), residual)
+
+    def left_with(self, at: At, site: Site, start: Mapping[str, float]) -> np.ndarray | None:
+        """What an effect at a start would leave over, shape (S + P,); None where it cannot be simulated."""
+        moved = self.with_effect(at.fit, at.state, site, start)
+        return None if moved is None else at.project.free(at.project.stack(moved.raw), at.fit.z)
 
     def at(self, fit: Fit, *, robust: bool) -> At:
         """A fit to score at; with `robust` channels of trials that do not fit yet weigh less."""

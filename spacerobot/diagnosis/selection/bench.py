@@ -13,7 +13,7 @@ from spacerobot.diagnosis.fitting.fit_store import Kept, of_fit
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.fitting.noise import common_level, floor_of, levels_of, reweighted, rms_of
-from spacerobot.diagnosis.fitting.screen import FAINT, Screen, Screened, Screener, faint
+from spacerobot.diagnosis.fitting.screen import FAINT, At, Screened, Screener, faint
 from spacerobot.diagnosis.fitting.starts import fit_near
 from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.selection.candidate import Candidate
@@ -177,7 +177,7 @@ class Bench:
         ]
 
     def _paired(self, fit: Fit, sites: Sequence[Site]) -> list[tuple[Row, Row]]:
-        screen = self._screen(fit, sites)
+        screen = self._screener(fit).screen(fit, sites)
         out: list[tuple[Row, Row]] = []
         for _, one, other in screen.pairs():
             columns = np.stack([one.column, other.column])
@@ -200,33 +200,28 @@ class Bench:
         """
         return Screener(self.fitter(), self.model.believed.free_of(fit.hypothesis.freed), plain=True)
 
-    def _screen(self, fit: Fit, sites: Sequence[Site]) -> Screen:
-        return self._screener(fit).screen(fit, sites)
-
     def _screened(self, fit: Fit, sites: Sequence[Site]) -> list[Promise]:
-        screen = self._screen(fit, sites)
+        screener = self._screener(fit)
+        at = screener.at(fit, robust=False)
+        screen = screener.screen_at(at, sites)
         out = []
         for item in screen.best().values():
             amplitude = item.amplitude if item.gain > 0.0 else 0.0
             left = self._left(self._readings(screen.residual + amplitude * item.column))
             out.append(Promise(item.site, _begun(item, amplitude or 1.0), left))
         best = {p.site.label: p for p in out}
-        for one in self._tried_whole(fit, sites):
+        for one in self._tried_whole(screener, at, sites):
             if one.site.label not in best or one.left < best[one.site.label].left:
                 best[one.site.label] = one
         return list(best.values())
 
-    def _tried_whole(self, fit: Fit, sites: Sequence[Site]) -> list[Promise]:
+    def _tried_whole(self, screener: Screener, at: At, sites: Sequence[Site]) -> list[Promise]:
         """Of effects that let something move by itself, what a few steps of a fit from the best of some starts come to.
 
         Which starts are best the first steps tell.
         """
         swinging = [s for s in sites if s.effect.swinging(1.0, 1.0, 1.0)]
-        if not swinging:
-            return []
-        screener = self._screener(fit)
-        at = screener.at(fit, robust=False)
-        return [p for s in swinging for p in self._begun_whole(fit, s, starts(screener, at, s))]
+        return [p for s in swinging for p in self._begun_whole(at.fit, s, starts(screener, at, s))]
 
     def _begun_whole(self, fit: Fit, site: Site, starts: Sequence[Mapping[str, float]]) -> list[Promise]:
         """From the best of these starts of one effect more; none where no start can be simulated."""

@@ -38,9 +38,9 @@ def starts(screener: Screener, at: At, site: Site) -> list[dict[str, float]]:
     machine = screener.fitter.model
     fit, trials = at.fit, screener.fitter.trials
     inertia = machine.trial_mechanism(fit.hypothesis, fit.z, trials[0]).coordinates[site.where].mass
-    key, found = f"{site.where}.mass", []
+    key, every, found = f"{site.where}.mass", frequencies(trials), []
     for alone in (False, True) if key in machine.believed.unknown else (False,):
-        row = frequencies(trials)
+        row = every
         for share in SHARES:
             known = {key: inertia / (1.0 - share)} if alone else {}
             tried = [_values(site, share * known.get(key, inertia), f) | known for f in row]
@@ -67,8 +67,5 @@ def _values(site: Site, inertia: float, frequency: float) -> dict[str, float]:
 
 def _left(screener: Screener, at: At, site: Site, start: Mapping[str, float]) -> float:
     """What would be left over of chi-squared; infinite where it cannot be simulated."""
-    moved = screener.with_effect(at.fit, at.state, site, start)
-    if moved is None:
-        return np.inf
-    left = at.project.free(at.project.stack(moved.raw), at.fit.z)
-    return float(left @ left)
+    left = screener.left_with(at, site, start)
+    return np.inf if left is None else float(left @ left)

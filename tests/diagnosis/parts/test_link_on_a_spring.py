@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.signal import StateSpace, chirp, lsim, square
 
+from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.machines import simulated
 from spacerobot.diagnosis.machines.axis import axis
@@ -15,7 +16,7 @@ from spacerobot.diagnosis.machines.sizes import sizes_of
 from spacerobot.diagnosis.machines.windows import Drive
 from spacerobot.diagnosis.selection.bench import Bench
 from spacerobot.diagnosis.terms.data import Block, TrialData
-from spacerobot.diagnosis.terms.hypothesis import Believed, Hypothesis, hypothesis
+from spacerobot.diagnosis.terms.hypothesis import Believed, Hypothesis, Site, hypothesis
 
 NAME = "joint.motor"
 MOTOR, LINK, STIFFNESS, FRICTION = 2.7e-3, 4.4e-3, 1.1, 0.1
@@ -78,18 +79,27 @@ def test_where_a_window_starts_moves_it_as_much_as_it_should(absolute: str, monk
     assert right == (absolute == "of its size")
 
 
-@pytest.mark.parametrize("names", [("swept", "fixed", "step"), ("fixed", "high")])
-def test_a_link_on_a_spring_is_found_beside_a_rigid_fit_that_made_up_for_it(names: tuple[str, ...]) -> None:
-    """Above its resonance the motor moves alone, and a rigid fit says less inertia than the link alone has."""
-    model = motor(*names)
-    bench = Bench(model)
+def link_site(model: Simulated) -> Site:
+    """Where a link may hide."""
+    return next(s for s in model.sites() if s.label == ("joint_flexibility", NAME))
+
+
+def found(model: Simulated) -> tuple[Fit, Site, Fit]:
+    """The rigid fit, and what its promise of a link is fitted to."""
+    bench, site = Bench(model), link_site(model)
     rigid = bench.baseline()
     bench.sharpen(rigid)
     rigid = bench.again(rigid)
-    site = next(s for s in model.sites() if s.label == ("joint_flexibility", NAME))
     (promise,) = bench.promises(rigid, [site])
     fit = bench.fitted(rigid, promise)
     assert fit is not None
+    return rigid, site, fit
+
+
+@pytest.mark.parametrize("names", [("swept", "fixed", "step"), ("fixed", "high")])
+def test_a_link_on_a_spring_is_found_beside_a_rigid_fit_that_made_up_for_it(names: tuple[str, ...]) -> None:
+    """Above its resonance the motor moves alone, and a rigid fit says less inertia than the link alone has."""
+    rigid, site, fit = found(motor(*names))
     assert fit.cost < 0.01 * rigid.cost
     values = fit.values()
     assert values[f"{NAME}.mass"] == pytest.approx(MOTOR + LINK, rel=0.03)
@@ -101,7 +111,7 @@ def test_a_link_on_a_spring_is_found_beside_a_rigid_fit_that_made_up_for_it(name
 
 def with_its_link(model: Simulated) -> tuple[Hypothesis, dict[str, float]]:
     """The truth as a hypothesis, and its values."""
-    site = next(s for s in model.sites() if s.label == ("joint_flexibility", NAME))
+    site = link_site(model)
     link = {"link_inertia_kg_m2": LINK, "stiffness_N_m": STIFFNESS, "damping_Ns_m": 0.0}
     values = {f"{NAME}.mass": MOTOR + LINK, f"{NAME}.damping": FRICTION, **{site.key(n): v for n, v in link.items()}}
     return hypothesis(model.believed, (site,), values), values
@@ -139,14 +149,6 @@ def test_a_resonance_far_from_the_pace_of_the_motion_is_found(pace: float, monke
     """The spring a tenth and six times as stiff: whatever a catalogue's starts are, a row of frequencies is tried."""
     stiff = pace**2 * STIFFNESS
     monkeypatch.setitem(globals(), "STIFFNESS", stiff)
-    model = motor("swept", "fixed", "step")
-    bench = Bench(model)
-    rigid = bench.baseline()
-    bench.sharpen(rigid)
-    rigid = bench.again(rigid)
-    site = next(s for s in model.sites() if s.label == ("joint_flexibility", NAME))
-    (promise,) = bench.promises(rigid, [site])
-    fit = bench.fitted(rigid, promise)
-    assert fit is not None
+    _, site, fit = found(motor("swept", "fixed", "step"))
     assert fit.values()[site.key("link_inertia_kg_m2")] == pytest.approx(LINK, rel=0.1)
     assert fit.values()[site.key("stiffness_N_m")] == pytest.approx(stiff, rel=0.1)
