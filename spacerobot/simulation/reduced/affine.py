@@ -1,4 +1,6 @@
-"""Modes in which everything that acts is straight: (v, z)' = A (q, v, z) + b, stepped by its Taylor series. Compiled.
+"""Modes in which everything that acts is straight: (v, z)' = A (q, v, z) + b + C u, stepped by its Taylor series.
+
+Compiled. u are the recorded drives, straight from sample to sample (`ports.ramp`).
 
 Between events most mechanisms are such: linear springs, dampers and contact, friction of a steady level, sticking. A
 step of degree DEGREE then reaches as far as ten of the general method, and its own series is the dense output.
@@ -20,6 +22,8 @@ from spacerobot.simulation.reduced.arrays import (
     FRICTION_PORT,
     FRICTION_STEADY,
     FRICTIONS,
+    GAIN,
+    INPUT_PORT,
     INPUTS,
     LAW,
     LINEAR,
@@ -51,6 +55,9 @@ from spacerobot.support.jit import lean, lean_sum
 DEGREE = 16
 """Of the series; 1/17! is 3e-15."""
 
+DRIVEN = 6
+"""Of the series from sample to sample of a recorded drive, which are short steps."""
+
 REACH = 20.0
 """Longest step times the bound of the mode's fastest rate, two to four times that rate where there are many. What moves
 holds its step by the last term; this keeps what rests, a servo's stiff mode, from growing out of rounding.
@@ -65,12 +72,13 @@ hundredth those of a contact of 4e5 N/m crawled, and a hundred times less costs 
 @lean
 def straight(x: Any, c: Any, modes: Any) -> bool:
     """Whether everything that acts in these modes is straight in the state."""
-    if c[INPUTS] > 0:
-        return False
     pressed = c[PRESS] >= 0 and modes[0] == PRESSED
     turning = c[YAW] >= 0
     if pressed and turning:
         return False
+    for j in range(c[INPUTS]):
+        if turning and swings(c, c[c[INPUT_PORT] + j]):
+            return False
     for k in range(c[LIVE_FORCES]):
         j = c[c[FORCE_ORDER] + k]
         if j == c[CONTACT_FORCE]:
@@ -122,11 +130,12 @@ def _coupled(x: Any, c: Any, modes: Any, r: int) -> bool:
 
 @lean
 def system(x: Any, c: Any, laws: Any, y: Any, modes: Any, w: Any, a: Any, held: Any) -> float:
-    """Fills a, shape (n + S, 2n + S + 1), with (A, b) of these modes; returns the longest step [s].
+    """Fills a, shape (n + S, 2n + S + 1 + U), with (A, b, C) of these modes; returns the longest step [s].
 
     Args:
         y: the state, for the side of every kink.
-        held: filled for each friction that sticks with its force as a row over (q, v, z, 1), shape (R, 2n + S + 1).
+        held: filled for each friction that sticks with its force as a row over (q, v, z, 1, u), shape
+            (R, 2n + S + 1 + U).
     """
     n = c[N]
     last = 2 * n + c[STATES]
@@ -137,6 +146,8 @@ def system(x: Any, c: Any, laws: Any, y: Any, modes: Any, w: Any, a: Any, held: 
         for j in range(2 * n, last):
             a[i, j] = 0.0
         a[i, last] = x[c[CONSTANT] + i]
+        for j in range(c[INPUTS]):
+            a[i, last + 1 + j] = x[c[GAIN] + j] * w[rows + c[c[INPUT_PORT] + j] * n + i]
     kinematics(x, c, y, w, c[LIVE_PORTS])
     for k in range(c[LIVE_FORCES]):
         j = c[c[FORCE_ORDER] + k]
@@ -172,7 +183,7 @@ def system(x: Any, c: Any, laws: Any, y: Any, modes: Any, w: Any, a: Any, held: 
     _hold(x, c, modes, w, a, held)
     stiff, damp = 0.0, 0.0
     for i in range(n):
-        for j in range(last + 1):
+        for j in range(a.shape[1]):
             a[i, j] *= x[c[MASS] + i]
         for j in range(n):
             share = x[c[MASS] + j] / x[c[MASS] + i]  # as if every coordinate were scaled by the root of its mass
@@ -194,7 +205,7 @@ def _remembered(x: Any, c: Any, laws: Any, modes: Any, w: Any, a: Any) -> float:
         by_d = remember(x, c, laws, s, 0.0, 1.0, 0.0, way, 1.0)
         by_v = remember(x, c, laws, s, 0.0, 0.0, 1.0, way, 1.0)
         give = 0.0
-        for j in range(last + 1):
+        for j in range(a.shape[1]):
             a[n + s, j] = 0.0
         a[n + s, last], a[n + s, 2 * n + s] = rate, by_z[0] - rate
         for i in range(n):
@@ -214,7 +225,7 @@ def _remembered(x: Any, c: Any, laws: Any, modes: Any, w: Any, a: Any) -> float:
 def _hold(x: Any, c: Any, modes: Any, w: Any, a: Any, held: Any) -> None:
     """Takes out of the generalised forces a what would move a port that sticks, none coupled to another."""
     n, base, rows = c[N], 1 + c[FORCES], c[W_ROWS]
-    width = 2 * n + c[STATES] + 1
+    width = a.shape[1]
     for r in range(c[FRICTIONS]):
         for j in range(width):
             held[r, j] = 0.0
@@ -236,21 +247,25 @@ def _hold(x: Any, c: Any, modes: Any, w: Any, a: Any, held: Any) -> None:
 
 
 @lean_sum
-def series(y: Any, a: Any, h: float, rtol: float, atol: Any, q: Any, term: Any, total: Any) -> float:
-    """Fills q, shape (2n + S, DEGREE), with y(t + theta h) = y + h theta (q0 + theta (q1 + ...)); returns h, shortened
+def series(y: Any, a: Any, u: Any, h: float, rtol: float, atol: Any, q: Any, term: Any, total: Any) -> float:
+    """Fills q, shape (2n + S, degree), with y(t + theta h) = y + h theta (q0 + theta (q1 + ...)); returns h, shortened
     until the last term is within SHARE of the tolerance.
 
     Args:
+        u: the drives at the start of the step and their slopes, shape (2, U).
         term, total: room for (2n + S) and (n + S) numbers: a sum along what lies together is done several at a time.
     """
-    size, own = y.size, a.shape[0]
+    size, own, degree = y.size, a.shape[0], q.shape[1]
     n = size - own
     for j in range(size):
         term[j] = y[j]
-    for k in range(DEGREE):
+    for k in range(degree):
         factor = h / (k + 1) if k > 0 else 1.0
         for i in range(own):
             along = a[i, size] if k == 0 else 0.0
+            if k < 2:
+                for j in range(u.shape[1]):
+                    along += a[i, size + 1 + j] * u[k, j]
             for j in range(size):
                 along += a[i, j] * term[j]
             total[i] = along
@@ -262,10 +277,10 @@ def series(y: Any, a: Any, h: float, rtol: float, atol: Any, q: Any, term: Any, 
             q[i, k] = term[i]
     worst = 0.0
     for i in range(size):
-        worst = max(worst, abs(h * q[i, DEGREE - 1]) / (atol[i] + rtol * abs(y[i])))
+        worst = max(worst, abs(h * q[i, degree - 1]) / (atol[i] + rtol * abs(y[i])))
     if worst <= SHARE:
         return h
-    part = 0.95 * (SHARE / worst) ** (1.0 / DEGREE)
+    part = 0.95 * (SHARE / worst) ** (1.0 / degree)
     shorten(q, part)
     return h * part
 
@@ -274,7 +289,7 @@ def series(y: Any, a: Any, h: float, rtol: float, atol: Any, q: Any, term: Any, 
 def shorten(q: Any, part: float) -> None:
     """The same series over the first `part` of its step."""
     factor = part
-    for k in range(1, q.shape[1]):  # a driven mechanism keeps fewer
+    for k in range(1, q.shape[1]):
         for i in range(q.shape[0]):
             q[i, k] *= factor
         factor *= part
@@ -283,8 +298,9 @@ def shorten(q: Any, part: float) -> None:
 @lean_sum
 def advance(y: Any, h: float, q: Any, new: Any) -> None:
     """State at the end of the step."""
+    degree = q.shape[1]
     for i in range(y.size):
-        total = q[i, DEGREE - 1]
-        for k in range(1, DEGREE):
-            total += q[i, DEGREE - 1 - k]
+        total = q[i, degree - 1]
+        for k in range(1, degree):
+            total += q[i, degree - 1 - k]
         new[i] = y[i] + h * total

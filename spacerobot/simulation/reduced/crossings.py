@@ -39,7 +39,7 @@ ROUNDING = 1e-12
 
 @lean
 def linear_guards(x: Any, c: Any, laws: Any, modes: Any, w: Any, even: bool, held: Any, g: Any, owner: Any) -> int:
-    """Fills g, shape (., 2n + S + 1), with rows over (q, v, z, 1) that are positive while the modes hold; how many.
+    """Fills g, shape (., 2n + S + 1 + U), with rows over (q, v, z, 1, u) that are positive while modes hold; how many.
 
     Args:
         even: whether the modes are straight, see `affine.straight`.
@@ -52,7 +52,7 @@ def linear_guards(x: Any, c: Any, laws: Any, modes: Any, w: Any, even: bool, hel
     n, count = c[N], 0
     last = 2 * n + c[STATES]
     for k in range(g.shape[0]):
-        for i in range(2 * n, last):
+        for i in range(2 * n, g.shape[1]):
             g[k, i] = 0.0
     if c[YAW] >= 0:
         return -1
@@ -98,7 +98,7 @@ def linear_guards(x: Any, c: Any, laws: Any, modes: Any, w: Any, even: bool, hel
         if not even or c[c[FRICTION_NORMAL] + r] == 1:
             return -1
         for side in (-1.0, 1.0):
-            for i in range(last + 1):
+            for i in range(g.shape[1]):
                 g[count, i] = side * held[r, i]
             limit = level(x, c, laws, r, side * TINY, 0.0, w[c[D] + c[c[FRICTION_PORT] + r]])  # it is at rest
             g[count, last] += limit * (1.0 + 1e-12) + 1e-300
@@ -127,12 +127,13 @@ def _rests(c: Any, modes: Any, port: int) -> bool:
 
 
 @lean
-def first_fall(g: Any, owner: Any, count: int, y: Any, h: float, q: Any, order: int, p: Any) -> Any:
+def first_fall(g: Any, owner: Any, count: int, y: Any, u: Any, h: float, q: Any, order: int, p: Any) -> Any:
     """First guard to fall below zero within a step: (mode, theta), or (-1, 1.0).
 
     Args:
         g, owner, count: of `linear_guards`.
         y, h, q, order: of the step, see `stepper.interpolate`.
+        u: the drives at its start and their slopes, shape (2, U).
         p: scratch, shape (at least order + 1,).
     """
     best, mode = 2.0, -1
@@ -143,6 +144,9 @@ def first_fall(g: Any, owner: Any, count: int, y: Any, h: float, q: Any, order: 
             p[0] += g[k, i] * y[i]
         for d in range(order):
             p[d + 1] = 0.0
+        for j in range(u.shape[1]):
+            p[0] += g[k, size + 1 + j] * u[0, j]
+            p[1] += g[k, size + 1 + j] * u[1, j]
         for i in range(size):
             if g[k, i] != 0.0:
                 for d in range(order):

@@ -76,6 +76,30 @@ def driven(u: Any, j: int, t: float) -> float:
 
 
 @lean
+def ramp(u: Any, k: int, t: float, out: Any) -> Any:
+    """Fills out, shape (2, U), with the recorded drives at t and their slopes until they bend next; when that is.
+
+    Args:
+        k: a corner of theirs that is not after t.
+
+    Returns:
+        the last corner not after t, and the time of the next; infinite beyond the record.
+    """
+    last = u.shape[1] - 1
+    while k < last and u[0, k + 1] <= t:
+        k += 1
+    before, after = t < u[0, 0], k >= last
+    for j in range(out.shape[1]):
+        out[0, j], out[1, j] = u[1 + j, k], 0.0
+        if not before and not after:
+            out[1, j] = (u[1 + j, k + 1] - u[1 + j, k]) / (u[0, k + 1] - u[0, k])
+            out[0, j] += (t - u[0, k]) * out[1, j]
+    if before:
+        return k, u[0, 0]
+    return k, np.inf if after else u[0, k + 1]
+
+
+@lean
 def drive(x: Any, c: Any, t: float, u: Any, w: Any) -> None:
     """Adds the recorded drives."""
     n = c[N]
