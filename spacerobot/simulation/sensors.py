@@ -29,8 +29,8 @@ class Run(Protocol):
     def positions(self, times: np.ndarray) -> np.ndarray:
         """Coordinates' positions alone, shape (T, n)."""
 
-    def sample(self, times: np.ndarray) -> Any:
-        """States and accelerations."""
+    def accelerations(self, times: np.ndarray) -> np.ndarray:
+        """Coordinates' accelerations alone, shape (T, n)."""
 
     def contact_at(self, times: np.ndarray) -> np.ndarray:
         """Contact force, shape (T,) [N]."""
@@ -98,7 +98,7 @@ class _Taken:
 
     @functools.cached_property
     def acceleration(self) -> np.ndarray:
-        return self.run.sample(self.times).acceleration
+        return self.run.accelerations(self.times)
 
     def of(self, kind: str) -> np.ndarray:
         """Coordinates' positions, velocities or accelerations, shape (T, n)."""

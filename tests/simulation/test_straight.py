@@ -215,3 +215,13 @@ def test_energy_is_accounted_for_over_long_steps() -> None:
     kinetic = ours.kinetic(taken.velocity)
     done = sum(ours.work().values())
     assert np.abs(kinetic - kinetic[0] - done).max() < 1e-9 * kinetic[0]
+
+
+@pytest.mark.parametrize("name", EFFECTS)
+def test_accelerations_are_what_the_forces_make_them(name: str) -> None:
+    """Of a series its slope, which no force is asked for; before the run and after it, those at its ends."""
+    ours = run(made(name), 0.05, 1e-8)
+    times = np.setdiff1d(np.linspace(-0.1, 2.1, 2000), ours.switches())
+    forced = ours.sample(times).acceleration
+    assert np.abs(forced).max() > 0.1
+    assert ours.accelerations(times) == pytest.approx(forced, abs=1e-6 * np.abs(forced).max())

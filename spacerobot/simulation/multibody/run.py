@@ -168,6 +168,10 @@ class MultibodyRun:
         """Positions alone at `times`."""
         return self.sample(times).position
 
+    def accelerations(self, times: np.ndarray) -> np.ndarray:
+        """Accelerations alone at `times`."""
+        return self.sample(times).acceleration
+
     def _index(self, times: np.ndarray) -> np.ndarray:
         """The step of each time."""
         steps = self.steps

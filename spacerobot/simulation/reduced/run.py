@@ -16,7 +16,13 @@ from spacerobot.simulation.reduced.assemble import Layout, assemble_packed, head
 from spacerobot.simulation.reduced.forces import APART, PRESSED, RELEASED, STICK
 from spacerobot.simulation.reduced.integrate import MAX_STEPS, NOT_FINITE, OK, TOO_MANY_EVENTS, Steps, integrate
 from spacerobot.simulation.reduced.law_table import LAWS
-from spacerobot.simulation.reduced.sampling import sample, sample_contact, sample_states, work_done
+from spacerobot.simulation.reduced.sampling import (
+    sample,
+    sample_accelerations,
+    sample_contact,
+    sample_states,
+    work_done,
+)
 from spacerobot.simulation.unfinished import remedy, too_many
 from spacerobot.support.errors import InputError, SimulationError
 
@@ -90,6 +96,12 @@ class ReducedRun:
         """Positions alone at `times`, shape (T,), ascending; shape (T, n)."""
         at = np.ascontiguousarray(times, dtype=float)
         return np.asarray(sample_states(*self.steps[:5], at, len(self.layout.coordinates)))
+
+    def accelerations(self, times: np.ndarray) -> np.ndarray:
+        """Accelerations alone at `times`, shape (T,), ascending; shape (T, n)."""
+        at = np.ascontiguousarray(times, dtype=float)
+        work = self.packed.work()
+        return np.asarray(sample_accelerations(*self.packed, LAWS.laws, work, *self.steps, at, self.drives))
 
     def contact_at(self, times: np.ndarray) -> np.ndarray:
         """Contact force, positive in compression, at `times`, shape (T,), ascending [N]."""

@@ -30,7 +30,7 @@ from spacerobot.simulation.reduced.arrays import (
     V,
 )
 from spacerobot.simulation.reduced.forces import PRESSED, say
-from spacerobot.simulation.reduced.motion import evaluate
+from spacerobot.simulation.reduced.motion import accelerate, evaluate
 from spacerobot.simulation.reduced.ports import kinematics
 from spacerobot.simulation.reduced.stepper import ORDER, interpolate
 from spacerobot.support.jit import jit, lean, lean_sum
@@ -85,6 +85,32 @@ def _along(y: Any, h: float, q: Any, theta: float, powers: Any, out: Any) -> Non
         for k in range(DEGREE):
             total += q[i, k] * powers[k]
         out[i] = y[i] + h * total
+
+
+@jit
+def sample_accelerations(
+    x: Any, c: Any, laws: Any, w: Any, time: Any, length: Any, state: Any, dense: Any, order: Any, modes: Any, at: Any,
+    u: Any,
+) -> Any:  # fmt: skip
+    """Accelerations at the times `at` (ascending), shape (T, n): of a series its slope, elsewhere by the forces."""
+    n, size = c[N], state.shape[1]
+    out, y, rate = np.zeros((at.size, n)), np.empty(size), np.empty(size)
+    last, step = time[time.size - 1] + length[time.size - 1], 0
+    for i in range(at.size):
+        step, theta = _step_at(time, length, step, at[i])
+        degree = order[step]
+        if degree == ORDER or not time[0] <= at[i] <= last:
+            interpolate(state[step], length[step], dense[step], degree, theta, y)
+            accelerate(x, c, laws, at[i], y, modes[step], u, w, rate)
+            for j in range(n):
+                out[i, j] = rate[n + j]
+            continue
+        for j in range(n):
+            total = degree * dense[step, n + j, degree - 1]
+            for k in range(1, degree):
+                total = total * theta + (degree - k) * dense[step, n + j, degree - 1 - k]
+            out[i, j] = total
+    return out
 
 
 @jit
