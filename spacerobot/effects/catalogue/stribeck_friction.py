@@ -18,8 +18,10 @@ def level(v: float, normal: float, aux: float, p: Any) -> float:
     return p[1] + (p[0] - p[1]) * math.exp(-ratio * ratio)
 
 
-SLOW = 0.3
-"""Stribeck's velocity lies below this share of the typical speed: beyond it the law is a damper in disguise."""
+SLOW = 0.5**0.5
+"""Stribeck's velocity lies below this share of the typical speed, at which a seventh of the fall is left then: exp(-2).
+A law that falls wherever it was seen is a damper in disguise.
+"""
 
 
 def not_falling(values: Mapping[str, float], sizes: Sizes) -> str:
