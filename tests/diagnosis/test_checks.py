@@ -236,6 +236,33 @@ def test_simpler_sets_are_contained_in_what_they_came_from() -> None:
     assert simpler((("coulomb_friction", "wrist"),)) == []
 
 
+@pytest.mark.parametrize("refused", [True, False])
+def test_a_copy_goes_on_where_its_fit_ends_as_what_no_search_would_name(
+    refused: bool, shop: Workshop, chosen: Fit, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """At as low a cost, but thrice as strong: in a minimum that a search passes by, as a Stribeck friction that rises
+    with speed, the fit is not at its end; in one that a verdict would state, the numbers are not to be trusted."""
+    run, index = Workshop.run, chosen.hypothesis.keys.index("coulomb_friction@wrist.force_N")
+    elsewhere = 3.0 * chosen.values()["coulomb_friction@wrist.force_N"]
+
+    def astray(self: Workshop, task: Task) -> Fit | None:
+        fit = run(self, task)
+        if fit is None or task.near is not None or not task.label:
+            return fit
+        z = fit.z.copy()
+        z[index] = chosen.hypothesis.free[index].z(elsewhere)
+        return replace(fit, z=z)
+
+    def implausible(fit: Fit) -> str:
+        far = fit.values()["coulomb_friction@wrist.force_N"] > 0.9 * elsewhere
+        return "too strong" if far and refused else ""
+
+    monkeypatch.setattr(Workshop, "run", astray)
+    monkeypatch.setattr(checks, "implausible_of", lambda workshop: implausible)
+    monkeypatch.setattr(checks, "profile_interval", lambda fitter, fit, key, inflation: (fit.values()[key],) * 2)
+    assert all(c.passed for c in checks.synthetic(shop, chosen)) is refused
+
+
 def test_a_copy_is_fitted_one_effect_after_the_other_too(shop: Workshop, chosen: Fit) -> None:
     """As a search finds them: of two effects, one near the truth alone, then the other beside it."""
     other = ("table_tilt", "target")
