@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -253,12 +253,12 @@ def test_a_copy_goes_on_where_its_fit_ends_as_what_no_search_would_name(
         z[index] = chosen.hypothesis.free[index].z(elsewhere)
         return replace(fit, z=z)
 
-    def implausible(fit: Fit) -> str:
-        far = fit.values()["coulomb_friction@wrist.force_N"] > 0.9 * elsewhere
+    def implausible(sites: object, values: Mapping[str, float], size_at: object) -> str:
+        far = values["coulomb_friction@wrist.force_N"] > 0.9 * elsewhere
         return "too strong" if far and refused else ""
 
     monkeypatch.setattr(Workshop, "run", astray)
-    monkeypatch.setattr(checks, "implausible_of", lambda workshop: implausible)
+    monkeypatch.setattr(checks, "implausible", implausible)
     monkeypatch.setattr(checks, "profile_interval", lambda fitter, fit, key, inflation: (fit.values()[key],) * 2)
     assert all(c.passed for c in checks.synthetic(shop, chosen)) is refused
 

@@ -18,8 +18,8 @@ from spacerobot.diagnosis.fitting.workshop import Only, Task, Workshop
 from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.selection.candidate import words
 from spacerobot.diagnosis.selection.check import Check, agreed
-from spacerobot.diagnosis.selection.nameable import nameable
-from spacerobot.diagnosis.selection.search_state import effect_values, implausible_of
+from spacerobot.diagnosis.selection.nameable import implausible, nameable
+from spacerobot.diagnosis.selection.search_state import effect_values
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.decision import FRACTION, MISSED, ROUGH, SLACK
 from spacerobot.support.errors import SimulationError
@@ -129,22 +129,22 @@ def _copied_fit(workshop: Workshop, chosen: Fit, seed: int) -> tuple[Fitter, Fit
     again = copy.run(Task(chosen.hypothesis.label, start, only=only, freed=chosen.hypothesis.freed))
     if truth is None or again is None:
         return None
-    passed_by = _refused(again, workshop)
+    passed_by = _refused(again, workshop.model)
     for task in _other_starts(copy, chosen, again, only):  # a search begins more than once too
         if again.cost <= truth + SLACK and not passed_by:
             break
         other = copy.run(task)
         if other is None:
             continue
-        refused = _refused(other, workshop)
+        refused = _refused(other, workshop.model)
         if (refused, other.cost) < (passed_by, again.cost):
             again, passed_by = other, refused
     return fitter, again, truth
 
 
-def _refused(fit: Fit, workshop: Workshop) -> bool:
+def _refused(fit: Fit, model: Machine) -> bool:
     """Whether a search would pass by a fit: its numbers are not what its effects' names say."""
-    return not nameable(fit) or bool(implausible_of(workshop)(fit))
+    return not nameable(fit) or bool(implausible(fit.hypothesis.sites, fit.values(), model.size_at))
 
 
 def _other_starts(copy: Workshop, chosen: Fit, ended: Fit, only: Only) -> Iterator[Task]:
@@ -206,7 +206,7 @@ def _on_copy_of_part(model: Machine, trials: Sequence[TrialData], chosen: Fit, s
         again = more if more is not None and more.cost < again.cost else again
     if again.cost > truth + SLACK:
         again = _to_the_last_digit(model, trials, again)
-    if again.cost > truth + SLACK:
+    if again.cost > truth + SLACK or _refused(again, model):
         again = _on(fitter, chosen, chosen.values()) or again
     sizes = calibration(chosen, again)
     if not sizes.passed:
