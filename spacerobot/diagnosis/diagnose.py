@@ -131,11 +131,12 @@ def diagnose(
                 continue
             report("intervals", 0, 1)
             decided, profiled = with_intervals(pool, decided)
-            found, left_of, inflation = decided.found, decided.left_of, decided.inflation
-            sizes = pool.aside(_limits, decided.judgement.chosen, found.singles, inflation)  # beside what follows
+            chosen, singles = decided.judgement.chosen, decided.found.singles
+            sizes = pool.aside(_limits, chosen, singles, decided.inflation)  # beside what follows
             settled = settle(pool, decided, profiled, report)
-            judgement, held, learnt = settled.judgement, settled.held, settled.learnt
-            if judgement.chosen is not decided.judgement.chosen:
+            decided, judgement, held, learnt = settled.decided, settled.judgement, settled.held, settled.learnt
+            found, left_of, inflation = decided.found, decided.left_of, decided.inflation
+            if judgement.chosen is not chosen:
                 sizes.cancel()
                 looked_for = () if learnt else found.singles  # what hides beside a law without a name has no limit
                 sizes = pool.aside(_limits, judgement.chosen, looked_for, inflation)

@@ -18,7 +18,7 @@ from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
 from spacerobot.diagnosis.learning.bands import band
 from spacerobot.diagnosis.learning.curves import Curve, Sketch, first_shape, fit_curve, sketch
-from spacerobot.diagnosis.learning.learn import WITHIN, _closed, _learn
+from spacerobot.diagnosis.learning.learn import WITHIN, _catalogue_there, _closed, _learn, _named_as_well
 from spacerobot.diagnosis.selection.search_state import Found
 from spacerobot.diagnosis.terms.hypothesis import Site, hypothesis
 from spacerobot.effects import registry
@@ -221,6 +221,23 @@ def test_a_law_of_the_press_and_one_of_the_tip_are_learned_with_their_formulas(
     assert told.formula.words[0][0] == ("line" if law is pressed else "cube")
     (found,) = [value for key, value in form.values().items() if key.endswith(".a_1")]
     assert found == pytest.approx(numbers[0], rel=0.05 if law is pressed else 0.2)
+
+
+def test_a_law_leads_to_the_name_that_the_search_had_missed(tmp_path: Path) -> None:
+    """A taut line bends every track from the start; whoever has found the law knows where to look for it."""
+    study = write_study(tmp_path, planted=[("tether", "target", {"stiffness_N_m": 7.0, "slack_m": 0.0})], speeds=SPEEDS)
+    workshop = Workshop(study)
+    baseline = workshop.run(Task((), {}))
+    assert baseline is not None
+    curve = _curve(workshop, baseline, "target", "force", "d")
+    offered = [("tether", "target"), ("viscous_drag", "target"), ("coulomb_friction", "wrist")]
+    found = Found(baseline, singles=tuple(workshop.model.site(registry.effect(e), w) for e, w in offered))
+    with Pool(workshop, 1) as pool:
+        _catalogue_there(pool, curve, found, lambda *_: None)
+    assert found.best.hypothesis.label == (("tether", "target"),)
+    assert found.best.values()["tether@target.stiffness_N_m"] == pytest.approx(7.0, rel=0.1)
+    assert (("coulomb_friction", "wrist"),) not in found.fits  # elsewhere
+    assert _named_as_well(curve, found)
 
 
 @pytest.mark.slow

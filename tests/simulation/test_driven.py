@@ -42,14 +42,14 @@ def run(mechanism: Mechanism, drive: np.ndarray, step: float = STEP, **options: 
     return simulate(mechanism, end=float(time[-1]), inputs=(time, {"command": drive}), **options)
 
 
-def exact(drive: np.ndarray, times: np.ndarray) -> np.ndarray:
+def exact(drive: np.ndarray, times: np.ndarray, stiffness: float = STIFFNESS) -> np.ndarray:
     """Positions of motor and link under a drive that is joined by lines, shape (T, 2)."""
     a = np.array(
         [
             [0, 0, 1, 0],
             [0, 0, 0, 1],
-            [-STIFFNESS / MOTOR, STIFFNESS / MOTOR, -DAMPING / MOTOR, 0],
-            [STIFFNESS / LINK, -STIFFNESS / LINK, 0, 0],
+            [-stiffness / MOTOR, stiffness / MOTOR, -DAMPING / MOTOR, 0],
+            [stiffness / LINK, -stiffness / LINK, 0, 0],
         ]
     )
     b = np.array([[0], [0], [2.0 / MOTOR], [0]])
@@ -68,6 +68,17 @@ def test_from_corner_to_corner_it_is_exact(drive: np.ndarray) -> None:
     times = 0.5 * STEP * np.arange(2 * drive.size - 1)
     assert (ours.steps.order == DRIVEN).all()
     assert ours.positions(times) == pytest.approx(exact(drive, times), abs=1e-10)
+
+
+@pytest.mark.parametrize("stiffness", [1e5, 1e8])
+def test_a_stiff_link_stays_where_its_motor_takes_it(stiffness: float) -> None:
+    """Its own motion, ten times and more within a step of the drive, grows out of nothing."""
+    time = STEP * np.arange(400)
+    drive = 3.0 * np.sin(2.0 * time)
+    mechanism = driven()
+    springs = tuple(replace(f, p=(stiffness,)) if f.name == "spring" else f for f in mechanism.forces)
+    ours = run(replace(mechanism, forces=springs), drive, tolerance=1e-6)
+    assert ours.positions(time) == pytest.approx(exact(drive, time, stiffness), abs=1e-7)
 
 
 def test_a_drive_that_held_until_its_next_corner_would_be_seen() -> None:

@@ -14,6 +14,7 @@ import numpy as np
 
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.pool import Pool
+from spacerobot.diagnosis.fitting.starts import effect_starts
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
 from spacerobot.diagnosis.learning.closed import closed
 from spacerobot.diagnosis.learning.curves import CELLS, Curve, Sketch, finished, fit_curve, sketch
@@ -25,7 +26,7 @@ from spacerobot.diagnosis.selection.judge import Judgement, moved
 from spacerobot.diagnosis.selection.kept_aside import Unseen
 from spacerobot.diagnosis.selection.nameable import not_shown
 from spacerobot.diagnosis.selection.rig_fold import Predictions, unseen_of
-from spacerobot.diagnosis.selection.search_state import Found, Report
+from spacerobot.diagnosis.selection.search_state import Found, Report, run_tasks
 from spacerobot.diagnosis.selection.unseen import foretell
 from spacerobot.diagnosis.terms.decision import AS_GOOD, MARGIN
 from spacerobot.diagnosis.terms.hypothesis import Site
@@ -49,6 +50,9 @@ TRIED: tuple[tuple[str, Kind, Variable], ...] = (
 
 R = TypeVar("R")
 
+STARTS = 2
+"""From which an effect of the catalogue is fitted where a law acts."""
+
 WITHIN = 1.05
 """Cost of a curve, over the best set's of the catalogue, up to which it may still cost less once fitted to its end:
 that was worth a fortieth where a drag stopped its target.
@@ -68,7 +72,7 @@ def learn(pool: Pool, found: Found, report: Report) -> Learnt | None:
 
     Args:
         pool: runs the fits.
-        found: what the search has found.
+        found: what the search has found; what else of the catalogue was tried where a law acts is added.
         report: told of progress.
     """
     if not pool.workshop.model.learns:
@@ -79,6 +83,24 @@ def learn(pool: Pool, found: Found, report: Report) -> Learnt | None:
         if learnt is not None and learnt.trusted:
             return learnt
     return None
+
+
+def _catalogue_there(pool: Pool, curve: Curve, found: Found, report: Report) -> None:
+    """Fits what the catalogue has where the law acts, each effect from starts of its own, into what was found.
+
+    A line that is taut from the first bends every track; at a fit without it, it promises nothing at any size.
+    """
+    beside = [s for s in curve.fit.hypothesis.sites if not s.effect.learned]
+    known = {
+        k: v for s in beside for p in s.effect.parameters for k in [s.key(p.name)] for v in [curve.fit.values()[k]]
+    }
+    tasks = [
+        Task(tuple(sorted((*(s.label for s in beside), site.label))), {**known, **start})
+        for site in found.singles
+        if site.where == curve.site.where and site.label not in [s.label for s in beside]
+        for start in effect_starts([site])[:STARTS]
+    ]
+    run_tasks(pool, found, tasks, report, "what the catalogue has where the law acts", stop=True)
 
 
 def _named_as_well(curve: Curve, found: Found) -> bool:
@@ -106,7 +128,10 @@ def _learn(pool: Pool, beside: Fit, found: Found, report: Report) -> Learnt | No
     report("learning it to the end", 0, 1)
     best = pool.aside(finished, curves[0], beside)()
     left = pool.workshop.left_by(best.fit)
-    if not left.adequate or _hidden(best, left.inflation) or _named_as_well(best, found):
+    if not left.adequate or _hidden(best, left.inflation):
+        return None
+    _catalogue_there(pool, best, found, report)
+    if _named_as_well(best, found):
         return None
     lead = min([best.evidence - c.evidence for c in curves[1:]] + [0.5 * (least - best.fit.cost)])
     held = _held(pool, best, beside, report)

@@ -11,12 +11,13 @@ from spacerobot.diagnosis.learning.learnt import Learnt
 from spacerobot.diagnosis.selection.check import Check
 from spacerobot.diagnosis.selection.checks import nested, synthetic, widened
 from spacerobot.diagnosis.selection.confirm import confirm
-from spacerobot.diagnosis.selection.decide import Decided
+from spacerobot.diagnosis.selection.decide import Decided, conclude
+from spacerobot.diagnosis.selection.intervals import with_intervals
 from spacerobot.diagnosis.selection.judge import Judgement
 from spacerobot.diagnosis.selection.kept_aside import Unseen
 from spacerobot.diagnosis.selection.rig_fold import hold_out
 from spacerobot.diagnosis.selection.search_state import Report
-from spacerobot.diagnosis.terms.decision import CROWD
+from spacerobot.diagnosis.terms.decision import CROWD, MARGIN
 from spacerobot.diagnosis.terms.kinds import AMBIGUOUS, NAMED, NOT_TRUSTED, UNKNOWN
 
 
@@ -29,6 +30,7 @@ class Settled:
         held: how well trials kept aside are predicted; None where there are too few.
         checks: of the chosen fit.
         profiled: intervals by parameters' keys, widened where a synthetic copy missed by more.
+        decided: what it rests on.
         learnt: the law that was learned; None where what is said is the catalogue's.
     """
 
@@ -36,6 +38,7 @@ class Settled:
     held: Unseen | None
     checks: tuple[Check, ...]
     profiled: Mapping[str, tuple[float, float]]
+    decided: Decided
     learnt: Learnt | None = None
 
 
@@ -48,15 +51,17 @@ def settle(pool: Pool, decided: Decided, profiled: Mapping[str, tuple[float, flo
         profiled: its intervals, by key.
         report: told of progress.
     """
-    tried = room_for_a_law(decided.judgement)
+    tried, best = room_for_a_law(decided.judgement), decided.found.best
     learnt = learn(pool, decided.found, report) if tried else None
+    if learnt is None and decided.found.best.cost < best.cost - MARGIN:  # the law led to what the search had missed
+        decided, profiled = with_intervals(pool, conclude(pool, decided.found, report))
     if learnt is None:
         checked = _checked(pool, decided, profiled, report)
         if not tried and checked.judgement.verdict == NOT_TRUSTED and checked.held and not checked.held.check().passed:
             learnt = learn(pool, decided.found, report)
         if learnt is None:
             return checked
-    return Settled(as_learned(decided.judgement, learnt), learnt.held, (), {}, learnt)
+    return Settled(as_learned(decided.judgement, learnt), learnt.held, (), {}, decided, learnt)
 
 
 def room_for_a_law(said: Judgement) -> bool:
@@ -91,4 +96,4 @@ def _checked(pool: Pool, decided: Decided, profiled: Mapping[str, tuple[float, f
                 ends[key] = widened(first.chosen, key, ends[key], missed)
         report("simulating with the whole robot", 0, 1)
         checks.append(whole())
-    return Settled(decided.but_for([c.name for c in checks if not c.passed]), held, tuple(checks), ends)
+    return Settled(decided.but_for([c.name for c in checks if not c.passed]), held, tuple(checks), ends, decided)

@@ -196,7 +196,9 @@ def integrate(
             if fresh:
                 even = plain and straight(x, c, modes)
                 if even:
-                    reach = system(x, c, laws, y, modes, w, a, held)
+                    reach = (
+                        system(x, c, laws, y, modes, w, a, held) * wide / DEGREE
+                    )  # a shorter series is stable for less
                 linear = linear_guards(x, c, laws, modes, w, even, held, rows, owner)
                 fresh, known = False, False
             full = min(reach if even else h, h_max)
@@ -253,9 +255,8 @@ def integrate(
                 shorten(q, theta)
                 part = theta * full
                 advance(y, part, q, new)
-            elif (
-                hit > c[FORCES] + c[FRICTIONS]
-            ):  # a memory's port turns: nothing jumps, and the interpolant is near enough
+            elif hit > c[FORCES] + c[FRICTIONS]:
+                # a memory's port turns: nothing jumps, and the interpolant is near enough
                 part = max(theta * full, 0.0)
                 interpolate(y, full, q, order, theta, new)
                 shorten(q, theta)
