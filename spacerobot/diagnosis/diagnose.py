@@ -131,8 +131,8 @@ def diagnose(
                 continue
             report("intervals", 0, 1)
             decided, profiled = with_intervals(pool, decided)
-            chosen, singles = decided.judgement.chosen, decided.found.singles
-            sizes = pool.aside(_limits, chosen, singles, decided.inflation)  # beside what follows
+            chosen = decided.judgement.chosen
+            sizes = pool.aside(_limits, chosen, decided.found.singles, decided.inflation)  # beside what follows
             settled = settle(pool, decided, profiled, report)
             decided, judgement, held, learnt = settled.decided, settled.judgement, settled.held, settled.learnt
             found, left_of, inflation = decided.found, decided.left_of, decided.inflation

@@ -26,7 +26,7 @@ from spacerobot.diagnosis.selection.judge import Judgement, moved
 from spacerobot.diagnosis.selection.kept_aside import Unseen
 from spacerobot.diagnosis.selection.nameable import not_shown
 from spacerobot.diagnosis.selection.rig_fold import Predictions, unseen_of
-from spacerobot.diagnosis.selection.search_state import Found, Report, run_tasks
+from spacerobot.diagnosis.selection.search_state import Found, Report, effect_values, run_tasks
 from spacerobot.diagnosis.selection.unseen import foretell
 from spacerobot.diagnosis.terms.decision import AS_GOOD, MARGIN
 from spacerobot.diagnosis.terms.hypothesis import Site
@@ -90,14 +90,12 @@ def _catalogue_there(pool: Pool, curve: Curve, found: Found, report: Report) -> 
 
     A line that is taut from the first bends every track; at a fit without it, it promises nothing at any size.
     """
-    beside = [s for s in curve.fit.hypothesis.sites if not s.effect.learned]
-    known = {
-        k: v for s in beside for p in s.effect.parameters for k in [s.key(p.name)] for v in [curve.fit.values()[k]]
-    }
+    made, known = curve.fit.hypothesis, effect_values(curve.fit)
+    beside = [s.label for s in made.sites if not s.effect.learned]
     tasks = [
-        Task(tuple(sorted((*(s.label for s in beside), site.label))), {**known, **start})
+        Task(tuple(sorted((*beside, site.label))), {**known, **start}, only=made.only)
         for site in found.singles
-        if site.where == curve.site.where and site.label not in [s.label for s in beside]
+        if site.where == curve.site.where and site.label not in beside
         for start in effect_starts([site])[:STARTS]
     ]
     run_tasks(pool, found, tasks, report, "what the catalogue has where the law acts", stop=True)

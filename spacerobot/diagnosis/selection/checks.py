@@ -129,16 +129,16 @@ def _copied_fit(workshop: Workshop, chosen: Fit, seed: int) -> tuple[Fitter, Fit
     again = copy.run(Task(chosen.hypothesis.label, start, only=only, freed=chosen.hypothesis.freed))
     if truth is None or again is None:
         return None
-    passed_by = _refused(again, workshop.model)
+
+    def rank(fit: Fit) -> tuple[bool, float]:
+        return _refused(fit, workshop.model), fit.cost
+
     for task in _other_starts(copy, chosen, again, only):  # a search begins more than once too
-        if again.cost <= truth + SLACK and not passed_by:
+        if rank(again) <= (False, truth + SLACK):
             break
         other = copy.run(task)
-        if other is None:
-            continue
-        refused = _refused(other, workshop.model)
-        if (refused, other.cost) < (passed_by, again.cost):
-            again, passed_by = other, refused
+        if other is not None and rank(other) < rank(again):
+            again = other
     return fitter, again, truth
 
 
