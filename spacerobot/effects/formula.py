@@ -227,6 +227,11 @@ class Formula(Law):
             out += [float(WORDS[word].code), values[f"a_{k}"], place, width]
         return tuple(out)
 
+    def at(self, x: np.ndarray, values: Mapping[str, float]) -> np.ndarray:
+        """The law at many places, shape (T,)."""
+        p = self.numbers(values)
+        return np.array([said(one, p, 0) for one in x.tolist()])
+
     def written(self, values: Mapping[str, float], digits: int = 4) -> str:
         """The law with its numbers, in LaTeX."""
         parts = []

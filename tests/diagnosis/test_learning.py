@@ -18,7 +18,9 @@ from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
 from spacerobot.diagnosis.learning.bands import band
 from spacerobot.diagnosis.learning.curves import Curve, Sketch, first_shape, fit_curve, sketch
-from spacerobot.diagnosis.learning.learn import WITHIN, _catalogue_there, _closed, _learn, _named_as_well
+from spacerobot.diagnosis.learning.describe import describe
+from spacerobot.diagnosis.learning.ended import ended, written
+from spacerobot.diagnosis.learning.learn import WITHIN, _catalogue_there, _learn, _named_as_well
 from spacerobot.diagnosis.selection.search_state import Found
 from spacerobot.diagnosis.terms.hypothesis import Site, hypothesis
 from spacerobot.effects import registry
@@ -160,7 +162,7 @@ def test_a_worn_guide_is_learned_with_its_band_and_its_formula(monkeypatch: pyte
     seen = band(right)
     truth = np.array([worn(1.0, 0.0, x, (1.6, 0.008, 0.003)) for x in seen.x])
     assert np.mean((seen.low <= truth) & (truth <= seen.high)) >= 0.85
-    closed = _closed(workshop, right)
+    closed = written(workshop, right, describe(right))
     assert closed is not None
     told, form = closed
     assert workshop.left_by(form).adequate
@@ -185,7 +187,7 @@ def test_a_damper_of_one_stroke_is_learned_and_only_its_sum_with_the_damping_is_
     damping = sum(workshop.model.base[n] for n in ("wrist.damping", "wrist.equivalent_damping") if n in seen.with_)
     truth = damping * seen.x + 11.0 * np.minimum(seen.x, 0.0)
     assert np.mean((seen.low <= truth) & (truth <= seen.high)) >= 0.85
-    closed = _closed(workshop, right)
+    closed = written(workshop, right, describe(right))
     assert closed is not None
     like, form = closed
     assert workshop.left_by(form).adequate
@@ -214,11 +216,16 @@ def test_a_law_of_the_press_and_one_of_the_tip_are_learned_with_their_formulas(
     right = _curve(workshop, baseline, where, kind, of)
     other = _curve(workshop, baseline, "wrist", "force", "v")
     assert right.evidence > other.evidence + 20.0
-    closed = _closed(workshop, right)
+    right, closed = ended(workshop, right, baseline)
     assert closed is not None
     told, form = closed
     assert workshop.left_by(form).adequate
     assert told.formula.words[0][0] == ("line" if law is pressed else "cube")
+    assert right.fit.chi2 < form.chi2 + right.determined(), "a curve can be whatever its formula is"
+    seen = band(right)
+    traded = sum(workshop.model.base[n] for n in seen.with_) * seen.x
+    truth = traded + (numbers[0] * seen.x if law is pressed else numbers[0] * seen.x**3)
+    assert np.mean((seen.low <= truth) & (truth <= seen.high)) >= 0.85
     (found,) = [value for key, value in form.values().items() if key.endswith(".a_1")]
     assert found == pytest.approx(numbers[0], rel=0.05 if law is pressed else 0.2)
 

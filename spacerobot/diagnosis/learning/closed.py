@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from typing import TypeAlias
 
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.learning.curves import Curve
@@ -11,10 +12,13 @@ from spacerobot.diagnosis.terms.hypothesis import Site
 from spacerobot.effects.formula import FormulaLaw
 from spacerobot.support.errors import SimulationError
 
+Form: TypeAlias = tuple[Described, Fit]
+"""A formula, and the fit with it in the curve's place."""
+
 
 def closed(
     curve: Curve, told: Iterable[Described], fitted: Callable[[Site, dict[str, float]], Fit | None]
-) -> tuple[Described, Fit] | None:
+) -> Form | None:
     """The formula that costs least, its numbers paid for, when the simulation fits it; None where it can fit none.
 
     Args:
@@ -23,7 +27,7 @@ def closed(
         fitted: fits one, at its place in the curve's stead, from start values by key.
     """
     values = curve.fit.values()
-    tried: list[tuple[Described, Fit]] = []
+    tried: list[Form] = []
     for one in told:
         law, where = FormulaLaw(one.formula), curve.site.where
         fading = {p.name: values[curve.site.key(p.name)] for p in curve.site.effect.parameters if p.name in law.nulls}
@@ -35,4 +39,10 @@ def closed(
             continue
         if fit is not None:
             tried.append((one, fit))
-    return min(tried, key=lambda one: one[1].cost + one[0].numbers * one[0].price, default=None)
+    return min(tried, key=price, default=None)
+
+
+def price(form: Form) -> float:
+    """What a formula costs, its numbers paid for, in chi-squared."""
+    told, fit = form
+    return fit.cost + told.numbers * told.price

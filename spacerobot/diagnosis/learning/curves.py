@@ -164,9 +164,12 @@ def first_shape(ground: Ground, beside: Fit, port: str, kind: Kind, of: Variable
     return Shape(kind, of, begins, high + margin, CELLS, ROUGHNESS, size)
 
 
-def finished(ground: Ground, curve: Curve, beside: Fit) -> Curve:
-    """The same curve fitted to its end: among all kinds a few steps are enough to tell which it is."""
-    begun = Begun(curve.shape, curve.site.where, curve.fit.values(), curve.fit.initials())
+def finished(ground: Ground, curve: Curve, beside: Fit, begun: Begun | None = None) -> Curve:
+    """The same curve fitted to its end, from where it stands or another start, or itself where that ends no better.
+
+    Among all kinds a few steps are enough to tell which it is.
+    """
+    begun = begun or Begun(curve.shape, curve.site.where, curve.fit.values(), curve.fit.initials())
     ended = _best(ground, beside, begun, FINISH)
     return curve if ended is None or ended.evidence < curve.evidence else ended
 

@@ -16,9 +16,8 @@ from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.starts import effect_starts
 from spacerobot.diagnosis.fitting.workshop import Task, Workshop
-from spacerobot.diagnosis.learning.closed import closed
-from spacerobot.diagnosis.learning.curves import CELLS, Curve, Sketch, finished, fit_curve, sketch
-from spacerobot.diagnosis.learning.describe import Described, describe
+from spacerobot.diagnosis.learning.curves import CELLS, Curve, Sketch, fit_curve, sketch
+from spacerobot.diagnosis.learning.ended import ended
 from spacerobot.diagnosis.learning.learnt import Learnt
 from spacerobot.diagnosis.selection.held_out import MOST_FOLDS, folds
 from spacerobot.diagnosis.selection.intervals import by_curvature
@@ -29,7 +28,6 @@ from spacerobot.diagnosis.selection.rig_fold import Predictions, unseen_of
 from spacerobot.diagnosis.selection.search_state import Found, Report, effect_values, run_tasks
 from spacerobot.diagnosis.selection.unseen import foretell
 from spacerobot.diagnosis.terms.decision import AS_GOOD, MARGIN
-from spacerobot.diagnosis.terms.hypothesis import Site
 from spacerobot.diagnosis.terms.kinds import LEARNED, SAME
 from spacerobot.effects.learned import Kind, Variable, ports_for
 
@@ -124,7 +122,7 @@ def _learn(pool: Pool, beside: Fit, found: Found, report: Report) -> Learnt | No
     if not curves or curves[0].fit.cost > WITHIN * found.best.cost:
         return None
     report("learning it to the end", 0, 1)
-    best = pool.aside(finished, curves[0], beside)()
+    best, form = pool.aside(ended, curves[0], beside)()
     left = pool.workshop.left_by(best.fit)
     if not left.adequate or _hidden(best, left.inflation):
         return None
@@ -133,8 +131,6 @@ def _learn(pool: Pool, beside: Fit, found: Found, report: Report) -> Learnt | No
         return None
     lead = min([best.evidence - c.evidence for c in curves[1:]] + [0.5 * (least - best.fit.cost)])
     held = _held(pool, best, beside, report)
-    report("writing it down", 0, 1)
-    form = pool.aside(_closed, best)()
     if form is None or held is None or not pool.workshop.left_by(form[1]).adequate:
         return Learnt(best, lead, held)
     if sum(held.selected.chi2.values()) > AS_GOOD**2 * sum(held.after.chi2.values()):
@@ -177,17 +173,6 @@ def _hidden(curve: Curve, inflation: float) -> bool:
     return any(not_shown(s, fit.values(), ends) for s in fit.hypothesis.sites if not s.effect.learned)
 
 
-def _closed(workshop: Workshop, curve: Curve) -> tuple[Described, Fit] | None:
-    """The formula that costs least in the simulation."""
-    sites, only = curve.fit.hypothesis.sites, curve.fit.hypothesis.only
-
-    def fitted(site: Site, start: dict[str, float]) -> Fit | None:
-        label = tuple(site.label if s.label == curve.site.label else s.label for s in sites)
-        return workshop.run(Task(label, start, curve.fit.initials(), only=only))
-
-    return closed(curve, describe(curve), fitted)
-
-
 def _held(pool: Pool, curve: Curve, beside: Fit, report: Report) -> Unseen | None:
     """The curve learned anew without each condition, from the baseline of the other trials, and its predictions."""
     sets = [out for _, out in folds(pool.workshop.trials, MOST_FOLDS)]
@@ -206,9 +191,9 @@ def _fold(workshop: Workshop, out: tuple[str, ...], beside: Task, where: str, ki
     start = baseline if not beside.label else rest.run(beside)
     told = None if start is None else sketch(rest, start, where, kind, of)
     curve = None if told is None or start is None else fit_curve(rest, start, told)
+    form = None
     if curve is not None and start is not None:
-        curve = finished(rest, curve, start)
-    form = None if curve is None else _closed(rest, curve)
+        curve, form = ended(rest, curve, start)
     before = foretell(workshop.model, baseline, unseen)
     after = foretell(workshop.model, None if curve is None else curve.fit, unseen)
     closely = after if form is None else foretell(workshop.model, form[1], unseen)
