@@ -20,6 +20,9 @@ from spacerobot.support.errors import InputError
 from spacerobot.support.files import write_text
 from spacerobot.support.jsonio import dumps
 
+UNLUCKY = 2.5
+"""Standard deviations beyond which a believed value that was drawn is as good as wrong: one in 80 lies there."""
+
 
 @dataclass(frozen=True)
 class Trial:
@@ -91,6 +94,16 @@ class Campaign:
         if self.family in ("chaser", "servo arm"):
             return ArmRig(values, trial=number, floating=self.family == "chaser")
         return Rig(values, trial=number)
+
+    def unlucky(self) -> tuple[str, ...]:
+        """Believed values that happen to lie further off than a lab would think: to say so is no error."""
+
+        def off(name: str) -> float:
+            if name in self.belief.values and name in self.as_built:
+                return float(self.as_built[name]) / float(self.belief.values[name]) - 1.0
+            return self.as_built.get(f"{name} over believed", 1.0) - 1.0
+
+        return tuple(n for n, sigma in self.belief.sigma.items() if abs(off(n)) > UNLUCKY * sigma)
 
     def with_missing(self, *missing: Missing) -> Campaign:
         """The same campaign with other hidden physics."""

@@ -35,7 +35,8 @@ class Concealed:
         readings: as recorded.
         expected: what an honest answer says: "named", "wrong_parameter", "nothing_missing", "learned" or "unknown";
             "spoiled" where it names what is hidden, or says what the recordings suffer from.
-        parameters: believed values that are wrong, where that is what is hidden.
+        parameters: believed values that are wrong, where that is what is hidden; where nothing is, those that may be
+            called wrong, because they were drawn that far off.
         withheld: effect that the diagnosis must do without, None if it has them all.
         strength: size in detection limits, None where nothing is hidden.
         variance_ratio: residual variance after the baseline's refit over the noise variance.
@@ -109,7 +110,7 @@ def conceal(order: Order) -> Concealed:
 
 def _nothing(order: Order, rng: np.random.Generator) -> Concealed:
     campaign = scene(order.family, rng)
-    return Concealed(campaign, noisy(campaign, perform(campaign)), "nothing_missing")
+    return Concealed(campaign, noisy(campaign, perform(campaign)), "nothing_missing", parameters=campaign.unlucky())
 
 
 def _wrong_value(order: Order, rng: np.random.Generator) -> Concealed:

@@ -101,15 +101,16 @@ def _right(
         return favourite == hidden, hidden in given
     if expected == "spoiled":
         return (_right_of_spoiled(hidden, str(truth["spoiled"]), verdict, given),) * 2
+    moved = set(verdict.get("parameters", {}))
     if expected == "nothing_missing":
-        return said == "nothing_missing", said == "nothing_missing"
+        right = said == "nothing_missing" or (said == "wrong_parameter" and moved <= set(truth["parameters"]))
+        return right, right
     if expected == "learned":
         (law,) = (LAWS[name] for name, _ in hidden)
         found = said == "learned" and all(one["where"] == law.where for one in verdict["learned"])
         return found, found or said in ("unknown", "ambiguous", "not_trusted")
     if expected == "unknown":
         return said in NAMELESS, said in (*NAMELESS, "ambiguous", "not_trusted")
-    moved = set(verdict.get("parameters", {}))
     recognised = said == "wrong_parameter" and set(truth["parameters"]) <= moved
     spelled = bool(hidden) and favourite == hidden  # a payload may be called a payload
     return recognised or spelled, recognised or spelled or (bool(hidden) and hidden in given)

@@ -111,9 +111,7 @@ def rates(records: Sequence[Record]) -> dict[str, Rate]:
     seen = noticeable(records)
     apart, _ = outside(records)
     return {
-        "nothing_missing": rate(
-            (r for r in counted if r["expected"] == "nothing_missing"), lambda r: r["said"] == "nothing_missing"
-        ),
+        "nothing_missing": rate((r for r in counted if r["expected"] == "nothing_missing"), lambda r: bool(r["top"])),
         "confidently_wrong": rate((r for r in played if not r["same"]), lambda r: bool(r["confidently_wrong"])),
         "top": rate(seen, lambda r: bool(r["top"])),
         "in_set": rate(seen, lambda r: bool(r["in_set"])),

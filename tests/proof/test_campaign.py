@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -57,6 +58,15 @@ def test_the_same_seed_gives_the_same_campaign() -> None:
     readings = [noisy(c, perform(c)) for c in (first, second)]
     a, b = (r["01"]["force"].value["contact.force"] for r in readings)
     np.testing.assert_array_equal(a, b)
+
+
+def test_a_belief_that_was_drawn_far_off_is_known_as_such() -> None:
+    drawn = air_bed(np.random.default_rng(8), per_mass=1, spring=1020.0)
+    near = replace(drawn, as_built={**drawn.as_built, **drawn.belief.values, "target.mass over believed": 1.0})
+    assert near.unlucky() == ()
+    far = {"wrist.mass": near.as_built["wrist.mass"] * (1.0 - 3.0 * near.belief.sigma["wrist.mass"])}
+    over = {"target.mass over believed": 1.0 + 3.0 * near.belief.sigma["target.mass"]}
+    assert set(replace(near, as_built={**near.as_built, **far, **over}).unlucky()) == {"wrist.mass", "target.mass"}
 
 
 def test_nothing_missing_is_fitted_to_the_noise_and_no_more(tmp_path: Path) -> None:

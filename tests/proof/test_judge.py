@@ -70,6 +70,14 @@ def test_wrong_values_are_recognised_by_name() -> None:
     assert judge(seal, verdict("named", CLAIM)).confidently_wrong
 
 
+def test_a_belief_that_was_drawn_far_off_may_be_called_wrong() -> None:
+    seal = {**truth(expected="nothing_missing"), "parameters": ["wrist.mass"]}
+    assert judge(seal, verdict("wrong_parameter", parameters={"wrist.mass": {}})).top
+    assert judge(seal, verdict("nothing_missing")).top
+    more = judge(seal, verdict("wrong_parameter", parameters={"wrist.mass": {}, "wrist.stiffness": {}}))
+    assert more.confidently_wrong
+
+
 def test_a_payload_may_be_called_so_or_a_wrong_mass() -> None:
     payload = {"effect": "payload", "where": "wrist", "mass_kg": 0.2}
     seal = {**truth(payload, expected="wrong_parameter"), "parameters": ["wrist.mass"]}
