@@ -53,6 +53,7 @@ class Manner:
         eager: whether it may be given up on what a step promises.
         hasty: whether it takes less care of what fits badly.
         careful: whether it goes on to the last digit, with derivatives by differences to both sides.
+        one_sided: whether it has converged as far as differences to one side can tell.
     """
 
     robust: bool = False
@@ -62,6 +63,7 @@ class Manner:
     eager: bool = False
     hasty: bool = False
     careful: bool = False
+    one_sided: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -198,7 +200,7 @@ class Descent:
         on better ones. `off`: what is left is not at the level of the noise, and the last digit of it says nothing.
         """
         rough = self.both or self.manner.robust or self.manner.loose
-        rough = rough or self.state.chi2() > self.manner.hopeless
+        rough = rough or self.manner.one_sided or self.state.chi2() > self.manner.hopeless
         if self.converged and not (rough or off):
             # it stands as far as differences to one side can tell
             self.converged, self.both, self.age = False, True, REUSE

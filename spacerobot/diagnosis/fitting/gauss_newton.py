@@ -66,6 +66,7 @@ class Fitter(Linearised):
         rows: Mapping[str, np.ndarray] | None = None,
         loose: bool = False,
         eager: bool = False,
+        one_sided: bool = False,
     ) -> Fit:
         """The best parameters near a start.
 
@@ -82,6 +83,7 @@ class Fitter(Linearised):
             rows: derivatives at the start, by trial, that are known already but for the effects' columns.
             loose: whether it may end on old derivatives; it then does not count as converged.
             eager: whether it may be given up on what a step promises; needs `rows`.
+            one_sided: whether it has converged as far as differences to one side can tell.
 
         Raises:
             SimulationError: the start cannot be simulated.
@@ -98,6 +100,7 @@ class Fitter(Linearised):
                 ending = Descent(self, hypothesis, state, manner).run(max_iterations // 3)
                 state, used = ending.state, used + ending.iterations
         manner = replace(self._manner, hopeless=hopeless, loose=loose, eager=eager and rows is not None)
+        manner = replace(manner, one_sided=one_sided)
         converged, given_up, system = False, False, None
         for _ in range(RESCUES):
             if rows is None:

@@ -149,7 +149,7 @@ def sketch(ground: Ground, beside: Fit, port: str, kind: Kind, of: Variable) -> 
 
 def fit_curve(ground: Ground, beside: Fit, sketched: Sketch) -> Curve | None:
     """The curve at the noise as it is; None where it cannot be simulated."""
-    return _best(ground, beside, sketched.begun, BEGIN)
+    return _best(ground, beside, sketched.begun, BEGIN, rough=True)
 
 
 def first_shape(ground: Ground, beside: Fit, port: str, kind: Kind, of: Variable) -> Shape:
@@ -175,7 +175,7 @@ def finished(ground: Ground, curve: Curve, beside: Fit, begun: Begun | None = No
 
 
 def _one_after_another(
-    ground: Ground, beside: Fit, begun: Sequence[Begun], rounds: Sequence[tuple[float, int]]
+    ground: Ground, beside: Fit, begun: Sequence[Begun], rounds: Sequence[tuple[float, int]], rough: bool = False
 ) -> Iterator[tuple[Curve, float, Begun]]:
     """Fits, the roughness anew after each: the curve, the factor on its roughness, and from where the next one begins.
 
@@ -184,13 +184,15 @@ def _one_after_another(
         beside: whose effects stay.
         begun: from where the first fit begins; the best of several goes on.
         rounds: a factor on the sensors' noise and steps, of each fit.
+        rough: whether differences to one side are enough; where the noise is louder, old ones are.
 
     Raises:
         SimulationError: a fit's start cannot be simulated.
     """
     for noise, steps in rounds:
         fitter = Fitter(ground.model, [louder(t, noise) for t in ground.trials])
-        tried = [(fitted(fitter, ground, beside.hypothesis.sites, one, steps), one) for one in begun]
+        sites, stage = beside.hypothesis.sites, noise > 1.0
+        tried = [(fitted(fitter, ground, sites, one, steps, stage=stage, rough=rough), one) for one in begun]
         now, at = min(tried, key=lambda both: both[0].fit.cost)
         factor = rougher(now) if noise == 1.0 else max(rougher(now), 1.0)  # what loud noise hides is not smooth
         new = at.shape.rougher(factor)
@@ -201,11 +203,13 @@ def _one_after_another(
         yield now, factor, begun[0]
 
 
-def _best(ground: Ground, beside: Fit, begun: Begun, rounds: Sequence[tuple[float, int]]) -> Curve | None:
+def _best(
+    ground: Ground, beside: Fit, begun: Begun, rounds: Sequence[tuple[float, int]], rough: bool = False
+) -> Curve | None:
     """The most probable of the fits at the noise as it is, until the roughness is found; None without any."""
     found: Curve | None = None
     try:
-        for now, factor, _ in _one_after_another(ground, beside, [begun], rounds):
+        for now, factor, _ in _one_after_another(ground, beside, [begun], rounds, rough):
             if found is None or now.evidence > found.evidence:
                 found = now
             if now.fit.converged and max(factor, 1.0 / factor) < SETTLED:
@@ -238,10 +242,13 @@ def fitted(
     begun: Begun,
     steps: int,
     rows: Mapping[str, np.ndarray] | None = None,
+    stage: bool = False,
+    rough: bool = False,
 ) -> Curve:
     """One fit of a curve beside effects, from where it is begun, in so many steps at most.
 
-    With derivatives that are known already, `rows`, it may end on these.
+    With derivatives that are known already, `rows`, or where it is but a stage on the way, it may end on old ones;
+    where it may be rough, on differences to one side.
 
     Raises:
         SimulationError: the start cannot be simulated.
@@ -255,7 +262,8 @@ def fitted(
         max_iterations=steps,
         robust=False,
         rows=rows,
-        loose=rows is not None,
+        loose=stage or rows is not None,
+        one_sided=rough,
     )
     return Curve(begun.shape, site, fit, evidence(fit))
 
