@@ -260,6 +260,11 @@ class Shape(Law):
         width = (self.high - self.low) / self.cells
         return self.low + width * np.arange(-1.0, self.count - 1.0)
 
+    @property
+    def closely(self) -> np.ndarray:
+        """Places over the whole range, eight for each coefficient, at which another law is laid beside it, SI."""
+        return np.linspace(self.low, self.high, 8 * self.count)
+
     def bends(self) -> np.ndarray:
         """Second differences of the coefficients, shape (B, K)."""
         if self.of == "q":

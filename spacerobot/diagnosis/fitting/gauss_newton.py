@@ -99,8 +99,8 @@ class Fitter(Linearised):
                 manner = replace(self._manner, robust=True, firm=firm)
                 ending = Descent(self, hypothesis, state, manner).run(max_iterations // 3)
                 state, used = ending.state, used + ending.iterations
-        manner = replace(self._manner, hopeless=hopeless, loose=loose, eager=eager and rows is not None)
-        manner = replace(manner, one_sided=one_sided)
+        eager = eager and rows is not None
+        manner = replace(self._manner, hopeless=hopeless, loose=loose, eager=eager, one_sided=one_sided)
         converged, given_up, system = False, False, None
         for _ in range(RESCUES):
             if rows is None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from spacerobot.diagnosis.fitting.fitted import Fit
-from spacerobot.diagnosis.learning.curves import Begun, Curve
+from spacerobot.diagnosis.learning.curves import Curve, from_where_it_is
 from spacerobot.diagnosis.learning.describe import Described
 from spacerobot.diagnosis.learning.part_form import written
 from spacerobot.diagnosis.learning.weighed import curve_of, settled
@@ -22,11 +22,6 @@ COMPANIONS = 2
 def without_curve(curve: Curve) -> list[Site]:
     """The effects beside a curve."""
     return [s for s in curve.fit.hypothesis.sites if not s.effect.learned]
-
-
-def from_where_it_is(curve: Curve) -> Begun:
-    """Where a curve is fitted again."""
-    return Begun(curve.shape, curve.site.where, curve.fit.values(), curve.fit.initials())
 
 
 def form_of(bench: Bench, curve: Curve) -> tuple[Described, Candidate] | None:

@@ -127,6 +127,11 @@ class Sketch:
         return self.noise**2 * self.cost - (self.noise**2 - 1.0) * bent
 
 
+def from_where_it_is(curve: Curve) -> Begun:
+    """Where a curve is fitted again."""
+    return Begun(curve.shape, curve.site.where, curve.fit.values(), curve.fit.initials())
+
+
 def sketch(ground: Ground, beside: Fit, port: str, kind: Kind, of: Variable) -> Sketch | None:
     """A curve of one kind at a port as louder sensors would have it; None where it cannot be simulated.
 
@@ -169,8 +174,7 @@ def finished(ground: Ground, curve: Curve, beside: Fit, begun: Begun | None = No
 
     Among all kinds a few steps are enough to tell which it is.
     """
-    begun = begun or Begun(curve.shape, curve.site.where, curve.fit.values(), curve.fit.initials())
-    ended = _best(ground, beside, begun, FINISH)
+    ended = _best(ground, beside, begun or from_where_it_is(curve), FINISH)
     return curve if ended is None or ended.evidence < curve.evidence else ended
 
 

@@ -84,7 +84,7 @@ def describe(curve: Curve, wider: bool = False) -> list[Described]:
     seen = told > KNOWN * told.max()  # elsewhere the prior alone speaks
     root = np.sqrt(told[seen])[:, None] * ways[:, seen].T
     sought = (ways[:, seen].T @ (precision @ curve.coefficients())) / np.sqrt(told[seen])
-    x = np.linspace(shape.low, shape.high, 8 * own)
+    x = shape.closely
     basis = root @ np.linalg.pinv(shape.rows(x))
 
     def column(term: Term) -> np.ndarray:

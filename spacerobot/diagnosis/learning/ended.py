@@ -19,9 +19,6 @@ from spacerobot.diagnosis.learning.describe import Described, describe
 from spacerobot.diagnosis.terms.hypothesis import Site
 from spacerobot.effects.formula import FormulaLaw
 
-FINE = 8
-"""Places for each coefficient, at which a curve is laid on a formula."""
-
 
 def ended(workshop: Workshop, curve: Curve, beside: Fit) -> tuple[Curve, Form | None]:
     """The curve fitted to its end, and its formula that costs least; None where none can be fitted.
@@ -66,8 +63,8 @@ def laid_on(curve: Curve, fit: Fit) -> Begun:
     law = site.effect
     assert isinstance(law, FormulaLaw)
     told = {p.name: values[site.key(p.name)] for p in law.parameters}
-    x = np.linspace(shape.low, shape.high, FINE * shape.count)
-    found = np.linalg.lstsq(shape.rows(x), law.shape.at(x, told), rcond=None)[0]
+    places = shape.closely
+    found = np.linalg.lstsq(shape.rows(places), law.shape.at(places, told), rcond=None)[0]
     own = curve.site.effect.parameters
     inside = [*found.tolist(), *(told[p.name] for p in own[shape.count :])]
     start = {curve.site.key(p.name): max(x, p.lower) for p, x in zip(own, inside, strict=True)}

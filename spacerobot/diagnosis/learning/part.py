@@ -15,8 +15,8 @@ import numpy as np
 
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.noise import counted_by_channel
-from spacerobot.diagnosis.learning.beside import beside_it, better_of, form_of, from_where_it_is, tested, without_curve
-from spacerobot.diagnosis.learning.curves import Curve, fitted
+from spacerobot.diagnosis.learning.beside import beside_it, better_of, form_of, tested, without_curve
+from spacerobot.diagnosis.learning.curves import Curve, fitted, from_where_it_is
 from spacerobot.diagnosis.learning.describe import Described
 from spacerobot.diagnosis.learning.roughness import likeliest
 from spacerobot.diagnosis.learning.weighed import Law, begun, misfit, settled, shape_for

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 from spacerobot.diagnosis.fitting.fitted import Fit
-from spacerobot.diagnosis.learning.closed import closed
+from spacerobot.diagnosis.learning.closed import Form, closed
 from spacerobot.diagnosis.learning.curves import Curve
-from spacerobot.diagnosis.learning.describe import Described, describe
+from spacerobot.diagnosis.learning.describe import describe
 from spacerobot.diagnosis.learning.ground import visited
 from spacerobot.diagnosis.selection.bench import STEPS, Bench
 from spacerobot.diagnosis.terms.hypothesis import Site, hypothesis
@@ -16,7 +16,7 @@ WORDINGS = 3
 """Formulas, those nearest to the curve, that are fitted in the simulation."""
 
 
-def written(bench: Bench, curve: Curve) -> tuple[Described, Fit] | None:
+def written(bench: Bench, curve: Curve) -> Form | None:
     """The formula that costs least in a part's simulation; None where it can fit none."""
     others = [s for s in curve.fit.hypothesis.sites if not s.effect.learned]
     told = sorted(describe(curve, wider=True), key=lambda one: one.off)[:WORDINGS]
