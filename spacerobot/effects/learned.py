@@ -306,6 +306,11 @@ class Shape(Law):
         """The same with bends that may be so many times as large."""
         return replace(self, roughness=self.roughness * factor)
 
+    def over(self, low: float, high: float) -> Shape:
+        """The same over another range, as rough: see `divided`."""
+        wider = (high - low) / (self.high - self.low)
+        return replace(self, low=low, high=high, roughness=self.roughness * wider**1.5)
+
     def divided(self, cells: int) -> Shape:
         """The same into so many cells, as rough: over a step h a random walk's rate bends a curve by h^(3/2)."""
         return replace(self, cells=cells, roughness=self.roughness * (self.cells / cells) ** 1.5)

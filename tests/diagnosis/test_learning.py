@@ -20,6 +20,7 @@ from spacerobot.diagnosis.learning.bands import band
 from spacerobot.diagnosis.learning.curves import Curve, Sketch, first_shape, fit_curve, sketch
 from spacerobot.diagnosis.learning.describe import describe
 from spacerobot.diagnosis.learning.ended import ended, written
+from spacerobot.diagnosis.learning.ground import visited
 from spacerobot.diagnosis.learning.learn import WITHIN, _catalogue_there, _learn, _named_as_well
 from spacerobot.diagnosis.selection.search_state import Found
 from spacerobot.diagnosis.terms.hypothesis import Site, hypothesis
@@ -223,6 +224,8 @@ def test_a_law_of_the_press_and_one_of_the_tip_are_learned_with_their_formulas(
     assert told.formula.words[0][0] == ("line" if law is pressed else "cube")
     assert right.fit.chi2 < form.chi2 + right.determined(), "a curve can be whatever its formula is"
     seen = band(right)
+    least, most = visited(workshop, right.fit, where)[of]
+    assert seen.x[-1] < most + 0.02 * (most - least), "nobody knows what no trial has shown"
     traded = sum(workshop.model.base[n] for n in seen.with_) * seen.x
     truth = traded + (numbers[0] * seen.x if law is pressed else numbers[0] * seen.x**3)
     assert np.mean((seen.low <= truth) & (truth <= seen.high)) >= 0.85

@@ -161,12 +161,20 @@ def first_shape(ground: Ground, beside: Fit, port: str, kind: Kind, of: Variable
     """Of a curve over the range that was visited, before its roughness is known."""
     seen = visited(ground, beside, port)
     push, stiff = ground.model.typical_law(port, seen)
-    reach = max(abs(x) for x in seen["d"])
-    low, high = (-stiff * reach, stiff * reach) if of == "z" else seen[of]
+    if of == "z":
+        reach = stiff * max(abs(x) for x in seen["d"])
+        seen = {of: (-reach, reach)}
+    return Shape(kind, of, *_range(port, of, seen), CELLS, ROUGHNESS, stiff if kind == "memory" else push)
+
+
+def _range(port: str, of: Variable, seen: Mapping[Variable, tuple[float, float]]) -> tuple[float, float]:
+    """Of a curve over what was visited, with its margin."""
+    low, high = seen[of]
+    if of == "z":  # an odd law: what is remembered one way is known the other way
+        high = max(-low, high, 1e-6)
+        low = -high
     margin = MARGIN * max(high - low, 1e-9)
-    size = stiff if kind == "memory" else push
-    begins = 0.0 if (port, of) == ("contact", "d") else low - margin  # no force acts where nothing is pressed
-    return Shape(kind, of, begins, high + margin, CELLS, ROUGHNESS, size)
+    return 0.0 if (port, of) == ("contact", "d") else low - margin, high + margin  # no force where nothing is pressed
 
 
 def finished(ground: Ground, curve: Curve, beside: Fit, begun: Begun | None = None) -> Curve:
@@ -199,10 +207,7 @@ def _one_after_another(
         tried = [(fitted(fitter, ground, sites, one, steps, stage=stage, rough=rough), one) for one in begun]
         now, at = min(tried, key=lambda both: both[0].fit.cost)
         factor = rougher(now) if noise == 1.0 else max(rougher(now), 1.0)  # what loud noise hides is not smooth
-        new = at.shape.rougher(factor)
-        if new.of == "z":
-            far = (1.0 + 2.0 * MARGIN) * max(max(abs(x) for x in visited(ground, now.fit, at.port)["z"]), 1e-6)
-            new = replace(new, low=-far, high=far)
+        new = at.shape.rougher(factor).over(*_range(at.port, at.shape.of, visited(ground, now.fit, at.port)))
         begun = [at.after(now, new)]
         yield now, factor, begun[0]
 
