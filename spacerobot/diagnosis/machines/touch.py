@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import maximum_filter1d
 
 from spacerobot.recordings.series import estimate_noise
 
@@ -23,14 +24,19 @@ AHEAD = 0.01
 LOUD = 50.0
 """A shock has at least so many times the past's mean square, in one joint at least."""
 
+SHAKEN = 5.0
+"""And so many in half of the joints: what touches a link loads every joint that carries it, what a joint does by itself
+shakes its own balance. Ten Gaussian readings exceed this once in four million stretches.
+"""
+
 SHARE = 0.2
 """Stretches with this share of the loudest one's ratio belong to shocks as well."""
 
 CLEAR = 6.0
-"""Times its noise that a velocity goes one way: fewer than one in 1e8 of Gaussian readings at rest."""
+"""Times its noise that a velocity goes one way, or is rest: fewer than one in 1e8 of Gaussian readings at rest."""
 
 STEADY = 5
-"""Times SLOW that a joint goes one way, then the other, where it turns back by itself: what a blow shakes does not."""
+"""Times SLOW that a joint goes one way, or rests, before and after a change of its own; what a blow shakes does not."""
 
 EPISODE = 1.0
 """All of them lie within this time [s]; else the balance is shaken again and again, by the machine itself."""
@@ -72,7 +78,7 @@ def first_shock(
         residual: of each joint's balance, shape (T, J) [N m or N].
         smear: half the width [s] of the filter that the residual went through.
         velocity: of each joint, shape (T, J) [rad/s or m/s]: where one turns back its friction does too, and that
-            shakes its balance without a touch.
+            shakes its balance without a touch; where half of them start, stop or turn, the machine did it.
     """
     step = float(np.median(np.diff(time)))
     past, blind, slow, ahead = (max(1, round(x / step)) for x in (PAST, BLIND, SLOW, AHEAD))
@@ -80,15 +86,20 @@ def first_shock(
         return None
     fast = residual - _trailing(residual, slow)
     square = fast**2
-    counted = np.ones_like(square)
+    counted, own = np.ones_like(square), np.zeros(time.size, dtype=bool)
     if velocity is not None:
-        counted[_turning(velocity, slow, ahead, max(1, round(smear / step)))] = 0.0
+        back, changed = _changing(velocity, slow, ahead, max(1, round(smear / step)))
+        counted[back] = 0.0
+        own = 2 * changed.sum(axis=1) >= velocity.shape[1]
     square *= counted
     loud = _trailing(square, ahead)[past + blind + ahead :]  # of the stretch that ends at a moment
     quiet = _trailing(square, past)[past : past + loud.shape[0]]  # of the past that ends BLIND before it begins
     ends = time[past + blind + ahead :]
     share = _trailing(counted, past)[past : past + loud.shape[0]]
-    ratio = (loud * share / np.maximum(quiet, 1e-300)).max(axis=1)
+    each = loud * share / np.maximum(quiet, 1e-300)
+    together = maximum_filter1d(each, 2 * slow + 1, axis=0) > SHAKEN
+    felt = (2 * together.sum(axis=1) >= each.shape[1]) & ~own[past + blind + ahead :]
+    ratio = np.where(felt, each.max(axis=1), 0.0)
     most = float(ratio.max())
     clear = np.flatnonzero(ratio > SHARE * most)
     if most < LOUD or ends[clear[-1]] - ends[clear[0]] > EPISODE:
@@ -106,26 +117,33 @@ def _trailing(value: np.ndarray, count: int) -> np.ndarray:
     return np.asarray((total[index] - total[first]) / np.maximum(index - first, 1)[:, None])
 
 
-def _turning(velocity: np.ndarray, slow: int, ahead: int, smeared: int) -> np.ndarray:
-    """Which samples of which joint are about a moment at which it turns back, shape (T, J); rest's noise is none.
+def _changing(velocity: np.ndarray, slow: int, ahead: int, smeared: int) -> tuple[np.ndarray, np.ndarray]:
+    """Which samples of which joint are about a moment at which it turns back, or starts, stops or turns back.
+
+    Rest's noise is no motion.
 
     Args:
         velocity: shape (T, J).
-        slow: samples to either side by which it clearly goes one way, then the other.
+        slow: samples to either side by which it clearly goes one way, or rests, then another.
         ahead: samples of the stretch that is compared.
         smeared: samples over which a filter made the velocity smooth, whose noise shows between such steps only.
+
+    Returns:
+        shape (T, J) each.
     """
-    count, width = velocity.shape
-    turns = np.zeros((count, width), dtype=bool)
+    count = velocity.shape[0]
+    back, changed = np.zeros(velocity.shape, dtype=bool), np.zeros(velocity.shape, dtype=bool)
     reach = STEADY * slow
     if count <= 2 * reach:
-        return turns
+        return back, changed
     noise = CLEAR * np.array([estimate_noise(column[::smeared]) for column in velocity.T])
     ways = np.where(np.abs(velocity) > noise, np.sign(velocity), 0.0)
     offsets = range(slow, reach + 1, slow)
-    before = sum(ways[reach - k : count - reach - k] for k in offsets)
-    after = sum(ways[reach + k : count - reach + k] for k in offsets)
-    turns[-reach:] = True  # what follows is not recorded
-    turns[reach:-reach] = (np.abs(before) == STEADY) & (before == -after)
-    spread = np.ones(2 * (slow + ahead + smeared) + 1)
-    return np.column_stack([np.convolve(column, spread, mode="same") > 0.5 for column in turns.T.astype(float)])
+    before = np.stack([ways[reach - k : count - reach - k] for k in offsets])
+    after = np.stack([ways[reach + k : count - reach + k] for k in offsets])
+    steady = (before == before[0]).all(axis=0) & (after == after[0]).all(axis=0)
+    back[-reach:] = True  # what follows is not recorded
+    back[reach:-reach] = steady & (before[0] * after[0] < 0.0)
+    changed[reach:-reach] = steady & (before[0] != after[0])
+    width = 2 * (slow + ahead + smeared) + 1
+    return maximum_filter1d(back, width, axis=0), maximum_filter1d(changed, width, axis=0)

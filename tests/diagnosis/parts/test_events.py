@@ -65,6 +65,25 @@ def test_a_blow_is_found_beside_a_reversal_and_at_rest() -> None:
         assert found.low <= 6.1 <= found.high
 
 
+def test_a_joint_that_shakes_alone_and_an_arm_that_starts_and_stops_were_not_touched() -> None:
+    random = np.random.default_rng(3)
+    quiet = 0.01 * random.standard_normal((TIME.size, 6))
+    blow = (balance(4.0) - balance(None))[:, 1:]
+    assert first_shock(TIME, quiet + blow * np.array([0.0, 0.0, 1.0, 0.0, 0.1, 0.0])) is None
+    found = first_shock(TIME, quiet + blow * np.array([0.3, 0.2, 1.0, 0.0, 0.1, 0.0]))
+    assert found is not None
+    assert found.low <= 4.0 <= found.high
+    for going in (np.clip((TIME - 3.0) / 0.4, 0.0, 1.0), np.clip((5.0 - TIME) / 0.4, 0.0, 1.0)):
+        velocity = going[:, None] * np.array([0.5, -0.4, 0.3, 0.6, -0.2, 0.4])
+        rest = quiet + 0.4 * np.sign(velocity)
+        velocity += 1e-3 * random.standard_normal(velocity.shape)
+        assert first_shock(TIME, rest) is not None  # so it seems to who does not look at the motion
+        assert first_shock(TIME, rest, 0.005, velocity) is None
+        found = first_shock(TIME, rest + (balance(6.1) - balance(None))[:, 1:], 0.005, velocity)
+        assert found is not None
+        assert found.low <= 6.1 <= found.high
+
+
 def spinning(kind: str) -> np.ndarray:
     random = np.random.default_rng(1)
     noise = 0.02 * random.standard_normal(TIME.size)
