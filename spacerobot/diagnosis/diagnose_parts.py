@@ -22,6 +22,7 @@ from spacerobot.diagnosis.locate.of_model import locate_model
 from spacerobot.diagnosis.locate.readings import NothingToBalance
 from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.machines.touch import Moment
+from spacerobot.diagnosis.selection.both_ends import Refused, one_ended
 from spacerobot.diagnosis.selection.checks import checks_of_part
 from spacerobot.diagnosis.selection.conclusion import retained
 from spacerobot.diagnosis.selection.felt_together import Alone, Felt, Shapes, alone, felt_by, shapes_of, told
@@ -112,8 +113,11 @@ def diagnose_parts(
             some = sorted(set().union(*unlike.values()))
             anew = copies.each(_search, [(k, True, shapes) for k in some])
             parts = _with(parts, some, _done(anew, report, "searching again, each for itself"))
+        if lone := one_ended(parts):
+            anew = copies.each(_search, [(k, True, shapes, but) for k, but in lone.items()])
+            parts = _with(parts, list(lone), _done(anew, report, "searching again, without what no other joint feels"))
         again = sorted(not_borne_out(parts))
-        anew = copies.each(_search, [(k, False, shapes) for k in again])
+        anew = copies.each(_search, [(k, False, shapes, lone.get(k, frozenset())) for k in again])
         parts = _with(parts, again, _done(anew, report, "searching again, on one clock"))
         done = _done(copies.each(_judge, [(part,) for part in parts]), report, "locating and checking")
     report("judging", 0, 1)
@@ -160,9 +164,10 @@ def _felt(held: _Held, k: int, places: Sequence[str], known: Mapping[str, np.nda
 
 
 @one_thread()
-def _search(held: _Held, place: int, relative: bool, shapes: Shapes) -> Part:
-    """One part's search; without effects that act between clocks unless these are wanted."""
-    model, how = told(held.models[place], shapes), "" if relative else " on one clock"
+def _search(held: _Held, place: int, relative: bool, shapes: Shapes, but: Refused = frozenset()) -> Part:
+    """One part's search; without effects that act between clocks unless these are wanted, and without what is not."""
+    model = told(held.models[place], shapes, but)
+    how = ("" if relative else " on one clock") + (f" without {sorted(but)}" if but else "")
     what, kept = f"{model.name} ({place + 1} of {len(held.models)})", Kept(held.store, f"{place + 1} {model.name}{how}")
     offered = [] if model.not_measured else held.catalogue()  # nothing shows where nothing was read
     wanted = [e for e in offered if relative or not e.relative]

@@ -172,6 +172,13 @@ class Effect(ABC):
         """Whether, with these numbers, a well-made sensor that reads at `rate` [1/s] does this by itself."""
         return False
 
+    def elsewhere(self, mechanism: Mechanism, where: str) -> tuple[str, Effect] | None:
+        """The other port that it loads as well, and the effect as who watches that port alone has it.
+
+        None of what loads its own alone.
+        """
+        return None
+
     def implausible(self, values: Mapping[str, float], sizes: Sizes) -> str:
         """Why the effect with these numbers is not what its name says, one clause; empty where it is.
 

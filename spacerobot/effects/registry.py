@@ -14,6 +14,7 @@ from types import ModuleType
 
 from spacerobot.effects import catalogue
 from spacerobot.effects.effect import FORM, Effect
+from spacerobot.effects.form import FormOf
 from spacerobot.effects.formula import FORM as CLOSED
 from spacerobot.effects.formula import FormulaLaw, spoken
 from spacerobot.effects.learned import PREFIX, LearnedLaw, parsed
@@ -28,7 +29,9 @@ _effects: dict[str, Effect] = {}
 def _register(module: ModuleType) -> list[str]:
     names = []
     for _, kind in inspect.getmembers(module, inspect.isclass):
-        if kind.__module__ == module.__name__ and issubclass(kind, Effect) and not inspect.isabstract(kind):
+        if kind.__module__ != module.__name__ or inspect.isabstract(kind):
+            continue
+        if issubclass(kind, Effect) and not issubclass(kind, FormOf):  # a form is its effect's
             if kind.name in _effects and type(_effects[kind.name]).__module__ != module.__name__:
                 raise InputError("an effect of this name exists already", given=kind.name, where=module.__name__)
             _effects[kind.name] = kind()

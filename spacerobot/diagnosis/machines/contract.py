@@ -171,6 +171,8 @@ class Machine(ABC):
     shared: tuple[str, ...] = ()
     """Places of which other parts of its machine feel what it feels: links, "link.NAME" from base to tip, that may
     carry a body; the base, in gravity; joints, "joint.NAME", whose encoders may have another zero."""
+    refused: frozenset[tuple[str, str]] = frozenset()
+    """Effects at places, of which it is known already that they are not there."""
     shapes: Mapping[tuple[str, str], str] = MappingProxyType({})
     """By effect and place, the form in which what all parts feel together was found (`Effect.together`)."""
     strides: bool = True
@@ -280,6 +282,7 @@ class Machine(ABC):
                 if any(p.reach for p in effect.parameters):  # from where on it acts, and to which side, is the place's
                     forms = effect.forms_at(self.visited(where))
                     found += [self.site(effect.in_form(form), where) for form in forms]
+        found = [s for s in found if s.label not in self.refused]
         clocks = [s.where for s in found if s.effect.relative]
         return [late(s) if s.effect.relative and len(clocks) > 1 else s for s in found]
 

@@ -163,12 +163,12 @@ def _numbers(found: Sequence[Leading]) -> dict[str, np.ndarray]:
     return {one.source.where: one.numbers for one, _ in found}
 
 
-def told(model: Machine, shapes: Shapes) -> Machine:
-    """A machine that knows in which form it feels effects."""
-    if not shapes:
+def told(model: Machine, shapes: Shapes, refused: frozenset[tuple[str, str]] = frozenset()) -> Machine:
+    """A machine that knows in which form it feels effects, and which are not there."""
+    if not (shapes or refused):
         return model
     other = copy(model)
-    other.shapes = shapes
+    other.shapes, other.refused = shapes, refused
     return other
 
 

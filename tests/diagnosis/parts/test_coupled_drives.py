@@ -12,7 +12,11 @@ from helpers_models import ARM, arm_log
 from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.machines.grid import Grid
 from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
+from spacerobot.diagnosis.selection.both_ends import one_ended
+from spacerobot.diagnosis.selection.forward_selection import grow
+from spacerobot.diagnosis.selection.part_result import Part
 from spacerobot.diagnosis.terms.hypothesis import hypothesis
+from spacerobot.effects.registry import all_effects
 from spacerobot.model.library import load
 from spacerobot.model.robot import Robot
 
@@ -58,6 +62,43 @@ def test_the_friction_of_a_coupled_drive_comes_back_at_both_joints(joint: str) -
     assert found[keys["ratio"]] == pytest.approx(1.0, abs=0.1)
     assert found[keys["coulomb_force_N"]] == pytest.approx(DRY, rel=0.1)
     assert found[keys["coefficient_Ns_m"]] == pytest.approx(SLOPE, abs=0.1)
+
+
+def one_sided(robot: Robot, seed: int) -> Grid:
+    """The shoulder alone feels what goes with both rates; the elbow's own friction is plain."""
+    both, none = coupled(robot, seed), arm_log(robot, seed, {"elbow": (0.6, 0.2, 0.0)})
+    return replace(both, value={**both.value, "joint.elbow.torque": none.value["joint.elbow.torque"]})
+
+
+def test_what_a_drive_does_at_one_joint_the_other_must_bear_out() -> None:
+    wanted = [all_effects()[n] for n in ("coulomb_friction", "viscous_friction", "transmission_coupling")]
+    label = ("transmission_coupling", "joint.elbow")
+    for make, alone in ((coupled, False), (one_sided, True)):
+        parts = [Part(grow(model_of(make, joint), effects=wanted)) for joint in ("shoulder", "elbow")]
+        assert label in parts[0].chosen.label
+        lone = one_ended(parts)
+        assert lone == ({0: frozenset({label})} if alone else {})
+        by_itself = parts[0].model
+        by_itself.refused = frozenset().union(*lone.values())
+        assert (label in [s.label for s in by_itself.sites()]) is not alone
+
+
+def test_either_joint_of_a_coupling_knows_where_else_it_acts() -> None:
+    effect = all_effects()["transmission_coupling"]
+    for joint, other in (("shoulder", "elbow"), ("elbow", "shoulder")):
+        port, there = effect.elsewhere(model_of(coupled, joint).plain(), "joint.elbow") or ("", effect)
+        assert port == f"joint.{other}"
+        model = model_of(coupled, other)
+        (site,) = (s for s in model.sites() if s.label == (effect.name, "joint.elbow"))
+        told = {"coulomb_force_N": DRY, "coefficient_Ns_m": SLOPE, "ratio": 1.0}
+        costs = []
+        for one in (site, model.site(there, "joint.elbow")):
+            made = hypothesis(model.believed, [one])
+            z = made.start({one.key(name): value for name, value in told.items()})
+            fitter = Fitter(model, model.trials)
+            state = fitter.state(made, z, fitter.guess())
+            costs.append(None if state is None else state.chi2())
+        assert costs[0] == pytest.approx(costs[1], rel=1e-9)
 
 
 def test_a_coupling_of_next_to_nothing_is_none() -> None:
