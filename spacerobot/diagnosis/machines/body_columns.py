@@ -43,6 +43,10 @@ class BodyColumns:
         at = self._frames[link].placement.act(np.asarray(place, dtype=float))
         return np.asarray(pin.Inertia(1.0, at, np.zeros((3, 3))).toDynamicParameters())
 
+    def carried(self, link: str) -> float:
+        """Mass of all that the link's joint moves by itself [kg]."""
+        return float(self.model.inertias[self.joint_of(link)].mass)
+
     def joint_of(self, link: str) -> int:
         """Index of the joint that moves a link."""
         return int(self._frames[link].parentJoint)

@@ -259,6 +259,10 @@ class Machine(ABC):
         """Those of a body of 1 kg at a place of a link [m], or spread as the link is, shape (10,)."""
         return np.zeros(TEN)
 
+    def carried(self, where: str) -> float:
+        """Mass that moves with a link [kg]: no less of it can be there than that; infinite of what is none."""
+        return np.inf
+
     def sites(self, effects: Iterable[Effect] | None = None) -> list[Site]:
         """Every effect at every place where it could sit, its parameters scaled to what is typical there.
 

@@ -37,8 +37,8 @@ from spacerobot.diagnosis.machines.rigid import Rigid
 from spacerobot.diagnosis.machines.shared_columns import BASE, SharedColumns
 from spacerobot.diagnosis.machines.stated_noise import Lens, StatedNoise, stated_noise, still_below
 from spacerobot.diagnosis.machines.test_functions import Bump
-from spacerobot.diagnosis.machines.torque_pieces import FEWEST, Cutter, Recorded
-from spacerobot.diagnosis.machines.touch import Moment, first_shock
+from spacerobot.diagnosis.machines.torque_pieces import FEWEST, Cutter, Recorded, standing
+from spacerobot.diagnosis.machines.touch import CLEAR, Moment, first_shock
 from spacerobot.diagnosis.machines.windows import PIECES, moment
 from spacerobot.diagnosis.terms.candidates import stood_for
 from spacerobot.diagnosis.terms.data import TrialData
@@ -176,7 +176,9 @@ class InverseDynamics(Machine):
             self._bump |= {p.trial.id: p.bump for p in pieces}
             lenses += [Lens(narrow, p.bump, thin) for p in pieces]
             trials += [p.trial for p in pieces]
-        self.trials = tuple(trials)
+        noisy = [max(g.scatter[f"joint.{j}.position"] for g, _, _ in grids.values()) for j in self.joints]
+        far = np.maximum(REST * np.array([own[j].length for j in self.joints]), CLEAR * np.array(noisy))
+        self.trials = standing(trials, {t.id: self._motion[t.id].position for t in trials}, far)
         last = {columns.joint_of(n): f"link.{n}" for n in robot.links_on(self.compared)}
         ends = [last[i] for j in self.joints if (i := robot.joint_id(j)) in last]
         felt, encoders = [self.joints.index(j) for j in self.compared], [f"joint.{j}" for j in self.joints]
@@ -420,6 +422,10 @@ class InverseDynamics(Machine):
     def numbers(self, where: str, place: np.ndarray | None) -> np.ndarray:
         """As the columns of what it carries stand."""
         return self._felt.numbers(where, place)
+
+    def carried(self, where: str) -> float:
+        """As the arm is believed to be."""
+        return self._felt.carried(where)
 
     def bump(self, trial: TrialData) -> Bump:
         """The test function that a piece's balance is seen through."""

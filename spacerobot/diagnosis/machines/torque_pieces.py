@@ -147,3 +147,23 @@ class Cutter:
 def _joint_by_joint(x: np.ndarray) -> np.ndarray:
     """The same of shape (K, T, J), with each joint's readings side by side."""
     return np.ascontiguousarray(x.transpose(2, 0, 1)).transpose(1, 2, 0)
+
+
+def standing(
+    trials: Sequence[TrialData], positions: Mapping[str, np.ndarray], far: np.ndarray
+) -> tuple[TrialData, ...]:
+    """The pieces, those marked in which the machine stands where it stood all through the one before.
+
+    Args:
+        trials: pieces, in order.
+        positions: of the joints along each, shape (T, J).
+        far: within which each counts as standing, shape (J,) [rad or m].
+    """
+    out: list[TrialData] = []
+    for trial in trials:
+        before = next((t for t in reversed(out) if t.recorded == trial.recorded), None)
+        first = "" if before is None else before.repeats or before.id
+        both = [positions[trial.id]] if before is None else [positions[before.id], positions[trial.id]]
+        still = before is not None and bool(np.all(np.ptp(np.concatenate(both), axis=0) < far))
+        out.append(replace(trial, repeats=first) if still else trial)
+    return tuple(out)

@@ -73,7 +73,9 @@ class Felt:
         parts = np.split(rest, np.cumsum(sizes)[:-1])
         told = floor_of({t.id: p for t, p in zip(self.trials, parts, strict=True)}, self.trials)
         readings = sum(t.samples for t in self.trials)
-        return max(*told.values(), np.finfo(float).tiny) * float(np.sqrt(readings / max(readings - self.spent, 1)))
+        exact = ROUNDING * float(np.sqrt(np.mean(self.left**2)))  # readings without noise are no surer than this
+        least = max(exact, np.finfo(float).tiny)
+        return max(*told.values(), least) * float(np.sqrt(readings / max(readings - self.spent, 1)))
 
     @cached_property
     def beside_own(self) -> Felt:
@@ -232,8 +234,9 @@ def felt_by(part: Alone, places: Sequence[str], known: Mapping[str, np.ndarray])
 
     # whatever all of these leave over is noise: beliefs are held by as much as readings then count
     first = felt(every)[0].beside_own
-    best = np.linalg.lstsq(first.columns, first.left, rcond=ROUNDING)[0]
-    bench.weights = dict.fromkeys((c for t in bench.trials for c in t.channels), first.floor(first.columns @ best))
+    best, _, rank, _ = np.linalg.lstsq(first.columns, first.left, rcond=ROUNDING)
+    if rank < sum(t.samples for t in first.trials) - first.spent:  # else they leave nothing, and tell of no noise
+        bench.weights = dict.fromkeys((c for t in bench.trials for c in t.channels), first.floor(first.columns @ best))
     stated, freely = felt((), every)
     return stated, freely
 

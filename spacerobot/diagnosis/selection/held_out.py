@@ -52,8 +52,11 @@ def folds(trials: Sequence[TrialData], most: int = MOST) -> list[tuple[str, tupl
             return [(f"every {most}th", tuple(t.id for t in trials if label(t) in g)) for g in groups]
         if len(names) > 1:
             return [(n, tuple(t.id for t in trials if label(t) == n)) for n in names]
-    parts = np.array_split(np.array([t.id for t in trials]), min(FOLDS, len(trials)))
-    return [(f"part {i + 1}", tuple(str(x) for x in p)) for i, p in enumerate(parts)]
+    # a piece in which the machine stands on goes with the one it repeats, or each would foretell the other
+    told = list(dict.fromkeys(t.repeats or t.id for t in trials))
+    own = {t.id: (t.repeats or t.id) if len(told) > 1 else t.id for t in trials}
+    parts = np.array_split(np.array(list(dict.fromkeys(own.values()))), min(FOLDS, len(set(own.values()))))
+    return [(f"part {i + 1}", tuple(t.id for t in trials if own[t.id] in p)) for i, p in enumerate(parts)]
 
 
 def scheme_of(trials: Sequence[TrialData], most: int = MOST) -> str:

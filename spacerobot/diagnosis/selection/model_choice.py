@@ -155,9 +155,12 @@ def _grouped(found: Told, trials: Sequence[TrialData]) -> np.ndarray:
 
 
 def groups(trials: Sequence[TrialData]) -> np.ndarray:
-    """What each trial belongs to, shape (K,), for gains to be independent: its recorded trial, or itself where few."""
+    """What each trial belongs to, shape (K,), for gains to be independent: its recorded trial, or itself where few.
+
+    A machine that stands still says what it says once.
+    """
     parents = [t.recorded for t in trials]
-    return np.array(parents if len(set(parents)) > 3 else [t.id for t in trials])
+    return np.array(parents if len(set(parents)) > 3 else [t.repeats or t.id for t in trials])
 
 
 def as_good(one: Candidate, best: Candidate, baseline: Candidate) -> bool:

@@ -43,12 +43,14 @@ class Source:
         where: its place.
         at: its numbers among those of all places.
         numbers: of a body.
+        carried: mass that is there already [kg], of a body; less than all of it may be missing.
     """
 
     effect: Effect
     where: str
     at: slice
     numbers: Numbers
+    carried: float = np.inf
 
     @property
     def free(self) -> int:
@@ -64,11 +66,19 @@ class Source:
         own, pull = normal[self.at, self.at], right[self.at]
         place = self._place(own, pull) if self.effect.together == "point" else None
         directions = self.directions(place)
-        much, most = amounts(own, pull, list(directions.T)), self.effect.strength
+        much = amounts(own, pull, list(directions.T))
         numbers = directions @ much
-        # what nothing reads would take an amount that nothing has: its columns are rounding
-        possible = bool(np.all((most.lower <= much) & (much <= most.upper)))
-        return Found(self, float(pull @ numbers) if possible else 0.0, numbers, self.form(numbers, place))
+        gain = float(pull @ numbers) if self.possible(much) else 0.0
+        return Found(self, gain, numbers, self.form(numbers, place))
+
+    def possible(self, much: np.ndarray) -> bool:
+        """Whether there may be so much of it, along each of its directions.
+
+        What nothing reads would take an amount that nothing has: its columns are rounding.
+        """
+        most = self.effect.strength
+        least = max(most.lower, -self.carried * (1.0 - ROUNDING))
+        return bool(np.all((least <= much) & (much <= most.upper)))
 
     def directions(self, place: np.ndarray | None) -> np.ndarray:
         """Along what its numbers may lie, shape (N, D): a body's along one, a pull's along any.
@@ -130,7 +140,7 @@ def placed(effects: Sequence[Effect], places: Sequence[str], machines: Sequence[
     for effect in effects:
         open_to = {where for mechanism in plain for where in effect.places(mechanism)}
         some = [p for p in places if p in open_to and not stood_for(effect, p, fitted)]
-        out += [Source(effect, p, at[p], machines[0].numbers) for p in some]
+        out += [Source(effect, p, at[p], machines[0].numbers, machines[0].carried(p)) for p in some]
     return out
 
 
@@ -183,7 +193,8 @@ def at_once(normal: np.ndarray, right: np.ndarray, found: Sequence[Found]) -> li
         rest = without(normal, right, [d for n, other in enumerate(parts) if n != k for d in other.T])
         place = end.reshape(-1, 3)[points.index(k)] if k in points else None
         form = one.source.form(numbers, place)
-        out.append(Found(one.source, float(rest[1][one.source.at] @ numbers), numbers, form))
+        gain = float(rest[1][one.source.at] @ numbers) if one.source.possible(own) else 0.0
+        out.append(Found(one.source, gain, numbers, form))
     return out
 
 

@@ -40,7 +40,14 @@ def recorded_id(name: str) -> str:
 
 @dataclass(frozen=True, eq=False)
 class TrialData:
-    """One trial as a fit reads it."""
+    """One trial as a fit reads it.
+
+    Attributes:
+        id, condition, overrides: as in the study; of a piece, the trial's with its number.
+        blocks: what was read.
+        start, end: in s.
+        repeats: the piece of the same trial at whose place the machine still stands: it tells the same once more.
+    """
 
     id: str
     condition: str
@@ -48,6 +55,7 @@ class TrialData:
     blocks: tuple[Block, ...]
     start: float
     end: float
+    repeats: str = ""
 
     @property
     def recorded(self) -> str:
