@@ -137,13 +137,13 @@ def _changing(velocity: np.ndarray, slow: int, ahead: int, smeared: int) -> tupl
     if count <= 2 * reach:
         return back, changed
     noise = CLEAR * np.array([estimate_noise(column[::smeared]) for column in velocity.T])
-    ways = np.where(np.abs(velocity) > noise, np.sign(velocity), 0.0)
+    ways = np.where(np.abs(velocity) > noise, np.sign(velocity), 0.0).astype(np.int8)
     offsets = range(slow, reach + 1, slow)
     before = np.stack([ways[reach - k : count - reach - k] for k in offsets])
     after = np.stack([ways[reach + k : count - reach + k] for k in offsets])
     steady = (before == before[0]).all(axis=0) & (after == after[0]).all(axis=0)
     back[-reach:] = True  # what follows is not recorded
-    back[reach:-reach] = steady & (before[0] * after[0] < 0.0)
+    back[reach:-reach] = steady & (before[0] * after[0] < 0)
     changed[reach:-reach] = steady & (before[0] != after[0])
     width = 2 * (slow + ahead + smeared) + 1
     return maximum_filter1d(back, width, axis=0), maximum_filter1d(changed, width, axis=0)

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from spacerobot.diagnosis.selection.model_choice import pays
 from spacerobot.diagnosis.selection.part_result import Part
 from spacerobot.diagnosis.terms.hypothesis import Site
-from spacerobot.effects.effect import Effect, said_name
+from spacerobot.effects.effect import Effect
 
 Refused = frozenset[tuple[str, str]]
 """(effect, where)."""
@@ -37,18 +37,18 @@ def _borne_out(part: Part, site: Site, parts: Sequence[Part]) -> bool:
     other = None if there is None else _watching(parts, there[0])
     if there is None or other is None or other.model.not_measured:
         return True
+    named = (s for s in other.fit.hypothesis.sites if s.label == site.label)
+    ends = (s.effect.elsewhere(other.model.plain(), s.where) for s in named)
+    if any(end is not None and _watching([part], end[0]) for end in ends):
+        return True
     return _shows(other, there[1], site, part.fit.values())
 
 
 def _shows(part: Part, effect: Effect, site: Site, values: dict[str, float]) -> bool:
-    """Whether a part's unseen trials are predicted better with the effect that another part names, or it names it."""
-    own = part.fit.hypothesis.sites
-    there = part.model.site(effect, site.where)
-    if any((said_name(s.effect.name), s.where) == (said_name(effect.name), site.where) for s in own):
-        return True
+    """Whether a part's unseen trials are predicted better with the effect that another part names."""
+    there, bench = part.model.site(effect, site.where), part.growth.bench
     start = {there.key(p.name): values[site.key(p.name)] for p in site.effect.parameters}
-    bench = part.growth.bench
-    fit = bench.fitted_anyhow(part.fit, (*own, there), start)
+    fit = bench.fitted_anyhow(part.fit, (*part.fit.hypothesis.sites, there), start)
     return fit is not None and pays(bench.tested(fit), bench.tested(part.fit), part.trials)
 
 
