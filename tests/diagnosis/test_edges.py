@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -14,6 +13,7 @@ from spacerobot.diagnosis.fitting.adequacy import ChannelLeft
 from spacerobot.diagnosis.selection.candidate import Candidate
 from spacerobot.diagnosis.selection.held_out import HeldOut
 from spacerobot.diagnosis.selection.model_choice import pays, ratio
+from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.decision import GROUP_LIMIT, LEVEL_LIMIT, SIGNIFICANT, WORTH_OF_REST
 from spacerobot.support.runs import combined_hash
 
@@ -54,8 +54,8 @@ def tried(residual: dict[str, np.ndarray]) -> Candidate:
     return Candidate(SimpleNamespace(hypothesis=SimpleNamespace(sites=(), label=())), HeldOut(residual, counted))  # type: ignore[arg-type]
 
 
-def named(count: int) -> list[Any]:
-    return [SimpleNamespace(id=f"{k:02d}", recorded=f"{k:02d}") for k in range(count)]
+def named(count: int) -> list[TrialData]:
+    return [TrialData(f"{k:02d}", "", {}, (), 0.0, 1.0) for k in range(count)]
 
 
 def against(factors: list[float], size: float = 30.0) -> tuple[Candidate, Candidate]:
