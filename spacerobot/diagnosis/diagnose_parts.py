@@ -20,9 +20,9 @@ from spacerobot.diagnosis.fitting.fit_store import Kept, Store
 from spacerobot.diagnosis.learning.learned_part import LearnedPart, settle_part
 from spacerobot.diagnosis.locate.of_model import locate_model
 from spacerobot.diagnosis.locate.readings import NothingToBalance
-from spacerobot.diagnosis.machines.contract import Machine
+from spacerobot.diagnosis.machines.contract import Machine, Refused
 from spacerobot.diagnosis.machines.touch import Moment
-from spacerobot.diagnosis.selection.both_ends import Refused, one_ended
+from spacerobot.diagnosis.selection.both_ends import one_ended
 from spacerobot.diagnosis.selection.checks import checks_of_part
 from spacerobot.diagnosis.selection.conclusion import retained
 from spacerobot.diagnosis.selection.felt_together import Alone, Felt, Shapes, alone, felt_by, shapes_of, told

@@ -120,6 +120,10 @@ TEN = 10
 """Numbers of a body at a link: its mass, that times its place, and its inertia (m, m c, I)."""
 
 
+Refused = frozenset[tuple[str, str]]
+"""Effects at places, (effect, where), of which it is known already that they are not there."""
+
+
 def numbers_at(where: str) -> int:
     """How many numbers what is at a shared place has."""
     return TEN if where.startswith("link.") else 1 if where.startswith("joint.") else 3
@@ -171,8 +175,8 @@ class Machine(ABC):
     shared: tuple[str, ...] = ()
     """Places of which other parts of its machine feel what it feels: links, "link.NAME" from base to tip, that may
     carry a body; the base, in gravity; joints, "joint.NAME", whose encoders may have another zero."""
-    refused: frozenset[tuple[str, str]] = frozenset()
-    """Effects at places, of which it is known already that they are not there."""
+    refused: Refused = frozenset()
+    """What is not offered."""
     shapes: Mapping[tuple[str, str], str] = MappingProxyType({})
     """By effect and place, the form in which what all parts feel together was found (`Effect.together`)."""
     strides: bool = True

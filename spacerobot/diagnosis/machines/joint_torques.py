@@ -138,6 +138,7 @@ class InverseDynamics(Machine):
         self.doubted = doubted.only(lambda channel: channel not in unfelt)
         believed_zeros = {j: (values or {}).get(f"joint.{j}.zero", 0.0) for j in self.joints}
         grids = {k: (shifted(g, believed_zeros), condition, own) for k, (g, condition, own) in grids.items()}
+        logs = [g for g, _, _ in grids.values()]
         self._raw = raw = {k: kinematics(g, self.joints, SHARP) for k, (g, _, _) in grids.items()}
         self._arm = arm = Rigid(robot, gravity, self.joints)
         columns = BodyColumns(robot, arm)
@@ -158,7 +159,7 @@ class InverseDynamics(Machine):
             row[j] = (values or {}).get(f"joint.{j}.mass", row[j]) + (values or {}).get(f"joint.{j}.armature", 0.0)
             if f"joint.{j}.mass" in unknown:
                 row[j] = own[j].of("kg")
-        pace = half_width([g for g, _, _ in grids.values()], rows, own, self._idle)
+        pace = half_width(logs, rows, own, self._idle)
         trials: list[TrialData] = []
         lenses: list[Lens] = []
         for key, (grid, condition, overrides) in grids.items():
@@ -176,7 +177,7 @@ class InverseDynamics(Machine):
             self._bump |= {p.trial.id: p.bump for p in pieces}
             lenses += [Lens(narrow, p.bump, thin) for p in pieces]
             trials += [p.trial for p in pieces]
-        noisy = [max(g.scatter[f"joint.{j}.position"] for g, _, _ in grids.values()) for j in self.joints]
+        noisy = [logged_noise(logs, f"joint.{j}.position") for j in self.joints]
         far = np.maximum(REST * np.array([own[j].length for j in self.joints]), CLEAR * np.array(noisy))
         self.trials = standing(trials, {t.id: self._motion[t.id].position for t in trials}, far)
         last = {columns.joint_of(n): f"link.{n}" for n in robot.links_on(self.compared)}
@@ -193,7 +194,7 @@ class InverseDynamics(Machine):
         mass = {f"joint.{j}": float(x) for j, x in zip(self.joints, np.diag(mean), strict=True)}
         self._inertia, self._stated = mean, stated_noise(noise or {}, self.joints, lenses)
         by_link = {n: np.diag(h.inertia(visited) - mean) for n, h in zip(self.links, heavier, strict=True)}
-        seen = {} if idle else {c: logged_noise([g for g, _, _ in grids.values()], c) for c in motion}
+        seen = {} if idle else {c: logged_noise(logs, c) for c in motion}
         self._logged = stated_noise({**seen, **(noise or {})}, self.joints, lenses)
         self.base = dict(values or {})
         centres = {n: own[n.split(".")[1]].of(_UNITS[n.split(".")[2]]) for n in unknown}

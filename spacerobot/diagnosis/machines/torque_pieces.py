@@ -159,11 +159,14 @@ def standing(
         positions: of the joints along each, shape (T, J).
         far: within which each counts as standing, shape (J,) [rad or m].
     """
-    out: list[TrialData] = []
+    last: dict[str, TrialData] = {}
+    out = []
     for trial in trials:
-        before = next((t for t in reversed(out) if t.recorded == trial.recorded), None)
-        first = "" if before is None else before.repeats or before.id
-        both = [positions[trial.id]] if before is None else [positions[before.id], positions[trial.id]]
-        still = before is not None and bool(np.all(np.ptp(np.concatenate(both), axis=0) < far))
-        out.append(replace(trial, repeats=first) if still else trial)
+        before = last.get(trial.recorded)
+        if before is not None:
+            both = np.concatenate([positions[before.id], positions[trial.id]])
+            if np.all(np.ptp(both, axis=0) < far):
+                trial = replace(trial, repeats=before.told_by)
+        last[trial.recorded] = trial
+        out.append(trial)
     return tuple(out)

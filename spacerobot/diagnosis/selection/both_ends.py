@@ -8,13 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from spacerobot.diagnosis.machines.contract import Refused
 from spacerobot.diagnosis.selection.model_choice import pays
 from spacerobot.diagnosis.selection.part_result import Part
 from spacerobot.diagnosis.terms.hypothesis import Site
 from spacerobot.effects.effect import Effect
-
-Refused = frozenset[tuple[str, str]]
-"""(effect, where)."""
 
 
 def one_ended(parts: Sequence[Part]) -> dict[int, Refused]:
@@ -49,7 +47,7 @@ def _shows(part: Part, effect: Effect, site: Site, values: dict[str, float]) -> 
     there, bench = part.model.site(effect, site.where), part.growth.bench
     start = {there.key(p.name): values[site.key(p.name)] for p in site.effect.parameters}
     fit = bench.fitted_anyhow(part.fit, (*part.fit.hypothesis.sites, there), start)
-    return fit is not None and pays(bench.tested(fit), bench.tested(part.fit), part.trials)
+    return fit is not None and pays(bench.tested(fit), part.chosen, part.trials)
 
 
 def _watching(parts: Sequence[Part], port: str) -> Part | None:

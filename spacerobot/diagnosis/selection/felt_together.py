@@ -19,7 +19,7 @@ import numpy as np
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.noise import floor_of
 from spacerobot.diagnosis.fitting.screen import Projector, Screener
-from spacerobot.diagnosis.machines.contract import Machine
+from spacerobot.diagnosis.machines.contract import Machine, Refused
 from spacerobot.diagnosis.selection.bench import Bench
 from spacerobot.diagnosis.selection.nested_laws import by_chance, chance_edge
 from spacerobot.diagnosis.selection.shared_sources import (
@@ -165,7 +165,7 @@ def _numbers(found: Sequence[Leading]) -> dict[str, np.ndarray]:
     return {one.source.where: one.numbers for one, _ in found}
 
 
-def told(model: Machine, shapes: Shapes, refused: frozenset[tuple[str, str]] = frozenset()) -> Machine:
+def told(model: Machine, shapes: Shapes, refused: Refused = frozenset()) -> Machine:
     """A machine that knows in which form it feels effects, and which are not there."""
     if not (shapes or refused):
         return model

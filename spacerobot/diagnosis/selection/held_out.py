@@ -53,10 +53,12 @@ def folds(trials: Sequence[TrialData], most: int = MOST) -> list[tuple[str, tupl
         if len(names) > 1:
             return [(n, tuple(t.id for t in trials if label(t) == n)) for n in names]
     # a piece in which the machine stands on goes with the one it repeats, or each would foretell the other
-    told = list(dict.fromkeys(t.repeats or t.id for t in trials))
-    own = {t.id: (t.repeats or t.id) if len(told) > 1 else t.id for t in trials}
-    parts = np.array_split(np.array(list(dict.fromkeys(own.values()))), min(FOLDS, len(set(own.values()))))
-    return [(f"part {i + 1}", tuple(t.id for t in trials if own[t.id] in p)) for i, p in enumerate(parts)]
+    own = {t.id: t.told_by for t in trials}
+    if len(set(own.values())) == 1:  # it stands all along
+        own = {name: name for name in own}
+    told = list(dict.fromkeys(own.values()))
+    parts = np.array_split(np.array(told), min(FOLDS, len(told)))
+    return [(f"part {i + 1}", tuple(name for name, by in own.items() if by in p)) for i, p in enumerate(parts)]
 
 
 def scheme_of(trials: Sequence[TrialData], most: int = MOST) -> str:

@@ -160,7 +160,7 @@ def groups(trials: Sequence[TrialData]) -> np.ndarray:
     A machine that stands still says what it says once.
     """
     parents = [t.recorded for t in trials]
-    return np.array(parents if len(set(parents)) > 3 else [t.repeats or t.id for t in trials])
+    return np.array(parents if len(set(parents)) > 3 else [t.told_by for t in trials])
 
 
 def as_good(one: Candidate, best: Candidate, baseline: Candidate) -> bool:

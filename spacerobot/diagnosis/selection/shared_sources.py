@@ -67,7 +67,10 @@ class Source:
         place = self._place(own, pull) if self.effect.together == "point" else None
         directions = self.directions(place)
         much = amounts(own, pull, list(directions.T))
-        numbers = directions @ much
+        return self.found(much, directions @ much, pull, place)
+
+    def found(self, much: np.ndarray, numbers: np.ndarray, pull: np.ndarray, place: np.ndarray | None) -> Found:
+        """So much of it along its directions, its numbers with that: what it gains, unless so much cannot be."""
         gain = float(pull @ numbers) if self.possible(much) else 0.0
         return Found(self, gain, numbers, self.form(numbers, place))
 
@@ -192,9 +195,7 @@ def at_once(normal: np.ndarray, right: np.ndarray, found: Sequence[Found]) -> li
         numbers = (part @ own)[one.source.at]
         rest = without(normal, right, [d for n, other in enumerate(parts) if n != k for d in other.T])
         place = end.reshape(-1, 3)[points.index(k)] if k in points else None
-        form = one.source.form(numbers, place)
-        gain = float(rest[1][one.source.at] @ numbers) if one.source.possible(own) else 0.0
-        out.append(Found(one.source, gain, numbers, form))
+        out.append(one.source.found(own, numbers, rest[1][one.source.at], place))
     return out
 
 

@@ -62,6 +62,11 @@ class TrialData:
         """The recorded trial that this one is, or is a piece of."""
         return recorded_id(self.id)
 
+    @property
+    def told_by(self) -> str:
+        """The trial that says what this one says: itself, or the piece that it repeats."""
+        return self.repeats or self.id
+
     @functools.cached_property
     def channels(self) -> tuple[str, ...]:
         """All channels, in block order."""
