@@ -117,6 +117,27 @@ def test_the_check_notices_a_belief_that_is_too_narrow() -> None:
         near_one(together, 80)
 
 
+def test_a_contradiction_is_what_the_cost_falls_by_where_nothing_is_stated() -> None:
+    """Exactly so where all is straight, however little of what is stated the readings take away."""
+    rng, told = np.random.default_rng(2), []
+    for noise in (0.3, 3.0, 30.0):
+        trials = []
+        for k in range(2):
+            value = shown(1.9, 5.1, np.zeros(2)) + noise * SIGMA[:, None] * rng.standard_normal((2, 60))
+            weight = np.repeat(1.0 / noise / SIGMA[:, None], 60, axis=1)
+            trials.append(TrialData(f"{k}", "a", {}, (Block("s", ("x", "y"), TIME, value, weight),), 0.0, 2.0))
+        model = Lines(tuple(trials))
+        fitter = Fitter(model, model.trials, careful=True)
+        held = fitter.fit(hypothesis(model.believed, []))
+        for name, apart in held.contradictions().items():
+            loose = fitter.fit(hypothesis(model.believed.free_of((name,)), []))
+            assert apart**2 == pytest.approx(held.cost - loose.cost, rel=0.01, abs=0.05)
+            assert name not in loose.contradictions()
+            told.append(1.0 - (held.z[held.hypothesis.keys.index(name)] / apart) ** 2)
+    assert min(told) < 0.1
+    assert max(told) > 0.9
+
+
 @pytest.mark.parametrize("sizes", [(3, 2, 1), (5, 4, 3), (1, 1, 6)])
 def test_marginal_covariance_is_the_block_of_the_whole_inverse(sizes: tuple[int, int, int]) -> None:
     """Eliminating the trials' own values loses nothing: Schur's complement is the inverse's block."""

@@ -22,7 +22,7 @@ from spacerobot.diagnosis.selection.penalty import score
 from spacerobot.diagnosis.selection.search_state import Found
 from spacerobot.diagnosis.terms.decision import EARN, PENALTY
 from spacerobot.diagnosis.terms.hypothesis import LOOSE
-from spacerobot.diagnosis.terms.kinds import AMBIGUOUS, WRONG_PARAMETER
+from spacerobot.diagnosis.terms.kinds import AMBIGUOUS, NOTHING_MISSING, WRONG_PARAMETER
 from spacerobot.recordings.study import load_study
 from tests.diagnosis.rigs import write_study
 
@@ -156,6 +156,25 @@ def test_one_wrong_value_stays_a_wrong_value(tmp_path: Path) -> None:
     judgement, _ = judged(shop, scale)
     assert judgement.verdict == WRONG_PARAMETER
     assert judgement.moved == ("wrist.mass",)
+
+
+@pytest.mark.parametrize(("truth", "wrong"), [(0.604, True), (0.67, False)])
+def test_a_value_that_holds_off_readings_which_tell_it_badly_is_wrong(
+    tmp_path: Path, truth: float, wrong: bool
+) -> None:
+    """The fit stays near what is stated, for that is thought to be known better than the readings say."""
+    shop = Workshop(write_study(tmp_path, truth={"wrist.mass": truth}, pressed=False, tracking=4e-4))
+    base = fitted(shop)
+    assert moved(base) == ()
+    with Pool(shop, 1) as pool:
+        loose = freed.baseline_freed(pool, base)
+    left = {id(f): Left((), 1.0) for f in (base, loose) if f is not None}
+    said = judge(Found(base), left, loose, ())
+    assert (said.verdict, said.moved) == ((WRONG_PARAMETER, ("wrist.mass",)) if wrong else (NOTHING_MISSING, ()))
+    if loose is not None:
+        loud = {key: Left((), 3.0) for key in left}
+        assert loose.values()["wrist.mass"] == pytest.approx(truth, rel=0.05)
+        assert judge(Found(base), loud, loose, ()).verdict == NOTHING_MISSING
 
 
 def test_a_damper_several_times_what_is_stated_is_the_one_value_that_is_wrong(tmp_path: Path) -> None:

@@ -11,6 +11,9 @@ import numpy as np
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Hypothesis
 
+UNTOLD = 1e-6
+"""Share of what was believed of a value that readings take away, below which they say nothing of it but rounding."""
+
 
 @dataclass(frozen=True, eq=False)
 class TrialFit:
@@ -64,6 +67,25 @@ class Fit:
         sigma = np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
         rows = zip(self.hypothesis.free, self.z, sigma, strict=True)
         return {f.key: (f.value(float(z - s)), f.value(float(z + s))) for f, z, s in rows}
+
+    def contradictions(self, z: np.ndarray | None = None) -> dict[str, float]:
+        """By believed value, how far the readings are from what is stated, in standard deviations of their difference.
+
+        What is stated draws the fit its way. Where that ends at z, with variance v (both in stated sigmas), readings
+        alone would end at z / (1 - v), known to v / (1 - v); the square is by how much the cost falls where nothing is
+        stated of it. Values of which the readings know nothing contradict nothing.
+
+        Args:
+            z: where the fit ends, shape (G,); its own if None.
+        """
+        if self.covariance is None:
+            return {}
+        rows = zip(self.hypothesis.free, self.z if z is None else z, np.diag(self.covariance), strict=True)
+        return {
+            f.key: float(at) / math.sqrt(1.0 - v)
+            for f, at, v in rows
+            if f.kind == "believed" and f.key not in self.hypothesis.freed and v < 1.0 - UNTOLD
+        }
 
     def initials(self) -> dict[str, np.ndarray]:
         """Initial values by trial, for a warm start."""

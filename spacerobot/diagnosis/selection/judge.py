@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -68,6 +69,16 @@ def moved(fit: Fit) -> tuple[str, ...]:
     return tuple(k for k, s in fit.hypothesis.sigmas(fit.z).items() if abs(s) > MOVED)
 
 
+def contradicted(fit: Fit) -> tuple[str, ...]:
+    """Believed values that are moved, or that hold off readings which do not tell them well enough to move them.
+
+    To give such a one up must earn what an effect must.
+    """
+    bar = math.sqrt(EARN + PENALTY)
+    held_off = {name for name, apart in fit.contradictions().items() if abs(apart) > bar}
+    return tuple(k for k, s in fit.hypothesis.sigmas(fit.z).items() if abs(s) > MOVED or k in held_off)
+
+
 def _wrong(base: Fit, freed: Fit | None) -> tuple[str, ...]:
     """Believed values that are stated wrongly where no effect is missing: those set free, and any still moved."""
     return moved(base) if freed is None else tuple(dict.fromkeys((*freed.hypothesis.freed, *moved(freed))))
@@ -94,6 +105,8 @@ def judge(
     candidates = [base, *(f for f in found.fits.values() if means(f) and f not in nameless)]
     inflation = min((left_of[id(f)].inflation for f in [*candidates, *nameless] if id(f) in left_of), default=1.0)
     scores = {id(f): score(f, inflation) for f in [*candidates, *nameless]}
+    if freed is not None and not moved(base) and score(freed, inflation) > scores[id(base)] - EARN:
+        freed = None  # the noise is louder than it seemed
     many = freed is not None and len(_wrong(base, freed)) > FEW
     at_will = np.inf if freed is None else score(freed, inflation)
     if not many:

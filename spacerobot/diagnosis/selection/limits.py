@@ -231,9 +231,14 @@ class Limits:
 
     def _wrong_instead(self, change: np.ndarray, price: float) -> float:
         """How many times the size is what it must be beside a baseline whose values are wrong; infinite if none is."""
-        free = self.fit.hypothesis.free
-        shift = np.abs(self.project.shift(change))
-        out = tuple(f.key for f, s in zip(free, shift, strict=True) if f.kind == "believed" and s > MOVED - SCATTER)
+        shift = self.project.shift(change)
+        held_off = self.fit.contradictions(shift)
+        bar = math.sqrt(EARN + PENALTY) - SCATTER
+        out = tuple(
+            f.key
+            for f, s in zip(self.fit.hypothesis.free, shift, strict=True)
+            if f.kind == "believed" and (abs(s) > MOVED - SCATTER or abs(held_off.get(f.key, 0.0)) > bar)
+        )
         if not out or self.fit.hypothesis.sites:
             return math.inf
         if out not in self._loose:

@@ -14,7 +14,7 @@ from spacerobot.diagnosis.fitting.pool import Pool
 from spacerobot.diagnosis.fitting.workshop import Task
 from spacerobot.diagnosis.selection.bench import Bench
 from spacerobot.diagnosis.selection.candidate import Candidate
-from spacerobot.diagnosis.selection.judge import moved
+from spacerobot.diagnosis.selection.judge import contradicted, moved
 from spacerobot.diagnosis.selection.penalty import score
 from spacerobot.diagnosis.selection.search_state import Found, Report, run_tasks
 from spacerobot.diagnosis.terms.candidates import contains
@@ -38,8 +38,9 @@ def set_free(pool: Pool, found: Found, report: Report) -> None:
     """
     best = sorted(found.fits.values(), key=lambda f: f.cost)[:BEST]
     held = [f for f in found.fits.values() if any(contains(b.hypothesis.label, f.hypothesis.label) for b in best)]
-    bent = [f for f in found.fits.values() if (f in best or f in held) and 0 < len(moved(f)) <= FEW]
-    tasks = [Task(f.hypothesis.label, {}, near=f, max_iterations=STEPS, patient=True, freed=moved(f)) for f in bent]
+    near = {id(f): contradicted(f) for f in found.fits.values() if f in best or f in held}
+    bent = [f for f in found.fits.values() if 0 < len(near.get(id(f), ())) <= FEW]
+    tasks = [Task(f.hypothesis.label, {}, near=f, max_iterations=STEPS, patient=True, freed=near[id(f)]) for f in bent]
     freed = Found(found.baseline)
     run_tasks(pool, freed, tasks, report, "without what is stated of bent values")
     for fit in freed.fits.values():
@@ -48,12 +49,12 @@ def set_free(pool: Pool, found: Found, report: Report) -> None:
 
 
 def baseline_freed(pool: Pool, baseline: Fit) -> Fit | None:
-    """The baseline with the values set free that are wrong; None where it moves none."""
-    return let_go(baseline, partial(_freed, pool))
+    """The baseline with the values set free that are wrong; None where none is."""
+    return let_go(baseline, contradicted(baseline), partial(_freed, pool))
 
 
-def let_go(held: Fit, freed: Callable[[Fit, tuple[str, ...]], Fit | None]) -> Fit | None:
-    """A fit with the values set free that are wrong; None where it moves none.
+def let_go(held: Fit, out: tuple[str, ...], freed: Callable[[Fit, tuple[str, ...]], Fit | None]) -> Fit | None:
+    """A fit with the values set free that are wrong; None where none is.
 
     A value that is held off drags others with it (a damper stated too small: the spring and two masses), and the fit
     into a valley that is none of theirs. So all that the data move are set free, then taken back one at a time, the
@@ -61,9 +62,9 @@ def let_go(held: Fit, freed: Callable[[Fit, tuple[str, ...]], Fit | None]) -> Fi
 
     Args:
         held: by what is stated.
+        out: values that its data move or contradict.
         freed: fits its effects again, beginning at a fit, with these values free; None where that cannot be.
     """
-    out = moved(held)
     best = freed(held, out) if out else None
     while best is not None and len(best.hypothesis.freed) > 1:
         away = best.hypothesis.sigmas(best.z)
@@ -90,7 +91,7 @@ def unheld(bench: Bench, one: Candidate) -> Candidate:
         bench: under the weights of the fit.
         one: as fitted with what is stated.
     """
-    fit = let_go(one.fit, bench.freed)
+    fit = let_go(one.fit, moved(one.fit), bench.freed)
     if fit is None or len(moved(fit)) > FEW or score(fit) > score(one.fit):
         return one
     return bench.tested(fit)
