@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from spacerobot.diagnosis.learning.curves import Curve
+from spacerobot.diagnosis.learning.curves import BEYOND, Curve
 from spacerobot.effects.learned import Kind, Variable
 
 POINTS = 41
@@ -57,7 +57,7 @@ def band(curve: Curve) -> Band:
     """Of a fitted curve, from its covariance."""
     shape, fit = curve.shape, curve.fit
     # the margin beyond what was visited; what repeats is known all around
-    width = 0.0 if shape.of == "q" else (shape.high - shape.low) * 0.05 / 1.1
+    width = 0.0 if shape.of == "q" else (shape.high - shape.low) * BEYOND / (1.0 + 2.0 * BEYOND)
     x = np.linspace(shape.low + width, shape.high - width, POINTS)
     rows = shape.rows(x)
     law = rows @ curve.coefficients()

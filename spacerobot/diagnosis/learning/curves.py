@@ -21,7 +21,7 @@ CELLS = 29
 FEW_CELLS = 12
 """Of a curve under loud noise, which shows no more: what it costs tells the kinds apart in half the simulations."""
 
-MARGIN = 0.05
+BEYOND = 0.05
 """Share of the recorded range that a curve reaches beyond it on either side: a better fit moves a little further."""
 
 ROUGHNESS = 0.03
@@ -173,7 +173,7 @@ def _range(port: str, of: Variable, seen: Mapping[Variable, tuple[float, float]]
     if of == "z":  # an odd law: what is remembered one way is known the other way
         high = max(-low, high, 1e-6)
         low = -high
-    margin = MARGIN * max(high - low, 1e-9)
+    margin = BEYOND * max(high - low, 1e-9)
     return 0.0 if (port, of) == ("contact", "d") else low - margin, high + margin  # no force where nothing is pressed
 
 
