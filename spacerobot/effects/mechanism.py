@@ -35,6 +35,7 @@ class Mechanism:
         sensors: sensor (stream) name -> its channels, so that an effect can sit at a sensor.
         links: "link.NAME" of each link of a robot that moves and that a load can be fixed to.
         loads: what is fixed to them.
+        level: ports of joints along which nothing's weight does work, of a robot of several.
         gravity: acceleration [m/s^2], shape (3,), in the world's axes; None where bodies feel it along their
             coordinates alone (`fields`).
     """
@@ -53,6 +54,7 @@ class Mechanism:
     sensors: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     links: tuple[str, ...] = ()
     loads: tuple[Load, ...] = ()
+    level: tuple[str, ...] = ()
     gravity: tuple[float, float, float] | None = None
 
     def __post_init__(self) -> None:

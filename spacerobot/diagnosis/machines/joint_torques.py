@@ -192,6 +192,7 @@ class InverseDynamics(Machine):
         visited = np.concatenate([m.position[:: m.stride] for m in self._motion.values()])
         mean = arm.inertia(visited)
         mass = {f"joint.{j}": float(x) for j, x in zip(self.joints, np.diag(mean), strict=True)}
+        self._level = tuple(f"joint.{j}" for j, so in zip(self.joints, arm.level(visited), strict=True) if so)
         self._inertia, self._stated = mean, stated_noise(noise or {}, self.joints, lenses)
         by_link = {n: np.diag(h.inertia(visited) - mean) for n, h in zip(self.links, heavier, strict=True)}
         seen = {} if idle else {c: logged_noise(logs, c) for c in motion}
@@ -300,6 +301,7 @@ class InverseDynamics(Machine):
             ),
             sensors=self._sensors(),
             links=self._felt.links,
+            level=self._level,
             gravity=self._gravity,
         )
 

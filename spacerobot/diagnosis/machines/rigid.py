@@ -18,10 +18,16 @@ from functools import cached_property
 import numpy as np
 import pinocchio as pin
 
+from spacerobot.dynamics.joint_kinds import joint_axis
 from spacerobot.model.robot import Robot
 
 STEP = 1e-4
 """By which a joint is moved to either side for the torque's change with its place [rad or m]: error 1e-8 of it."""
+
+LEVEL = 1e-3
+"""Angle by which a joint's axis may be off the upright, or a slide off the level [rad]: files round their angles."""
+
+TINY = 1e-12
 
 
 class Rigid:
@@ -33,6 +39,7 @@ class Rigid:
         self.model.gravity.linear = np.array(gravity, dtype=float)
         self.data = self.model.createData()
         self.index = [robot.velocity_index(j) for j in joints]
+        self._joints = [robot.joint_id(j) for j in joints]
         self.written = robot.writer(joints)
         self._afloat = _free_motions(np.array(gravity, dtype=float)) if robot.floating else np.zeros((6, 0))
 
@@ -54,6 +61,21 @@ class Rigid:
                 v[:6], a[:6] = self._base(q, v, a, None if turn is None else float(turn[t]))
             out[t] = pin.rnea(self.model, self.data, q, v, a)[self.index]
         return out
+
+    def level(self, position: np.ndarray) -> list[bool]:
+        """By joint, whether no weight does work along it, wherever it is, in poses, shape (T, J); not where afloat."""
+        if self._afloat.size:
+            return [False] * len(self.index)
+        down = self.model.gravity.linear / max(float(np.linalg.norm(self.model.gravity.linear)), TINY)
+        axes = [joint_axis(self.model, j) for j in self._joints]
+        off = np.zeros(len(axes))
+        for q in self.written(_some(position)):
+            pin.forwardKinematics(self.model, self.data, q)
+            for k, (joint, (turns, axis)) in enumerate(zip(self._joints, axes, strict=True)):
+                along = self.data.oMi[joint].rotation @ axis
+                works = np.linalg.norm(np.cross(along, down)) if turns else abs(along @ down)
+                off[k] = max(off[k], float(works))
+        return [bool(x < LEVEL) for x in off]
 
     def by_zero(
         self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray, turn: np.ndarray | None = None
@@ -142,9 +164,8 @@ class Rigid:
 
     def inertia(self, positions: np.ndarray) -> np.ndarray:
         """Mean joint-space inertia over some poses, that of an afloat base taken off, shape (J, J)."""
-        some = positions[:: max(1, positions.shape[0] // 50)]
         found = []
-        for q in self.written(some):
+        for q in self.written(_some(positions)):
             whole, free = self._inertia(q), self._afloat
             own = whole[np.ix_(self.index, self.index)]
             if free.size:
@@ -152,6 +173,11 @@ class Rigid:
                 own = own - coupled.T @ np.linalg.solve(free.T @ whole[:6, :6] @ free, coupled)
             found.append(own)
         return np.asarray(np.mean(found, axis=0))
+
+
+def _some(positions: np.ndarray) -> np.ndarray:
+    """Of many poses, shape (T, J), enough to know them by."""
+    return positions[:: max(1, positions.shape[0] // 50)]
 
 
 def _free_motions(gravity: np.ndarray) -> np.ndarray:

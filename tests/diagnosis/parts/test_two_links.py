@@ -17,7 +17,7 @@ from spacerobot.diagnosis.machines.joint_log import kinematics
 from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
 from spacerobot.diagnosis.machines.rigid import Rigid
 from spacerobot.model.library import load
-from spacerobot.recordings.study import Study
+from spacerobot.recordings.study import Study, load_study
 from tests.diagnosis.parts.helpers_two_links import GRAVITY, JOINTS, URDF, moved, swung, torque, written
 
 NOISE = 1e-4
@@ -50,6 +50,41 @@ def driven(folder: Path, late: tuple[float, float], viscous: float = 0.0) -> Stu
         seen += NOISE * random.standard_normal(seen.shape)
         logs.append({"t": time, "q0": seen[0], "q1": seen[1], "u0": u[0], "u1": u[1]})
     return written(folder, logs)
+
+
+def lying(folder: Path, stiffness: float) -> Study:
+    """An arm on its side, so that no weight turns its joints, whose elbow a spring pulls back."""
+    time, random = np.arange(0.0, 8.0, 0.005), np.random.default_rng(7)
+    logs = []
+    for seed in range(3):
+        q, v, a = moved(time, seed)
+        u = torque(q, v, a) - torque(q, 0.0 * v, 0.0 * a) + np.array([[0.0], [stiffness]]) * q
+        u += 0.003 * np.std(u, axis=1, keepdims=True) * random.standard_normal(u.shape)
+        q = q + NOISE * random.standard_normal(q.shape)
+        logs.append({"t": time, "q0": q[0], "q1": q[1], "u0": u[0], "u1": u[1]})
+    path = written(folder, logs).path
+    path.write_text(path.read_text().replace(f"[0, 0, -{GRAVITY}]", f"[0, -{GRAVITY}, 0]"))
+    return load_study(path)
+
+
+def test_a_spring_is_one_where_no_weight_could_be_meant(tmp_path: Path) -> None:
+    """It was a stop that the joint never left, with a constant torque learned beside it."""
+    answer = diagnose(lying(tmp_path, 0.2))
+    parts = {p.name: [(s.effect.name, s.where) for s in p.chosen.sites] for p in answer.parts}
+    assert parts == {"shoulder": [], "elbow": [("joint_spring", "joint.elbow")]}
+
+
+def test_a_spring_is_not_sought_where_a_heavier_link_does_the_same(tmp_path: Path) -> None:
+    for model in models_for(driven(tmp_path, (0.0, 0.0))):
+        assert "joint_spring" not in {s.effect.name for s in model.sites()}
+
+
+@pytest.mark.parametrize(("gravity", "level"), [((0.0, 0.0, -9.81), ["S1"]), ((0.0, 9.81, 0.0), [])])
+def test_no_weight_turns_an_upright_joint(gravity: tuple[float, float, float], level: list[str]) -> None:
+    robot = load("pa10")
+    arm, random = Rigid(robot, gravity, robot.chain), np.random.default_rng(1)
+    found = arm.level(random.uniform(-2.0, 2.0, (20, len(robot.chain))))
+    assert [j for j, so in zip(robot.chain, found, strict=True) if so] == level
 
 
 def test_pinocchio_asks_for_the_textbook_s_torques() -> None:
