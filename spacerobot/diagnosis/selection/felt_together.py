@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -34,6 +34,7 @@ from spacerobot.diagnosis.selection.shared_sources import (
     without,
 )
 from spacerobot.diagnosis.terms.data import TrialData
+from spacerobot.diagnosis.terms.decision import PENALTY
 from spacerobot.effects.effect import Effect
 
 NEARER = 5
@@ -80,7 +81,7 @@ class Felt:
     @cached_property
     def beside_own(self) -> Felt:
         """Beside all that the part may lack itself."""
-        return self._beside(self.own)
+        return self._beside(self.own, self.left, None)
 
     def beside_shown(self, brought: np.ndarray) -> Felt:
         """Beside those of its own effects alone that show more than chance would, where so much of the numbers, shape
@@ -98,20 +99,21 @@ class Felt:
             shown.append(k)
             unit = others[:, k] / np.sqrt(free[k])
             rest, others = rest - unit * (unit @ rest), others - np.outer(unit, unit @ others)
-        return self._beside(self.own[:, shown])
+        return self._beside(self.own[:, shown], left, noise)
 
-    def _beside(self, own: np.ndarray) -> Felt:
+    def _beside(self, own: np.ndarray, left: np.ndarray, noise: float | None) -> Felt:
         """The same with all taken out that effects of the part's own, shape (S, E), can imitate.
 
         Where a load and a sensor's scale trade places exactly, the less of them is meant: an effect that explains all
-        that is left costs as much as one reading.
+        that is left, shape (S,), costs as much as one reading under this noise; what these effects leave, if None.
         """
         if not own.size:
             return self
         sized = own / np.linalg.norm(own, axis=0)
         basis, size, _ = np.linalg.svd(sized, full_matrices=False)
         basis = basis[:, size > ROUNDING * size[0]]
-        least = self.floor(basis @ (basis.T @ self.left)) / max(float(np.linalg.norm(self.left)), np.finfo(float).tiny)
+        noise = self.floor(basis @ (basis.T @ left)) if noise is None else noise
+        least = noise / max(float(np.linalg.norm(left)), np.finfo(float).tiny)
         priced = np.concatenate([sized, least * np.eye(own.shape[1])])
         basis = np.linalg.qr(priced)[0]
 
@@ -138,26 +140,76 @@ def shapes_of(models: Sequence[Machine], effects: Iterable[Effect], asked: Asked
     some = [models[k] for k in feeling]
     places = list(dict.fromkeys(place for m in some for place in m.shared))
     sources = placed(wanted, places, some)
+    first = asked(feeling, places, {})
+    sought = [_sought(view, sources, first, partial(asked, feeling, places)) for view in VIEWS]
+    if None in sought:
+        return {}
+    nothing = _beside_found(first, [], brought_by([one for one, _ in first], []))
+    tried = [nothing, *(one for one in sought if one is not None)]
+    noise = np.min([[one.floor(one.columns @ t.brought) for one in t.stated] for t in tried], axis=0)
+    best = min(tried, key=lambda one: one.costs(noise))
+    # what is stated of the links may be wrong: what only says so is none of these
+    borne_out = still_there(best.freely, best.found, len(sources))
+    every = (one for leading, same in borne_out for one in (leading, *same))
+    return {(one.source.effect.name, one.source.where): one.form for one in every}
+
+
+VIEWS: tuple[Callable[[Felt], Felt], ...] = (lambda one: one.beside_own, lambda one: one)
+"""What parts are first asked beside: all that each may lack itself, or nothing. One load that all carry is nearly as
+much a scale of each joint's own sensor: beside these little of it is left, and that may be of any sign."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sought:
+    """What all parts feel together, and they beside what each shows of its own; K parts, N numbers.
+
+    Attributes:
+        found: what they feel.
+        stated, freely: parts as they were asked near it, with believed values held or free.
+    """
+
+    found: list[Leading]
+    stated: list[Felt]
+    freely: list[Felt]
+
+    @cached_property
+    def brought(self) -> np.ndarray:
+        """How much there is of all numbers, shape (N,)."""
+        return brought_by(self.stated, self.found)
+
+    def costs(self, noise: np.ndarray) -> float:
+        """What is left over in units of the parts' noise, shape (K,), with each number at its price, their own too."""
+        left = [np.sum((one.left - one.columns @ self.brought) ** 2) for one in self.stated]
+        numbers = sum(one.spent for one in self.stated) + sum(one.source.free for one, _ in self.found)
+        return float(np.sum(np.array(left) / noise**2)) + PENALTY * numbers
+
+
+def _sought(
+    view: Callable[[Felt], Felt],
+    sources: Sequence[Source],
+    felt: Sequence[tuple[Felt, Felt]],
+    asked: Callable[[Mapping[str, np.ndarray]], Sequence[tuple[Felt, Felt]]],
+) -> Sought | None:
+    """One after the other while more than chance is won; None where that takes in ever more."""
     found: list[Leading] = []
-    felt = asked(feeling, places, {})
-    while len(more := found_in([one.beside_own for one, _ in felt], sources, found)) > len(found):
+    while len(more := found_in([view(one) for one, _ in felt], sources, found)) > len(found):
         found = more
         if len(found) > FEW:
-            return {}
+            return None
         for _ in range(NEARER):  # a pull pulls at a load too
-            felt, before = asked(feeling, places, _numbers(found)), found
-            found = found_again([one.beside_own for one, _ in felt], sources, found)
-            if by_chance(moved([one.beside_own for one, _ in felt], before, found), 1):
+            felt, before = asked(_numbers(found)), found
+            found = found_again([view(one) for one, _ in felt], sources, found)
+            if by_chance(moved([view(one) for one, _ in felt], before, found), 1):
                 break
-    if not found:
-        return {}
-    stated = [one.beside_own for one, _ in felt]
-    brought = brought_by(stated, found)
-    found = found_again([one.beside_shown(brought) for one, _ in felt], sources, found)
-    # what is stated of the links may be wrong: what only says so is none of these
-    borne_out = still_there([one.beside_shown(brought) for _, one in felt], found, len(sources))
-    every = (one for best, same in borne_out for one in (best, *same))
-    return {(one.source.effect.name, one.source.where): one.form for one in every}
+    brought = brought_by([view(one) for one, _ in felt], found)
+    beside = _beside_found(felt, found, brought)
+    return replace(beside, found=found_again(beside.stated, sources, found))
+
+
+def _beside_found(felt: Sequence[tuple[Felt, Felt]], found: list[Leading], brought: np.ndarray) -> Sought:
+    """Parts beside what each shows of its own, where so much of the numbers, shape (N,), is there."""
+    stated, freely = ([one.beside_shown(brought) for one in some] for some in zip(*felt, strict=True))
+    return Sought(found, stated, freely)
 
 
 def _numbers(found: Sequence[Leading]) -> dict[str, np.ndarray]:
@@ -181,7 +233,8 @@ class Alone:
     Attributes:
         model: of the part.
         fit: its baseline near what is believed.
-        own: what every effect that it may lack itself would do for its weighted readings, shape (S,) each, and more.
+        own: what every effect that it may lack itself, and every believed value of its own that may be wrong, would do
+            for its weighted readings, shape (S,) each, and more.
     """
 
     model: Machine
@@ -198,7 +251,10 @@ def alone(model: Machine, effects: Sequence[Effect]) -> Alone:
     fit = replace(fit, z=fit.hypothesis.start(unbent))
     screener = Screener(bench.fitter(), model.believed, plain=True)
     best = screener.screen(fit, model.sites(effects)).best().values()
-    return Alone(model, fit, [s.column for s in best if s.norm > 0.0])
+    rows = bench.fitter().rows_at(fit)
+    at = [k for k, f in enumerate(fit.hypothesis.free) if f.kind == "believed" and not f.key.startswith("link.")]
+    values = [np.concatenate([rows[t.id][:, k] for t in bench.trials]) for k in at]
+    return Alone(model, fit, [*(s.column for s in best if s.norm > 0.0), *(v for v in values if v.any())])
 
 
 def felt_by(part: Alone, places: Sequence[str], known: Mapping[str, np.ndarray]) -> tuple[Felt, Felt]:
@@ -228,8 +284,10 @@ def felt_by(part: Alone, places: Sequence[str], known: Mapping[str, np.ndarray])
             project = Projector(fitter, fit, state, robust=False, loose=loose)
             left = -project.free(project.stack(state.raw), fit.z)
             left = left - project.free(bent, np.zeros_like(project.pull))
-            mine = _freed(project, [c[: rows.shape[1]] for c in own]) if own else np.zeros((left.size, 0))
-            out.append(Felt(bench.trials, _freed(project, rows), left, mine))
+            whole = [c[: rows.shape[1]] for c in own]
+            mine = _freed(project, whole) if own else np.zeros((left.size, 0))
+            more = np.linalg.norm(mine, axis=0) > ROUNDING * np.array([np.linalg.norm(c) for c in whole])
+            out.append(Felt(bench.trials, _freed(project, rows), left, mine[:, more]))
         return out
 
     # whatever all of these leave over is noise: beliefs are held by as much as readings then count
@@ -256,6 +314,8 @@ def found_in(felt: Sequence[Felt], sources: Sequence[Source], begun: Sequence[Le
     The parts are weighed by what all of these leave over. A place has one: a link one body.
     """
     known = found_again(felt, sources, begun)
+    if {s.where for s in sources} <= {one.source.where for one, _ in known}:
+        return known
     more = found_again(felt, sources, known, further=True)
     last, _ = more[-1]
     return known if by_chance(last.gain, last.source.free, len(sources)) else more
