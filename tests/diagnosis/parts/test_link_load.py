@@ -36,18 +36,27 @@ OFFERED = ("link_load", "heavier_link", "coulomb_friction", "viscous_friction", 
 CATALOGUE = [one for name, one in all_effects().items() if name in OFFERED]
 
 
-def machines(urdf: str, change: dict[str, float] | None = None, sigma: dict[str, float] | None = None) -> list[Machine]:
-    """The joints of an arm whose logs another made; with torques that read so many times too much."""
-    built = load(urdf)
+def machines(
+    urdf: str,
+    change: dict[str, float] | None = None,
+    sigma: dict[str, float] | None = None,
+    values: dict[str, float] | None = None,
+    loud: float = 0.0,
+) -> list[Machine]:
+    """The joints of an arm whose logs another made; with torques that read so many times too much, or scatter so."""
+    built, random = load(urdf), np.random.default_rng(8)
     grids: dict[str, tuple[Grid, str, dict[str, float]]] = {}
     for n in range(2):
         grid = arm_log(built, n, FRICTION)
         value = {c: x * (change or {}).get(c, 1.0) for c, x in grid.value.items()}
+        value = {c: x + loud * c.endswith(".torque") * random.standard_normal(x.shape) for c, x in value.items()}
         grids[f"run{n}"] = replace(grid, value=value), f"motion {n}", {}
-    noise = {f"joint.{j}.torque": 0.02 for j in JOINTS} | {f"joint.{j}.position": 1e-5 for j in JOINTS}
+    noise = {f"joint.{j}.torque": loud or 0.02 for j in JOINTS} | {f"joint.{j}.position": 1e-5 for j in JOINTS}
     robot = load(ARM)
     return [
-        InverseDynamics(robot, GRAVITY, grids, JOINTS, compared=[j], noise=noise, sigma=dict(sigma or {}))
+        InverseDynamics(
+            robot, GRAVITY, grids, JOINTS, compared=[j], noise=noise, sigma=dict(sigma or {}), values=dict(values or {})
+        )
         for j in JOINTS
     ]
 
@@ -88,6 +97,17 @@ def test_each_joint_names_it_and_how_heavy_it_is(carrying: list[Machine], k: int
 @pytest.mark.parametrize("change", [None, {"joint.elbow.torque": 1.05}], ids=["friction", "a sensor"])
 def test_what_a_joint_lacks_itself_is_no_load(change: dict[str, float] | None) -> None:
     assert all(not m.shapes for m in with_shapes(machines(ARM, change)))
+
+
+def test_a_load_beside_friction_and_wrong_damping_is_no_scale_of_every_sensor() -> None:
+    """Each joint's sensor that reads a tenth too much would do as well: there are as many of these as joints."""
+    damping = {f"joint.{j}.damping": 0.05 for j in JOINTS}
+    models = machines(heavier(ARM, "fore", 0.3, PLACE), sigma=dict.fromkeys(damping, 0.3), values=damping, loud=0.3)
+    for machine in with_shapes(models):
+        (((name, where), form),) = machine.shapes.items()
+        assert (name, where) == ("link_load", "link.fore")
+        x, _, z = shape_of(form)
+        assert np.hypot(x - PLACE[0], z - PLACE[2]) < 0.05
 
 
 STATED = {"link.fore.mass": 0.05, "link.upper.mass": 0.02}
