@@ -35,6 +35,7 @@ from spacerobot.diagnosis.selection.part_fold import settled
 from spacerobot.diagnosis.selection.part_limits import PartLimits
 from spacerobot.diagnosis.selection.part_result import Part
 from spacerobot.diagnosis.selection.search_state import Report, silent
+from spacerobot.diagnosis.selection.shown_elsewhere import settled_by_others
 from spacerobot.diagnosis.selection.stretches import bends, foretold, momentary, struck
 from spacerobot.effects.effect import Effect
 from spacerobot.effects.registry import all_effects, load_effects
@@ -116,6 +117,7 @@ def diagnose_parts(
         if lone := one_ended(parts):
             anew = copies.each(_search, [(k, True, shapes, but) for k, but in lone.items()])
             parts = _with(parts, list(lone), _done(anew, report, "searching again, without what no other joint feels"))
+        parts = settled_by_others(parts)
         again = sorted(not_borne_out(parts))
         anew = copies.each(_search, [(k, False, shapes, lone.get(k, frozenset())) for k in again])
         parts = _with(parts, again, _done(anew, report, "searching again, on one clock"))

@@ -43,9 +43,23 @@ class BodyColumns:
         at = self._frames[link].placement.act(np.asarray(place, dtype=float))
         return np.asarray(pin.Inertia(1.0, at, np.zeros((3, 3))).toDynamicParameters())
 
-    def carried(self, link: str) -> float:
-        """Mass of all that the link's joint moves by itself [kg]."""
-        return float(self.model.inertias[self.joint_of(link)].mass)
+    def carried(self, link: str, place: Sequence[float] | np.ndarray | None) -> float:
+        """The largest mass that what the link's joint moves by itself may have at a place in the link's frame [kg].
+
+        All of it without a place. What is left without that mass is still a body: its pseudo-inertia, the second
+        moments of its mass, has no negative eigenvalue (Wensing, Kim and Slotine 2018, IEEE RA-L 3(1), 60).
+        """
+        own = self.model.inertias[self.joint_of(link)]
+        if place is None:
+            return float(own.mass)
+        about = np.array(own.inertia) + own.mass * (own.lever @ own.lever * np.eye(3) - np.outer(own.lever, own.lever))
+        moments = np.zeros((4, 4))
+        moments[:3, :3] = 0.5 * np.trace(about) * np.eye(3) - about
+        moments[3, :3] = moments[:3, 3] = own.mass * own.lever
+        moments[3, 3] = own.mass
+        size, axes = np.linalg.eigh(moments)
+        along = axes.T @ [*self._frames[link].placement.act(np.asarray(place, dtype=float)), 1.0]
+        return float(1.0 / np.sum(along**2 / np.maximum(size, np.finfo(float).tiny)))
 
     def joint_of(self, link: str) -> int:
         """Index of the joint that moves a link."""

@@ -263,8 +263,8 @@ class Machine(ABC):
         """Those of a body of 1 kg at a place of a link [m], or spread as the link is, shape (10,)."""
         return np.zeros(TEN)
 
-    def carried(self, where: str) -> float:
-        """Mass that moves with a link [kg]: no less of it can be there than that; infinite of what is none."""
+    def carried(self, where: str, place: np.ndarray | None) -> float:
+        """Mass that a link may have at a place [m], or all of it [kg]: no more can be missing; infinite of no link."""
         return np.inf
 
     def sites(self, effects: Iterable[Effect] | None = None) -> list[Site]:

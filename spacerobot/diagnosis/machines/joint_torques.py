@@ -426,9 +426,9 @@ class InverseDynamics(Machine):
         """As the columns of what it carries stand."""
         return self._felt.numbers(where, place)
 
-    def carried(self, where: str) -> float:
+    def carried(self, where: str, place: np.ndarray | None) -> float:
         """As the arm is believed to be."""
-        return self._felt.carried(where)
+        return self._felt.carried(where, place)
 
     def bump(self, trial: TrialData) -> Bump:
         """The test function that a piece's balance is seen through."""

@@ -71,9 +71,9 @@ class SharedColumns:
         """Those of a body of 1 kg at a place of a link [m], or spread as the link is, shape (10,)."""
         return self._columns.numbers(where.removeprefix("link."), place)
 
-    def carried(self, where: str) -> float:
-        """Mass that moves with a link [kg]; infinite of what is none."""
-        return self._columns.carried(where.removeprefix("link.")) if where.startswith("link.") else np.inf
+    def carried(self, where: str, place: np.ndarray | None) -> float:
+        """Mass that a link may have at a place, or all of it [kg]; infinite of what is none."""
+        return self._columns.carried(where.removeprefix("link."), place) if where.startswith("link.") else np.inf
 
     def piece(self, name: str, where: str) -> np.ndarray:
         """What each number of what is at a place asks for along a piece, shape (T, C, N)."""

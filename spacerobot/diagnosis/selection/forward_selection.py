@@ -138,10 +138,34 @@ def no_larger(growth: Growth, most: int, why: str) -> Growth:
         why: what speaks against the larger ones.
     """
     larger = {c.label: why for c in growth.considered if c.size > most}
+    return _again(growth).concluded(list(growth.considered), growth.considered_baseline, larger)
+
+
+def holding(growth: Growth, known: Sequence[Site], why: str) -> Growth:
+    """Concluded once more, among the sets that hold what is known; with the choice so far, or all of it but one effect.
+
+    Args:
+        growth: of all sets.
+        known: effects that are there.
+        why: what speaks against the other sets.
+    """
+    search, tested = _again(growth), list(growth.considered)
+    labels = {s.label for s in known}
+    others = [s for s in growth.after.sites if s.label not in labels]
+    for less in (None, *others):
+        sites = [*(s for s in others if s is not less), *known]
+        if not redundant([s.label for s in sites]) and label_of(sites) not in {c.label for c in tested}:
+            search.grown(sites, tested)
+    without = {c.label: why for c in tested if not labels <= set(c.label)}
+    return search.concluded(tested, growth.considered_baseline, without)
+
+
+def _again(growth: Growth) -> _Search:
+    """A search that goes on from what was found, under the weights at which its sets are considered."""
     growth.bench.weights = growth.weights
     search = _Search(growth.bench, growth.sites)
     search.screened = dict(growth.screened)
-    return search.concluded(list(growth.considered), growth.considered_baseline, larger)
+    return search
 
 
 class _Search:

@@ -43,14 +43,14 @@ class Source:
         where: its place.
         at: its numbers among those of all places.
         numbers: of a body.
-        carried: mass that is there already [kg], of a body; less than all of it may be missing.
+        carried: mass that may be there already [kg], of a body, by link and place; less than all of it may be missing.
     """
 
     effect: Effect
     where: str
     at: slice
     numbers: Numbers
-    carried: float = np.inf
+    carried: Callable[[str, np.ndarray | None], float]
 
     @property
     def free(self) -> int:
@@ -67,21 +67,27 @@ class Source:
         place = self._place(own, pull) if self.effect.together == "point" else None
         directions = self.directions(place)
         much = amounts(own, pull, list(directions.T))
-        return self.found(much, directions @ much, pull, place)
+        if place is not None:
+            much = np.clip(much, *self.range(place))
+        numbers = directions @ much
+        return self.found(much, numbers, float(2.0 * pull @ numbers - numbers @ own @ numbers), place)
 
-    def found(self, much: np.ndarray, numbers: np.ndarray, pull: np.ndarray, place: np.ndarray | None) -> Found:
-        """So much of it along its directions, its numbers with that: what it gains, unless so much cannot be."""
-        gain = float(pull @ numbers) if self.possible(much) else 0.0
-        return Found(self, gain, numbers, self.form(numbers, place))
+    def found(self, much: np.ndarray, numbers: np.ndarray, gain: float, place: np.ndarray | None) -> Found:
+        """So much of it along its directions, its numbers with that, which gain so much unless that cannot be."""
+        return Found(self, gain if self.possible(much, place) else 0.0, numbers, self.form(numbers, place))
 
-    def possible(self, much: np.ndarray) -> bool:
+    def range(self, place: np.ndarray | None) -> tuple[float, float]:
+        """The least and the most that there may be of it, at a place where it has one."""
+        most = self.effect.strength
+        return max(most.lower, -self.carried(self.where, place) * (1.0 - ROUNDING)), most.upper
+
+    def possible(self, much: np.ndarray, place: np.ndarray | None) -> bool:
         """Whether there may be so much of it, along each of its directions.
 
         What nothing reads would take an amount that nothing has: its columns are rounding.
         """
-        most = self.effect.strength
-        least = max(most.lower, -self.carried * (1.0 - ROUNDING))
-        return bool(np.all((least <= much) & (much <= most.upper)))
+        least, most = self.range(place)
+        return bool(np.all((least <= much) & (much <= most)))
 
     def directions(self, place: np.ndarray | None) -> np.ndarray:
         """Along what its numbers may lie, shape (N, D): a body's along one, a pull's along any.
@@ -104,7 +110,10 @@ class Source:
         """Of the best point mass at a link, shape (3,)."""
 
         def loss(place: np.ndarray) -> float:
-            return -gained(own, pull, self.numbers(self.where, place))
+            direction = self.numbers(self.where, place)
+            norm, met = float(direction @ own @ direction), float(direction @ pull)
+            much = float(np.clip(met / norm, *self.range(place))) if norm > 0.0 else 0.0
+            return much * (much * norm - 2.0 * met)
 
         starts = [np.zeros(3), *ASIDE * np.eye(3), *-ASIDE * np.eye(3)]
         ends = [minimize(loss, start, method="L-BFGS-B", bounds=[(-REACH, REACH)] * 3) for start in starts]
@@ -143,7 +152,7 @@ def placed(effects: Sequence[Effect], places: Sequence[str], machines: Sequence[
     for effect in effects:
         open_to = {where for mechanism in plain for where in effect.places(mechanism)}
         some = [p for p in places if p in open_to and not stood_for(effect, p, fitted)]
-        out += [Source(effect, p, at[p], machines[0].numbers, machines[0].carried(p)) for p in some]
+        out += [Source(effect, p, at[p], machines[0].numbers, machines[0].carried) for p in some]
     return out
 
 
@@ -195,7 +204,7 @@ def at_once(normal: np.ndarray, right: np.ndarray, found: Sequence[Found]) -> li
         numbers = (part @ own)[one.source.at]
         rest = without(normal, right, [d for n, other in enumerate(parts) if n != k for d in other.T])
         place = end.reshape(-1, 3)[points.index(k)] if k in points else None
-        out.append(one.source.found(own, numbers, rest[1][one.source.at], place))
+        out.append(one.source.found(own, numbers, float(rest[1][one.source.at] @ numbers), place))
     return out
 
 

@@ -102,7 +102,7 @@ def test_a_zero_that_is_doubted_is_a_wrong_value_and_no_effect() -> None:
 
 def test_a_zero_that_nothing_reads_is_not_found() -> None:
     """About a vertical axis an arm weighs the same wherever it stands: what a zero would do is rounding."""
-    source = Source(effect("encoder_zero"), "joint.shoulder", slice(0, 1), load_numbers)
+    source = Source(effect("encoder_zero"), "joint.shoulder", slice(0, 1), load_numbers, lambda where, place: np.inf)
     read, unread = (source.best(np.array([[s**2]]), np.array([30.0 * s])).gain for s in (1e3, 1e-15))
     assert read == pytest.approx(900.0)
     assert unread == 0.0

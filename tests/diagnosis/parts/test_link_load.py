@@ -14,10 +14,12 @@ from msgspec.structs import replace as replace_struct
 from spacerobot.diagnosis.answer.agreed import agreed
 from spacerobot.diagnosis.answer.record import Effect, Value
 from spacerobot.diagnosis.fitting.fitted import Fit
+from spacerobot.diagnosis.machines.body_columns import BodyColumns
 from spacerobot.diagnosis.machines.contract import Machine
 from spacerobot.diagnosis.machines.grid import Grid
 from spacerobot.diagnosis.machines.joint_torques import InverseDynamics
 from spacerobot.diagnosis.machines.links import mass_of, with_masses
+from spacerobot.diagnosis.machines.rigid import Rigid
 from spacerobot.diagnosis.selection.felt_together import alone, felt_by, shapes_of, told
 from spacerobot.diagnosis.selection.forward_selection import grow
 from spacerobot.diagnosis.selection.one_amount import differ
@@ -145,13 +147,29 @@ def test_torques_without_an_arm_in_them_ask_for_no_link_of_negative_weight() -> 
     }
     arms = [InverseDynamics(load(ARM), GRAVITY, grids, JOINTS, compared=[j]) for j in JOINTS]
     for source in placed([effect("heavier_link")], arms[0].shared, arms):
-        carried = arms[0].carried(source.where)
+        carried = arms[0].carried(source.where, None)
         assert carried > 0.0
-        assert source.possible(np.array([-0.9 * carried]))
-        assert not source.possible(np.array([-carried]))
-    assert np.isinf(arms[0].carried("joint.elbow"))
+        assert source.possible(np.array([-0.9 * carried]), None)
+        assert not source.possible(np.array([-carried]), None)
+    assert np.isinf(arms[0].carried("joint.elbow", None))
     for machine in with_shapes(list(arms)):
         assert all(name != "heavier_link" for name, _ in machine.shapes)
+
+
+@pytest.mark.parametrize("away", [0.0, 0.5, 1.0, 3.0])
+def test_no_more_can_be_missing_at_a_place_than_a_link_may_have_there(away: float) -> None:
+    """Of a ball of mass m and radius r, m / (1 + 5 d^2 / r^2) at a distance d from its middle."""
+    mass, radius = 2.0, 0.1
+    size = 0.4 * mass * radius**2
+    ball = f"""<robot name="ball"><link name="stand"/><link name="ball"><inertial><origin xyz="0.3 0 0.1"/>
+      <mass value="{mass}"/><inertia ixx="{size}" ixy="0" ixz="0" iyy="{size}" iyz="0" izz="{size}"/></inertial></link>
+      <joint name="turn" type="continuous"><origin xyz="0 0 0.2"/><parent link="stand"/><child link="ball"/>
+      <axis xyz="0 1 0"/></joint></robot>"""
+    robot = load(ball)
+    columns = BodyColumns(robot, Rigid(robot, GRAVITY, ["turn"]))
+    place = np.array([0.3, 0.0, 0.1]) + away * radius * np.array([0.6, 0.0, 0.8])
+    assert columns.carried("ball", place) == pytest.approx(mass / (1.0 + 5.0 * away**2), rel=1e-9)
+    assert columns.carried("ball", None) == mass
 
 
 def feeling(mass: float, error: float) -> Fit:
