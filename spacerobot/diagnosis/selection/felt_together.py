@@ -145,7 +145,7 @@ def shapes_of(models: Sequence[Machine], effects: Iterable[Effect], asked: Asked
     if None in sought:
         return {}
     nothing = _beside_found(first, [], brought_by([one for one, _ in first], []))
-    tried = [nothing, *(one for one in sought if one is not None)]
+    tried = [nothing, *(one for some in sought for one in some or ())]
     noise = np.min([[one.floor(one.columns @ t.brought) for one in t.stated] for t in tried], axis=0)
     best = min(tried, key=lambda one: one.costs(noise))
     # what is stated of the links may be wrong: what only says so is none of these
@@ -189,8 +189,11 @@ def _sought(
     sources: Sequence[Source],
     felt: Sequence[tuple[Felt, Felt]],
     asked: Callable[[Mapping[str, np.ndarray]], Sequence[tuple[Felt, Felt]]],
-) -> Sought | None:
-    """One after the other while more than chance is won; None where that takes in ever more."""
+) -> list[Sought] | None:
+    """One after the other while more than chance is won; None where that takes in ever more.
+
+    Then all again beside what the parts show of their own, which is told anew, beside what is there, a few times.
+    """
     found: list[Leading] = []
     while len(more := found_in([view(one) for one, _ in felt], sources, found)) > len(found):
         found = more
@@ -202,8 +205,13 @@ def _sought(
             if by_chance(moved([view(one) for one, _ in felt], before, found), 1):
                 break
     brought = brought_by([view(one) for one, _ in felt], found)
-    beside = _beside_found(felt, found, brought)
-    return replace(beside, found=found_again(beside.stated, sources, found))
+    out: list[Sought] = []
+    for _ in range(ROUNDS if found else 0):
+        beside = _beside_found(felt, found, brought)
+        found = found_again(beside.stated, sources, found)
+        out.append(replace(beside, found=found))
+        brought = out[-1].brought
+    return out
 
 
 def _beside_found(felt: Sequence[tuple[Felt, Felt]], found: list[Leading], brought: np.ndarray) -> Sought:
