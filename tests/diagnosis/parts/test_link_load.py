@@ -23,7 +23,9 @@ from spacerobot.diagnosis.machines.rigid import Rigid
 from spacerobot.diagnosis.selection.felt_together import alone, felt_by, shapes_of, told
 from spacerobot.diagnosis.selection.forward_selection import grow
 from spacerobot.diagnosis.selection.one_amount import differ
+from spacerobot.diagnosis.selection.part_result import Part
 from spacerobot.diagnosis.selection.shared_sources import placed
+from spacerobot.diagnosis.selection.shown_elsewhere import settled_by_others
 from spacerobot.diagnosis.terms.hypothesis import Site
 from spacerobot.effects.registry import all_effects, effect
 from spacerobot.effects.settled import shape_of
@@ -135,6 +137,21 @@ def test_a_link_that_is_heavier_than_its_model_is_no_load_on_it() -> None:
         growth = grow(machine, effects=CATALOGUE)
         more = growth.after.fit.values()["heavier_link@link.fore.mass_kg"]
         assert more == pytest.approx(0.8 * mass_of(load(ARM), "fore"), rel=0.02)
+
+
+@pytest.mark.parametrize(("more", "loud"), [(1.2, 0.3), (1.4, 2.0)])
+def test_what_one_joint_cannot_mistake_settles_what_another_cannot_tell(more: float, loud: float) -> None:
+    """At the last joint a heavier link is nearly a sensor that reads too much; at the one before it is not."""
+    heavy = with_shapes(machines(with_masses(load(ARM), {"fore": more}).urdf, loud=loud))
+    shoulder, elbow = (Part(grow(machine, effects=CATALOGUE)) for machine in heavy)
+    link = ("heavier_link", "link.fore")
+
+    def holding(part: Part) -> set[bool]:
+        return {link in one.label for one in (part.chosen, *part.rivals)}
+
+    assert (holding(shoulder), holding(elbow)) == ({True}, {True, False})
+    assert holding(settled_by_others([elbow])[0]) == {True, False}
+    assert [holding(part) for part in settled_by_others([shoulder, elbow])] == [{True}, {True}]
 
 
 def test_torques_without_an_arm_in_them_ask_for_no_link_of_negative_weight() -> None:
