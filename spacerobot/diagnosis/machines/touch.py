@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.ndimage import maximum_filter1d
+from scipy.stats import chi2
 
 from spacerobot.recordings.series import estimate_noise
 
@@ -24,9 +25,10 @@ AHEAD = 0.01
 LOUD = 50.0
 """A shock has at least so many times the past's mean square, in one joint at least."""
 
-SHAKEN = 5.0
-"""And so many in half of the joints: what touches a link loads every joint that carries it, what a joint does by itself
-shakes its own balance. Ten Gaussian readings exceed this once in four million stretches.
+SELDOM = 2.5e-7
+"""And so many in half of the joints as a stretch of Gaussian readings exceeds with this chance (five times, of ten;
+twenty-seven, of a single one): what touches a link loads every joint that carries it, what a joint does by itself shakes
+its own balance.
 """
 
 SHARE = 0.2
@@ -97,7 +99,7 @@ def first_shock(
     ends = time[past + blind + ahead :]
     share = _trailing(counted, past)[past : past + loud.shape[0]]
     each = loud * share / np.maximum(quiet, 1e-300)
-    together = maximum_filter1d(each, 2 * slow + 1, axis=0) > SHAKEN
+    together = maximum_filter1d(each, 2 * slow + 1, axis=0) > chi2.isf(SELDOM, ahead) / ahead
     felt = (2 * together.sum(axis=1) >= each.shape[1]) & ~own[past + blind + ahead :]
     ratio = np.where(felt, each.max(axis=1), 0.0)
     most = float(ratio.max())

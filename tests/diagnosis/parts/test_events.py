@@ -84,6 +84,19 @@ def test_a_joint_that_shakes_alone_and_an_arm_that_starts_and_stops_were_not_tou
         assert found.low <= 6.1 <= found.high
 
 
+@pytest.mark.parametrize("step", [0.01, 0.004])
+def test_what_noise_alone_shakes_of_a_slow_log_is_no_touch(step: float) -> None:
+    """One joint's friction steps; of the others a stretch is a reading or two, and some are always large."""
+    time, random, found = np.arange(0.0, 20.0, step), np.random.default_rng(5), 0
+    for _ in range(40):
+        rest = 0.01 * random.standard_normal((time.size, 6))
+        found += first_shock(time, rest + np.where(time > 9.0, 0.3, 0.0)[:, None] * np.eye(6)[5]) is not None
+        touched = first_shock(time, rest + np.where(time > 9.0, 0.3, 0.0)[:, None] * np.array([0, 0, 0, 1, 1, 1]))
+        assert touched is not None
+        assert touched.low - step <= 9.0 <= touched.high + step
+    assert found == 0
+
+
 def spinning(kind: str) -> np.ndarray:
     random = np.random.default_rng(1)
     noise = 0.02 * random.standard_normal(TIME.size)
