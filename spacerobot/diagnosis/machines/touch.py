@@ -27,8 +27,8 @@ LOUD = 50.0
 
 SELDOM = 2.5e-7
 """And so many in half of the joints as a stretch of Gaussian readings exceeds with this chance (five times, of ten;
-twenty-seven, of a single one): what touches a link loads every joint that carries it, what a joint does by itself shakes
-its own balance.
+twenty-seven, of a single one): what touches a link loads every joint that carries it, what a joint does by itself
+shakes its own balance.
 """
 
 SHARE = 0.2
