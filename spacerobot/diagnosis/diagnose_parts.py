@@ -25,7 +25,8 @@ from spacerobot.diagnosis.machines.touch import Moment
 from spacerobot.diagnosis.selection.both_ends import one_ended
 from spacerobot.diagnosis.selection.checks import checks_of_part
 from spacerobot.diagnosis.selection.conclusion import retained
-from spacerobot.diagnosis.selection.felt_together import Alone, Felt, Shapes, alone, felt_by, shapes_of, told
+from spacerobot.diagnosis.selection.felt import Felt
+from spacerobot.diagnosis.selection.felt_together import Alone, Shapes, alone, felt_by, shapes_of, told
 from spacerobot.diagnosis.selection.forward_selection import MOST, grow
 from spacerobot.diagnosis.selection.meetings import meetings
 from spacerobot.diagnosis.selection.moment import with_free_moment
