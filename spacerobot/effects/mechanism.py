@@ -35,7 +35,7 @@ class Mechanism:
         sensors: sensor (stream) name -> its channels, so that an effect can sit at a sensor.
         links: "link.NAME" of each link of a robot that moves and that a load can be fixed to.
         loads: what is fixed to them.
-        level: ports of joints along which nothing's weight does work, of a robot of several.
+        level: ports of a robot's joints that slide level, whatever it carries.
         gravity: acceleration [m/s^2], shape (3,), in the world's axes; None where bodies feel it along their
             coordinates alone (`fields`).
     """

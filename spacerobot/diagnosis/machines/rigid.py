@@ -25,7 +25,7 @@ STEP = 1e-4
 """By which a joint is moved to either side for the torque's change with its place [rad or m]: error 1e-8 of it."""
 
 LEVEL = 1e-3
-"""Angle by which a joint's axis may be off the upright, or a slide off the level [rad]: files round their angles."""
+"""Angle by which a slide may be off the level [rad]: files round their angles."""
 
 TINY = 1e-12
 
@@ -63,18 +63,19 @@ class Rigid:
         return out
 
     def level(self, position: np.ndarray) -> list[bool]:
-        """By joint, whether no weight does work along it, wherever it is, in poses, shape (T, J); not where afloat."""
+        """By joint, whether it slides level in poses, shape (T, J), wherever the weights are; not where afloat.
+
+        About an upright axis none does work either, but a base that leans makes them.
+        """
         if self._afloat.size:
             return [False] * len(self.index)
         down = self.model.gravity.linear / max(float(np.linalg.norm(self.model.gravity.linear)), TINY)
         axes = [joint_axis(self.model, j) for j in self._joints]
-        off = np.zeros(len(axes))
+        off = np.array([np.inf if turns else 0.0 for turns, _ in axes])
         for q in self.written(_some(position)):
             pin.forwardKinematics(self.model, self.data, q)
-            for k, (joint, (turns, axis)) in enumerate(zip(self._joints, axes, strict=True)):
-                along = self.data.oMi[joint].rotation @ axis
-                works = np.linalg.norm(np.cross(along, down)) if turns else abs(along @ down)
-                off[k] = max(off[k], float(works))
+            placed = [self.data.oMi[j].rotation @ axis for j, (_, axis) in zip(self._joints, axes, strict=True)]
+            off = np.maximum(off, np.abs(np.array(placed) @ down))
         return [bool(x < LEVEL) for x in off]
 
     def by_zero(

@@ -14,8 +14,8 @@ class JointSpring(Effect):
     """A torque in proportion to the joint's angle, of which the model knows nothing; negative drives it away.
 
     With a constant torque beside it the spring rests elsewhere than at the joint's zero. Not at joints that have a
-    spring already; of several joints only where weight does no work: a link that is heavier than believed does nearly
-    the same elsewhere.
+    spring already; of several joints only where there is no weight, or that slide level: elsewhere a link that is
+    heavier than believed does nearly the same, or a base that leans.
     """
 
     name = "joint_spring"
@@ -28,7 +28,7 @@ class JointSpring(Effect):
     parameters = (Parameter("stiffness_N_m", "N/m", 0.0, 1.0, -1e7, 1e7, (1.0, -1.0, 30.0)),)
 
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:
-        """Joints without a spring, one alone or, of several, those that no weight turns."""
+        """Joints without a spring, one alone or, of several, those that no weight moves."""
         joints = positions(mechanism, "joint")
         if len(joints) > 1 and (mechanism.gravity is None or any(mechanism.gravity)):
             joints = tuple(n for n in joints if n in mechanism.level)

@@ -52,24 +52,35 @@ def driven(folder: Path, late: tuple[float, float], viscous: float = 0.0) -> Stu
     return written(folder, logs)
 
 
-def lying(folder: Path, stiffness: float) -> Study:
-    """An arm on its side, so that no weight turns its joints, whose elbow a spring pulls back."""
+def slide(name: str, parent: str, axis: str) -> str:
+    return f"""<link name="{name}_link"><inertial><mass value="2"/>
+      <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link>
+      <joint name="{name}" type="prismatic"><parent link="{parent}"/><child link="{name}_link"/>
+      <axis xyz="{axis}"/><limit lower="-2" upper="2" effort="90" velocity="9"/></joint>"""
+
+
+GANTRY = f"""<robot name="gantry"><link name="stand"/>{slide("shoulder", "stand", "1 0 0")}
+  {slide("elbow", "shoulder_link", "0 1 0")}{slide("hoist", "elbow_link", "0 0 1")}</robot>"""
+
+
+def gantry(folder: Path, stiffness: float) -> Study:
+    """Two slides that lie level; a hose pulls the second one back."""
     time, random = np.arange(0.0, 8.0, 0.005), np.random.default_rng(7)
     logs = []
     for seed in range(3):
-        q, v, a = moved(time, seed)
-        u = torque(q, v, a) - torque(q, 0.0 * v, 0.0 * a) + np.array([[0.0], [stiffness]]) * q
+        q, _, a = moved(time, seed)
+        u = np.array([[6.0], [4.0]]) * a + np.array([[0.0], [stiffness]]) * q
         u += 0.003 * np.std(u, axis=1, keepdims=True) * random.standard_normal(u.shape)
         q = q + NOISE * random.standard_normal(q.shape)
         logs.append({"t": time, "q0": q[0], "q1": q[1], "u0": u[0], "u1": u[1]})
     path = written(folder, logs).path
-    path.write_text(path.read_text().replace(f"[0, 0, -{GRAVITY}]", f"[0, -{GRAVITY}, 0]"))
+    (folder / "arm.urdf").write_text(GANTRY)
     return load_study(path)
 
 
 def test_a_spring_is_one_where_no_weight_could_be_meant(tmp_path: Path) -> None:
-    """It was a stop that the joint never left, with a constant torque learned beside it."""
-    answer = diagnose(lying(tmp_path, 0.2))
+    """It was a stop that the joint never left, with a constant force learned beside it."""
+    answer = diagnose(gantry(tmp_path, 5.0))
     parts = {p.name: [(s.effect.name, s.where) for s in p.chosen.sites] for p in answer.parts}
     assert parts == {"shoulder": [], "elbow": [("joint_spring", "joint.elbow")]}
 
@@ -79,12 +90,18 @@ def test_a_spring_is_not_sought_where_a_heavier_link_does_the_same(tmp_path: Pat
         assert "joint_spring" not in {s.effect.name for s in model.sites()}
 
 
-@pytest.mark.parametrize(("gravity", "level"), [((0.0, 0.0, -9.81), ["S1"]), ((0.0, 9.81, 0.0), [])])
-def test_no_weight_turns_an_upright_joint(gravity: tuple[float, float, float], level: list[str]) -> None:
-    robot = load("pa10")
-    arm, random = Rigid(robot, gravity, robot.chain), np.random.default_rng(1)
-    found = arm.level(random.uniform(-2.0, 2.0, (20, len(robot.chain))))
-    assert [j for j, so in zip(robot.chain, found, strict=True) if so] == level
+@pytest.mark.parametrize(
+    ("robot", "gravity", "level"),
+    [
+        (GANTRY, (0.0, 0.0, -9.81), ["shoulder", "elbow"]),
+        (GANTRY, (0.0, -9.81, 0.0), ["shoulder", "hoist"]),
+        ("pa10", (0.0, 0.0, -9.81), []),
+    ],
+)
+def test_what_slides_level(robot: str, gravity: tuple[float, float, float], level: list[str]) -> None:
+    built, random = load(robot), np.random.default_rng(1)
+    found = Rigid(built, gravity, built.chain).level(random.uniform(-1.0, 1.0, (20, len(built.chain))))
+    assert [j for j, so in zip(built.chain, found, strict=True) if so] == level
 
 
 def test_pinocchio_asks_for_the_textbook_s_torques() -> None:
