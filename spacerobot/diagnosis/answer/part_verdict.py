@@ -182,9 +182,8 @@ def _struck(knock: Knock) -> Effect:
 
 def _shared(part: Part) -> list[str]:
     """What every set that predicts as well as the chosen one has too, as a line; none where they share nothing."""
-    shared = set.intersection(*({(said_name(n), w) for n, w in c.label} for c in (part.chosen, *part.rivals)))
-    names = " and ".join(f"{name} at {where}" for name, where in sorted(shared))
-    return [f"{part.name}: every explanation that predicts as well has {names}"] if shared else []
+    names = " and ".join(f"{name} at {where}" for name, where in sorted(part.in_all))
+    return [f"{part.name}: every explanation that predicts as well has {names}"] if names else []
 
 
 def _moved(part: Part) -> dict[str, Believed]:

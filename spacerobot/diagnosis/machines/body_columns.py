@@ -25,11 +25,12 @@ class BodyColumns:
         """Of a robot, whose rigid part along the logged joints is `arm`."""
         self.model, self.data, self.arm = arm.model, arm.model.createData(), arm
         self._frames = {f.name: f for f in robot.model.frames if f.type == pin.FrameType.BODY}
+        self._moments: dict[int, tuple[np.ndarray, np.ndarray]] = {}  # of a joint's own body, once it is asked for
 
     def of(self, arm: Rigid) -> BodyColumns:
         """The same, the arm otherwise loaded or in another gravity."""
         other = copy(self)
-        other.model, other.data, other.arm = arm.model, arm.model.createData(), arm
+        other.model, other.data, other.arm, other._moments = arm.model, arm.model.createData(), arm, {}
         return other
 
     def numbers(self, link: str, place: Sequence[float] | np.ndarray | None) -> np.ndarray:
@@ -49,15 +50,12 @@ class BodyColumns:
         All of it without a place. What is left without that mass is still a body: its pseudo-inertia, the second
         moments of its mass, has no negative eigenvalue (Wensing, Kim and Slotine 2018, IEEE RA-L 3(1), 60).
         """
-        own = self.model.inertias[self.joint_of(link)]
+        joint = self.joint_of(link)
         if place is None:
-            return float(own.mass)
-        about = np.array(own.inertia) + own.mass * (own.lever @ own.lever * np.eye(3) - np.outer(own.lever, own.lever))
-        moments = np.zeros((4, 4))
-        moments[:3, :3] = 0.5 * np.trace(about) * np.eye(3) - about
-        moments[3, :3] = moments[:3, 3] = own.mass * own.lever
-        moments[3, 3] = own.mass
-        size, axes = np.linalg.eigh(moments)
+            return float(self.model.inertias[joint].mass)
+        if joint not in self._moments:
+            self._moments[joint] = np.linalg.eigh(self.model.inertias[joint].toPseudoInertia().toMatrix())
+        size, axes = self._moments[joint]
         along = axes.T @ [*self._frames[link].placement.act(np.asarray(place, dtype=float)), 1.0]
         return float(1.0 / np.sum(along**2 / np.maximum(size, np.finfo(float).tiny)))
 

@@ -71,7 +71,7 @@ def shapes_of(models: Sequence[Machine], effects: Iterable[Effect], asked: Asked
     beside, plainly = (_sought(view, sources, first, near) for view in (lambda one: one.beside_own, lambda one: one))
     if beside is None:
         return {}
-    nothing = _beside_found(first, [], brought_by([one for one, _ in first], []))
+    nothing = _beside_found(first, [], np.zeros(first[0][0].columns.shape[1]))
     tried = [nothing, *beside, *(plainly or ())]
     noise = np.min([[one.floor(one.columns @ t.brought) for one in t.stated] for t in tried], axis=0)
     best = min(tried, key=lambda one: one.costs(noise))
@@ -126,9 +126,11 @@ def _sought(
             found = found_again([view(one) for one, _ in felt], sources, found)
             if by_chance(moved([view(one) for one, _ in felt], before, found), 1):
                 break
-    brought = brought_by([view(one) for one, _ in felt], found)
     out: list[Sought] = []
-    for _ in range(ROUNDS if found else 0):
+    if not found:
+        return out
+    brought = brought_by([view(one) for one, _ in felt], found)
+    for _ in range(ROUNDS):
         beside = _beside_found(felt, found, brought)
         found = found_again(beside.stated, sources, found)
         out.append(replace(beside, found=found))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -19,6 +18,7 @@ from spacerobot.diagnosis.terms.decision import (
     EARN,
     FEW,
     GROUP_LIMIT,
+    HELD_OFF,
     LEVEL_LIMIT,
     MARGIN,
     MOVED,
@@ -74,8 +74,7 @@ def contradicted(fit: Fit) -> tuple[str, ...]:
 
     To give such a one up must earn what an effect must.
     """
-    bar = math.sqrt(EARN + PENALTY)
-    held_off = {name for name, apart in fit.contradictions().items() if abs(apart) > bar}
+    held_off = {name for name, apart in fit.contradictions().items() if abs(apart) > HELD_OFF}
     return tuple(k for k, s in fit.hypothesis.sigmas(fit.z).items() if abs(s) > MOVED or k in held_off)
 
 

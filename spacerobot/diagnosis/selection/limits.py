@@ -24,7 +24,7 @@ from spacerobot.diagnosis.fitting.gauss_newton import Fitter
 from spacerobot.diagnosis.fitting.screen import FAINT, Projector, Screener, faint, starts_of
 from spacerobot.diagnosis.fitting.starts import sized
 from spacerobot.diagnosis.terms.candidates import contains, means
-from spacerobot.diagnosis.terms.decision import EARN, MARGIN, MOVED, PENALTY
+from spacerobot.diagnosis.terms.decision import EARN, HELD_OFF, MARGIN, MOVED, PENALTY
 from spacerobot.diagnosis.terms.hypothesis import Believed, Site
 from spacerobot.effects.effect import Parameter
 
@@ -233,11 +233,10 @@ class Limits:
         """How many times the size is what it must be beside a baseline whose values are wrong; infinite if none is."""
         shift = self.project.shift(change)
         held_off = self.fit.contradictions(shift)
-        bar = math.sqrt(EARN + PENALTY) - SCATTER
         out = tuple(
             f.key
             for f, s in zip(self.fit.hypothesis.free, shift, strict=True)
-            if f.kind == "believed" and (abs(s) > MOVED - SCATTER or abs(held_off.get(f.key, 0.0)) > bar)
+            if f.kind == "believed" and (abs(s) > MOVED - SCATTER or abs(held_off.get(f.key, 0.0)) > HELD_OFF - SCATTER)
         )
         if not out or self.fit.hypothesis.sites:
             return math.inf

@@ -22,6 +22,7 @@ from spacerobot.diagnosis.selection.kept_aside import Unseen
 from spacerobot.diagnosis.selection.limits import Limit
 from spacerobot.diagnosis.selection.model_choice import agreeing, ratio, surely
 from spacerobot.diagnosis.selection.stretches import Knock
+from spacerobot.diagnosis.terms.candidates import by_name
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.decision import (
     DOUBT,
@@ -130,6 +131,11 @@ class Part:
     def rivals(self) -> tuple[Candidate, ...]:
         """Candidates that predict as well as the chosen one."""
         return self.growth.rivals if self.chosen is not self.growth.before else ()
+
+    @property
+    def in_all(self) -> set[tuple[str, str]]:
+        """What the choice and every set that predicts as well have, by the names that a verdict gives."""
+        return set.intersection(*(set(by_name(c.label)) for c in (self.chosen, *self.rivals)))
 
     @property
     def moved(self) -> tuple[str, ...]:

@@ -14,6 +14,11 @@ PENALTY = 8.0
 EARN = 20.0
 """Fall of the penalised cost that an effect must bring, after correction for the noise's level and colour."""
 
+HELD_OFF = (EARN + PENALTY) ** 0.5
+"""Standard deviations between what readings say of a believed value and what is stated of it from which giving the
+value up earns what an effect must.
+"""
+
 MARGIN = 10.0
 """Lead below which two sets cannot be told apart, odds of 150 to 1; and which a set must have over a part of it."""
 
