@@ -14,6 +14,7 @@ from spacerobot.diagnosis.machines.joint_log import Motion, Onset
 from spacerobot.diagnosis.machines.measured import port_forces
 from spacerobot.diagnosis.machines.shared_columns import BASE
 from spacerobot.diagnosis.machines.test_functions import Bump
+from spacerobot.diagnosis.machines.undriven import Undriven
 from spacerobot.effects.mechanism import Mechanism
 
 Asked = Callable[[Mapping[str, np.ndarray]], np.ndarray]
@@ -27,10 +28,9 @@ class AskedTorques:
     Attributes:
         joints: of the logs, in their order.
         compared: those whose drives are asked.
-        idle: those that nothing drives.
+        undriven: those of them that nothing drives.
         mass: "joint.NAME" -> the rigid body's own inertia about it in the mean pose [kg m^2 or kg].
         link_mass: links of doubted mass -> what the robot's model has [kg].
-        by_link: of these, what one more such link adds to the inertia about each joint, shape (J,).
         base: believed values by dotted name.
         gravity: that the rigid body is in [m/s^2]; None where it is not felt in space.
         numbers: of a link that may carry a load and a place in it, the load's ten numbers per kilogram, shape (10,).
@@ -38,10 +38,9 @@ class AskedTorques:
 
     joints: tuple[str, ...]
     compared: tuple[str, ...]
-    idle: frozenset[str]
+    undriven: Undriven
     mass: Mapping[str, float]
     link_mass: Mapping[str, float]
-    by_link: Mapping[str, np.ndarray]
     base: Mapping[str, float]
     gravity: tuple[float, float, float] | None
     numbers: Callable[[str, np.ndarray | None], np.ndarray]
@@ -102,12 +101,14 @@ class AskedTorques:
                 out[joint] = out.get(joint, 0.0) + np.array([m.value])
         return {where: numbers for where, numbers in out.items() if numbers.any()}
 
-    def outweighing(self, mechanism: Mechanism, joint: str, shown: np.ndarray) -> np.ndarray:
-        """What is asked for at a joint, in proportion to believed inertia where nothing drives it."""
-        if joint not in self.idle:
-            return shown
-        stated = self.base.get(f"joint.{joint}.torque", 0.0)
-        return stated + self._outweighed(mechanism, joint) * (shown - stated)
+    def read(self, mechanism: Mechanism, joint: str, asked: np.ndarray) -> np.ndarray:
+        """What is asked for at a joint, as it is read where nothing drives it."""
+        if joint not in self.undriven.stated:
+            return asked
+        name = f"joint.{joint}"
+        own = mechanism.coordinates[name].mass - own_inertia(self.base, self.mass, name)
+        heavier = {link: self._heavier(mechanism, link) for link in self.link_mass}
+        return self.undriven.read(joint, asked, own, heavier, self._beside(mechanism))
 
     def _asked(self, mechanism: Mechanism, motion: Motion, joint: str) -> np.ndarray:
         """Torque that the motion asks for at a joint, shape (T,): of the rigid body, and of what is heavier than it."""
@@ -126,28 +127,18 @@ class AskedTorques:
             return {}
         out = {}
         for joint in self.compared:
-            if joint not in self.idle:
+            if joint not in self.undriven.stated:
                 name, i = f"joint.{joint}", self.joints.index(joint)
                 maps = torque_log.beside_motion(mechanism.maps, name)
                 drive = torque_log.inverse(maps, name, motion.torque[:, i], motion.step)
                 out[name] = asked[name] - drive, float(motion.slow[i])
         return out
 
-    def _outweighed(self, mechanism: Mechanism, joint: str) -> float:
-        """A joint's believed inertia over a mechanism's, 1 at what is believed.
-
-        Where nothing drives a joint its motion tells ratios of inertia, weight and friction alone. The noise of a
-        motion asks for torque in proportion to inertia: lighter links would leave less of it, whatever moves.
-        """
-        k, name = self.joints.index(joint), f"joint.{joint}"
-        believed = self.own_inertia(self.base, name)
-        more = sum(self._heavier(mechanism, link) * float(own[k]) for link, own in self.by_link.items())
-        return believed / (mechanism.coordinates[name].mass + more)
-
-    def own_inertia(self, values: Mapping[str, float], name: str) -> float:
-        """About a joint, "joint.NAME", as some values have it [kg m^2 or kg]."""
-        return values.get(f"{name}.mass", self.mass[name]) + values.get(f"{name}.armature", 0.0)
-
     def _heavier(self, mechanism: Mechanism, link: str) -> float:
         """By which share of its mass a link is heavier than the robot's."""
         return mechanism.coordinates[f"link.{link}"].mass / self.link_mass[link] - 1.0
+
+
+def own_inertia(values: Mapping[str, float], mass: Mapping[str, float], name: str) -> float:
+    """About a joint, "joint.NAME", as some values have it, else as the rigid body does [kg m^2 or kg]."""
+    return values.get(f"{name}.mass", mass[name]) + values.get(f"{name}.armature", 0.0)

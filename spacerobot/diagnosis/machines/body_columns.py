@@ -14,7 +14,7 @@ import numpy as np
 import pinocchio as pin
 
 from spacerobot.diagnosis.machines.contract import TEN
-from spacerobot.diagnosis.machines.rigid import Rigid
+from spacerobot.diagnosis.machines.rigid import Rigid, some_of
 from spacerobot.model.robot import Robot
 
 
@@ -62,6 +62,14 @@ class BodyColumns:
     def joint_of(self, link: str) -> int:
         """Index of the joint that moves a link."""
         return int(self._frames[link].parentJoint)
+
+    def inertia(self, link: str, row: int, position: np.ndarray) -> np.ndarray:
+        """What each number adds to the inertia about a logged joint, in the mean of poses, shape (10,)."""
+        some = some_of(position)
+        still, pushed = np.zeros_like(some), np.zeros_like(some)
+        pushed[:, row] = 1.0
+        found = self.along([link], [row], some, still, pushed) - self.along([link], [row], some, still, still)
+        return np.asarray(found.mean(axis=0))
 
     def along(
         self,

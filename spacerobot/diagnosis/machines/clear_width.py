@@ -21,6 +21,10 @@ WIDTH, WIDEST = 0.1, 0.35
 """Half width of the balance's test functions, as a share of the motion's own time (its length over its speed): at
 least, and at most where the motion's noise asks for more. A sine of that time passes the widest by 99 %."""
 
+SWUNG = 1.0
+"""The same at most where nothing drives the joint: nothing there is faster than its own swing, of which inertia and
+weight are the most and all but cancel. What is fitted to the little that is left would be fitted to their noise."""
+
 FINE = Bump.of(200, 1.0)
 """A test function of which sums are integrals."""
 
@@ -42,9 +46,10 @@ def half_width(
     """
     wide = 0.0
     for joint, row in inertia.items():
-        wide = max(wide, clear_width(grids, joint, row, sizes[joint].force if joint in idle else None))
+        swung = row[joint] * sizes[joint].length / sizes[joint].time ** 2
+        wide = max(wide, clear_width(grids, joint, row, swung if joint in idle else None))
     time = min(sizes[joint].time for joint in inertia)
-    return float(np.clip(wide, WIDTH * time, WIDEST * time))
+    return float(np.clip(wide, WIDTH * time, (SWUNG if set(inertia) <= set(idle) else WIDEST) * time))
 
 
 def clear_width(grids: Iterable[Grid], joint: str, inertia: Mapping[str, float], level: float | None = None) -> float:
@@ -54,7 +59,7 @@ def clear_width(grids: Iterable[Grid], joint: str, inertia: Mapping[str, float],
         grids: of the trials.
         joint: whose balance it is.
         inertia: joint -> torque at this one by its acceleration [kg m^2 or kg].
-        level: of what inertia and weight ask for, where nothing drives the joint [N m or N]; else its log tells.
+        level: of what inertia asks for, where nothing drives the joint [N m or N]; else its log tells.
     """
     every = list(grids)
     rates = all(f"joint.{j}.velocity" in g.value for j in inertia for g in every)

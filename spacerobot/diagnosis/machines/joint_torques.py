@@ -14,7 +14,7 @@ from functools import partial
 import numpy as np
 
 from spacerobot.diagnosis.machines import torque_log
-from spacerobot.diagnosis.machines.asked_torques import AskedTorques
+from spacerobot.diagnosis.machines.asked_torques import AskedTorques, own_inertia
 from spacerobot.diagnosis.machines.body_columns import BodyColumns
 from spacerobot.diagnosis.machines.clear_width import half_width, logged_noise
 from spacerobot.diagnosis.machines.contract import FACTORS, Machine, Predicted, Variant, conditions_of
@@ -39,6 +39,7 @@ from spacerobot.diagnosis.machines.stated_noise import Lens, StatedNoise, stated
 from spacerobot.diagnosis.machines.test_functions import Bump
 from spacerobot.diagnosis.machines.torque_pieces import FEWEST, Cutter, Recorded, standing
 from spacerobot.diagnosis.machines.touch import CLEAR, Moment, first_shock
+from spacerobot.diagnosis.machines.undriven import Undriven
 from spacerobot.diagnosis.machines.windows import PIECES, moment
 from spacerobot.diagnosis.terms.candidates import stood_for
 from spacerobot.diagnosis.terms.data import TrialData
@@ -183,10 +184,10 @@ class InverseDynamics(Machine):
         last = {columns.joint_of(n): f"link.{n}" for n in robot.links_on(self.compared)}
         ends = [last[i] for j in self.joints if (i := robot.joint_id(j)) in last]
         felt, encoders = [self.joints.index(j) for j in self.compared], [f"joint.{j}" for j in self.joints]
-        links = () if robot.floating or idle else ends
+        links = () if robot.floating else ends
         self._felt = SharedColumns(columns, links, encoders, felt, self._motion)
         x, y, z = gravity
-        self._gravity = None if robot.floating or idle else (float(x), float(y), float(z))
+        self._gravity = None if robot.floating else (float(x), float(y), float(z))
         self.shared = () if self._gravity is None else (*self._felt.links, BASE, *self._felt.joints)
         self._rows = Rows({t.id: (self._motion[t.id], self._bump[t.id]) for t in trials})
         visited = np.concatenate([m.position[:: m.stride] for m in self._motion.values()])
@@ -194,7 +195,6 @@ class InverseDynamics(Machine):
         mass = {f"joint.{j}": float(x) for j, x in zip(self.joints, np.diag(mean), strict=True)}
         self._level = tuple(f"joint.{j}" for j, so in zip(self.joints, arm.level(visited), strict=True) if so)
         self._inertia, self._stated = mean, stated_noise(noise or {}, self.joints, lenses)
-        by_link = {n: np.diag(h.inertia(visited) - mean) for n, h in zip(self.links, heavier, strict=True)}
         seen = {} if idle else {c: logged_noise(logs, c) for c in motion}
         self._logged = stated_noise({**seen, **(noise or {})}, self.joints, lenses)
         self.base = dict(values or {})
@@ -208,13 +208,19 @@ class InverseDynamics(Machine):
             steps = (grid.step for grid, _, _ in grids.values())
             self.moment |= moment(f"joint.{joint}.delay", {*around, *self.base}, steps)
         self.base |= {n: 0.0 for n in (*around, *self.moment) if n not in self.base}
+        self._undriven = Undriven(
+            self.compared,
+            {j: self.base.get(f"joint.{j}.torque", 0.0) for j in self.compared if j in idle},
+            np.array([own_inertia(self.base, mass, f"joint.{j}") for j in self.compared]),
+            {n: np.diag(h.inertia(visited) - mean)[felt] for n, h in zip(self.links, heavier, strict=True)},
+            partial(self._felt.inertia, visited),
+        )
         self._asks = AskedTorques(
             self.joints,
             self.compared,
-            self._idle,
+            self._undriven,
             mass,
             link_mass,
-            by_link,
             self.base,
             self._gravity,
             self._felt.numbers,
@@ -281,7 +287,7 @@ class InverseDynamics(Machine):
         forces = []
         for joint in self.joints:
             name = f"joint.{joint}"
-            coordinates[name] = Coordinate(name, self._asks.own_inertia(values, name), angular=self._turns[joint])
+            coordinates[name] = Coordinate(name, own_inertia(values, self._asks.mass, name), angular=self._turns[joint])
             if f"{name}.stiffness" in values:
                 forces.append(Force(f"{name}.spring", name, SPRING, (values[f"{name}.stiffness"],), role="spring"))
             if values.get(f"{name}.damping"):
@@ -400,11 +406,30 @@ class InverseDynamics(Machine):
         """As the torque sensors would read it; none of a link that no compared joint carries."""
         if where not in self.shared:
             return super().felt(trial, where)
-        return self._weighted(trial, self._felt.piece(trial.id, where))
+        return self._weighted(trial, self._rises(trial, where))
 
-    def _weighted(self, trial: TrialData, asked: np.ndarray) -> np.ndarray:
-        """Torques, shape (T, C, N), as a trial's weighted readings show them, shape (N, S)."""
-        shown = self.seen(trial, asked.reshape(asked.shape[0], -1)).reshape(-1, *asked.shape[1:])
+    def _rises(self, trial: TrialData, where: str) -> np.ndarray:
+        """By how much readings rise with each number of what is at a shared place, shape (T, C, N)."""
+        rises = self._felt.piece(trial.id, where)
+        shown = self.seen(trial, rises.reshape(rises.shape[0], -1)).reshape(-1, *rises.shape[1:])
+        if not self._undriven.stated:
+            return shown
+        return self._undriven.rises(shown, where, self._left(trial) + self._brought_there(trial), self._felt.there)
+
+    def _left(self, trial: TrialData) -> np.ndarray:
+        """Read beyond what is stated of joints that nothing drives, as is believed, shape (T, C)."""
+        mechanism = self.mechanism({**self.base, **self.believed.unknown, **trial.overrides}, trial)
+        (asked,) = self.predict(mechanism, trial, np.zeros(0)).blocks
+        return np.stack([asked[c] - self._undriven.stated.get(j, 0.0) for c, j in enumerate(self.compared)], axis=1)
+
+    def _brought_there(self, trial: TrialData) -> np.ndarray:
+        """What the numbers that it is near ask for, shape (T, C)."""
+        there = self._felt.there
+        whole = self._felt.bent(trial.id) + sum(self._felt.piece(trial.id, where) @ x for where, x in there.items())
+        return self.seen(trial, whole)
+
+    def _weighted(self, trial: TrialData, shown: np.ndarray) -> np.ndarray:
+        """Torques, shape (T, C, N), as a trial's readings weigh them, shape (N, S)."""
         (block,) = trial.blocks
         return np.concatenate([w[:, None] * shown[:, c] for c, w in enumerate(block.weight)]).T
 
@@ -419,8 +444,12 @@ class InverseDynamics(Machine):
 
     def bent(self, trial: TrialData) -> np.ndarray:
         """As the torque sensors would read it."""
-        shown: np.ndarray = self._weighted(trial, self._felt.bent(trial.id)[..., None])[0]
-        return shown
+        there = self._felt.there
+        whole, shares = self._brought_there(trial), self._undriven.shares(there)
+        if self._undriven.stated:
+            whole = shares * whole + (shares - 1.0) * self._left(trial)
+        rest = whole - sum(self._rises(trial, where) @ x for where, x in there.items())
+        return np.asarray(self._weighted(trial, rest[..., None])[0])
 
     def numbers(self, where: str, place: np.ndarray | None) -> np.ndarray:
         """As the columns of what it carries stand."""
@@ -453,7 +482,7 @@ class InverseDynamics(Machine):
             shown = torque_log.seen(maps, torque[name], log, bump)
             for key, own in read.beside.items():
                 shown = shown - beyond(mechanism, key) * bump.smooth(own.torque[:, names.index(name)])
-            out.append(self._asks.outweighing(mechanism, joint, shown)[:: motion.stride])
+            out.append(self._asks.read(mechanism, joint, shown)[:: motion.stride])
         return Predicted((np.array(out),))
 
     def _of_all(self, mechanism: Mechanism, joined: Joined) -> np.ndarray:
@@ -462,7 +491,7 @@ class InverseDynamics(Machine):
         for joint in self.compared:
             maps = torque_log.beside_motion(mechanism.maps, f"joint.{joint}")
             shown = joined.seen(through_sensor(maps, torque[f"joint.{joint}"], joined.motion.step))
-            out.append(self._asks.outweighing(mechanism, joint, shown))
+            out.append(self._asks.read(mechanism, joint, shown))
         return np.array(out)
 
 

@@ -72,7 +72,7 @@ class Rigid:
         down = self.model.gravity.linear / max(float(np.linalg.norm(self.model.gravity.linear)), TINY)
         axes = [joint_axis(self.model, j) for j in self._joints]
         off = np.array([np.inf if turns else 0.0 for turns, _ in axes])
-        for q in self.written(_some(position)):
+        for q in self.written(some_of(position)):
             pin.forwardKinematics(self.model, self.data, q)
             placed = [self.data.oMi[j].rotation @ axis for j, (_, axis) in zip(self._joints, axes, strict=True)]
             off = np.maximum(off, np.abs(np.array(placed) @ down))
@@ -166,7 +166,7 @@ class Rigid:
     def inertia(self, positions: np.ndarray) -> np.ndarray:
         """Mean joint-space inertia over some poses, that of an afloat base taken off, shape (J, J)."""
         found = []
-        for q in self.written(_some(positions)):
+        for q in self.written(some_of(positions)):
             whole, free = self._inertia(q), self._afloat
             own = whole[np.ix_(self.index, self.index)]
             if free.size:
@@ -176,7 +176,7 @@ class Rigid:
         return np.asarray(np.mean(found, axis=0))
 
 
-def _some(positions: np.ndarray) -> np.ndarray:
+def some_of(positions: np.ndarray) -> np.ndarray:
     """Of many poses, shape (T, J), enough to know them by."""
     return positions[:: max(1, positions.shape[0] // 50)]
 

@@ -12,7 +12,7 @@ import numpy as np
 from spacerobot.diagnosis.machines.body_columns import BodyColumns
 from spacerobot.diagnosis.machines.joined_pieces import Joined
 from spacerobot.diagnosis.machines.joint_log import Motion, unbent
-from spacerobot.diagnosis.machines.rigid import Rigid
+from spacerobot.diagnosis.machines.rigid import STEP, Rigid
 
 BASE = "base"
 """Where a pull on all that has mass acts."""
@@ -30,6 +30,7 @@ class SharedColumns:
     Attributes:
         links: "link.NAME", base to tip: the last one of each logged joint that they carry; ten numbers of a body each.
         joints: "joint.NAME" of each logged joint; one number each, its encoder's zero. The base has three, a pull.
+        there: numbers at some of the places, near which these are.
     """
 
     def __init__(
@@ -43,7 +44,7 @@ class SharedColumns:
         """Of places, felt by some of the logged joints, along the pieces' motions by their ids."""
         self._columns, self.links, self._rows, self._motion = columns, tuple(links), list(rows), of
         self.joints = tuple(joints)
-        self._there: dict[str, np.ndarray] = {}
+        self.there: Mapping[str, np.ndarray] = {}
         self._believed = self
         self._plain: dict[str, np.ndarray] = {}
         self._along: dict[tuple[str, str], np.ndarray] = {}
@@ -56,16 +57,16 @@ class SharedColumns:
     def near(self, numbers: Mapping[str, np.ndarray]) -> SharedColumns:
         """The same where these are at some of the places: what more of each asks for there."""
         other = self.along(self._motion)
-        other._there, other._believed = dict(numbers), self
+        other.there, other._believed = dict(numbers), self
         other._columns = self._columns.of(self._with(numbers))
         return other
 
     def bent(self, name: str) -> np.ndarray:
         """What all of these ask for there along a piece, beside what is in proportion to them, shape (T, C)."""
-        if not self._there:
+        if not self.there:
             return np.zeros((self._motion[name].position.shape[0], len(self._rows)))
-        whole = self._believed._exactly(name, self._columns.arm, self._there)
-        return np.asarray(whole - sum(self.piece(name, where) @ x for where, x in self._there.items()))
+        whole = self._believed._exactly(name, self._columns.arm, self.there)
+        return np.asarray(whole - sum(self.piece(name, where) @ x for where, x in self.there.items()))
 
     def numbers(self, where: str, place: np.ndarray | None) -> np.ndarray:
         """Those of a body of 1 kg at a place of a link [m], or spread as the link is, shape (10,)."""
@@ -81,10 +82,22 @@ class SharedColumns:
         kind = places[0]
         if (name, kind) not in self._along:
             m = self._motion[name]
-            place = m.position - self._zeros(self._there)
+            place = m.position - self._zeros(self.there)
             found = unbent(along, m.lens, m.wider, (place, m.velocity, m.acceleration, m.turn))
             self._along[name, kind] = found.reshape(found.shape[0], len(self._rows), len(places), -1)
         return self._along[name, kind][:, :, places.index(where)]
+
+    def inertia(self, position: np.ndarray, where: str) -> np.ndarray | None:
+        """What each number of what is at a place adds to the inertia about each joint that feels it, in the mean of
+        poses, shape (C, N); None of a pull, which adds nothing."""
+        if where in self.links:
+            link = where.removeprefix("link.")
+            return np.array([self._columns.inertia(link, row, position) for row in self._rows])
+        if where in self.joints:
+            aside = STEP * (np.array(self.joints) == where)
+            less, more = (self._columns.arm.inertia(position + side) for side in (aside, -aside))
+            return np.asarray(np.diag(more - less)[self._rows, None] / (2.0 * STEP))
+        return None
 
     def _alike(self, where: str) -> tuple[tuple[str, ...], Callable[..., np.ndarray]]:
         """Places of one kind, whose columns are made at once, and what makes them."""

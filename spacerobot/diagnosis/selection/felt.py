@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -22,6 +22,7 @@ class Felt:
         columns: by how much its weighted readings rise with each number, shape (S, N).
         left: what its baseline leaves over, shape (S,), that these would have to bring.
         own: what effects of its own would bring, shape (S, E).
+        ways: in which sense each of them can, shape (E,): 1, -1, or 0 in both.
         spent: how many of these were taken out of the rest.
     """
 
@@ -29,6 +30,7 @@ class Felt:
     columns: np.ndarray
     left: np.ndarray
     own: np.ndarray
+    ways: np.ndarray
     spent: int = 0
 
     def floor(self, brought: np.ndarray | float) -> float:
@@ -56,7 +58,9 @@ class Felt:
         edge, rest, others = chance_edge(1, self.own.shape[1]), left, self.own / np.linalg.norm(self.own, axis=0)
         while len(shown) < self.own.shape[1]:
             free = np.sum(others**2, axis=0)
-            gain = np.where(free > ROUNDING, (others.T @ rest) ** 2 / np.maximum(free, ROUNDING), 0.0) / noise**2
+            along = others.T @ rest
+            gain = np.where(free > ROUNDING, along**2 / np.maximum(free, ROUNDING), 0.0) / noise**2
+            gain[along * self.ways < 0.0] = 0.0
             k = int(np.argmax(gain))
             if gain[k] <= edge:
                 break
@@ -85,4 +89,4 @@ class Felt:
             longer = np.concatenate([x, np.zeros((own.shape[1], *x.shape[1:]))])
             return np.asarray(longer - basis @ (basis.T @ longer))
 
-        return Felt(self.trials, freed(self.columns), freed(self.left), own, own.shape[1])
+        return replace(self, columns=freed(self.columns), left=freed(self.left), own=own, spent=own.shape[1])

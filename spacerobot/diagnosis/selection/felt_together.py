@@ -21,6 +21,7 @@ from spacerobot.diagnosis.fitting.screen import Projector, Screener
 from spacerobot.diagnosis.machines.contract import Machine, Refused
 from spacerobot.diagnosis.selection.bench import Bench
 from spacerobot.diagnosis.selection.felt import Felt
+from spacerobot.diagnosis.selection.nameable import only_way
 from spacerobot.diagnosis.selection.nested_laws import by_chance
 from spacerobot.diagnosis.selection.shared_sources import (
     ROUNDING,
@@ -167,11 +168,13 @@ class Alone:
         fit: its baseline near what is believed.
         own: what every effect that it may lack itself, and every believed value of its own that may be wrong, would do
             for its weighted readings, shape (S,) each, and more.
+        ways: of each of these, see `Felt.ways`.
     """
 
     model: Machine
     fit: Fit
     own: Sequence[np.ndarray]
+    ways: np.ndarray
 
 
 def alone(model: Machine, effects: Sequence[Effect]) -> Alone:
@@ -182,11 +185,12 @@ def alone(model: Machine, effects: Sequence[Effect]) -> Alone:
     unbent = {k: x for k, x in fit.values().items() if k not in model.believed.fitted}
     fit = replace(fit, z=fit.hypothesis.start(unbent))
     screener = Screener(bench.fitter(), model.believed, plain=True)
-    best = screener.screen(fit, model.sites(effects)).best().values()
+    best = [s for s in screener.screen(fit, model.sites(effects)).best().values() if s.norm > 0.0]
+    ways = [only_way(s.site, s.start, model.size_at(s.site.where)) for s in best]
     rows = bench.fitter().rows_at(fit)
     at = [k for k, f in enumerate(fit.hypothesis.free) if f.kind == "believed" and not f.key.startswith("link.")]
-    values = [np.concatenate([rows[t.id][:, k] for t in bench.trials]) for k in at]
-    return Alone(model, fit, [*(s.column for s in best if s.norm > 0.0), *(v for v in values if v.any())])
+    values = [v for k in at if (v := np.concatenate([rows[t.id][:, k] for t in bench.trials])).any()]
+    return Alone(model, fit, [*(s.column for s in best), *values], np.array([*ways, *(0.0 for _ in values)]))
 
 
 def felt_by(part: Alone, places: Sequence[str], known: Mapping[str, np.ndarray]) -> tuple[Felt, Felt]:
@@ -219,7 +223,7 @@ def felt_by(part: Alone, places: Sequence[str], known: Mapping[str, np.ndarray])
             whole = [c[: rows.shape[1]] for c in own]
             mine = _freed(project, whole) if own else np.zeros((left.size, 0))
             more = np.linalg.norm(mine, axis=0) > ROUNDING * np.array([np.linalg.norm(c) for c in whole])
-            out.append(Felt(bench.trials, _freed(project, rows), left, mine[:, more]))
+            out.append(Felt(bench.trials, _freed(project, rows), left, mine[:, more], part.ways[more]))
         return out
 
     # whatever all of these leave over is noise: beliefs are held by as much as readings then count

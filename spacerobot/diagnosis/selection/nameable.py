@@ -140,6 +140,19 @@ def reached(sites: Sequence[Site], values: Mapping[str, float], visited: Callabl
     return True
 
 
+def only_way(site: Site, start: Mapping[str, float], sizes: Sizes) -> float:
+    """1 or -1 where there is an effect with more of its strength, from nothing towards its start (by key), or less; 0
+    if both.
+
+    Less mass than believed is no payload, and friction does not push.
+    """
+    p, own = site.effect.strength, site.own(start)
+    back = 2.0 * p.null - own[p.name]
+    there = not site.effect.implausible(own, sizes)
+    other = p.lower <= back <= p.upper and not site.effect.implausible({**own, p.name: back}, sizes)
+    return float(there) - float(other)
+
+
 def implausible(sites: Sequence[Site], values: Mapping[str, float], size_at: Callable[[str], Sizes]) -> str:
     """Why effects, with their fitted numbers, are not what their names say, one clause; empty where they are."""
     if redundant([s.label for s in sites]):
