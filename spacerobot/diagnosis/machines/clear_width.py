@@ -46,8 +46,7 @@ def half_width(
     """
     wide = 0.0
     for joint, row in inertia.items():
-        swung = row[joint] * sizes[joint].length / sizes[joint].time ** 2
-        wide = max(wide, clear_width(grids, joint, row, swung if joint in idle else None))
+        wide = max(wide, clear_width(grids, joint, row, sizes[joint].force if joint in idle else None))
     time = min(sizes[joint].time for joint in inertia)
     return float(np.clip(wide, WIDTH * time, (SWUNG if set(inertia) <= set(idle) else WIDEST) * time))
 
@@ -59,7 +58,7 @@ def clear_width(grids: Iterable[Grid], joint: str, inertia: Mapping[str, float],
         grids: of the trials.
         joint: whose balance it is.
         inertia: joint -> torque at this one by its acceleration [kg m^2 or kg].
-        level: of what inertia asks for, where nothing drives the joint [N m or N]; else its log tells.
+        level: of what inertia and weight ask for, where nothing drives the joint [N m or N]; else its log tells.
     """
     every = list(grids)
     rates = all(f"joint.{j}.velocity" in g.value for j in inertia for g in every)
