@@ -29,6 +29,7 @@ from spacerobot.diagnosis.machines.joint_log import (
     shifted,
     stated_friction,
     torque_sizes,
+    unbent,
 )
 from spacerobot.diagnosis.machines.links import twice_as_heavy, weighed_links
 from spacerobot.diagnosis.machines.measured import through_sensor
@@ -324,8 +325,8 @@ class InverseDynamics(Machine):
         if not self.driven:
             return found
         for trial, log in self._raw.items():
-            asked = self._arm.torque(log.position, log.velocity, log.acceleration, log.turned(self._arm))
-            rest = log.torque - asked
+            motion = (log.position, log.velocity, log.acceleration, log.turned(self._arm))
+            rest = log.torque - unbent(self._arm.torque, log.lens, log.wider, motion)
             moment = first_shock(log.time, rest, SHARP * log.step, log.velocity)
             if moment is not None:
                 found[trial] = moment

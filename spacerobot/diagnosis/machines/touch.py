@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.ndimage import maximum_filter1d
-from scipy.stats import chi2
+from scipy.stats import f
 
 from spacerobot.recordings.series import estimate_noise
 
@@ -26,9 +26,9 @@ LOUD = 50.0
 """A shock has at least so many times the past's mean square, in one joint at least."""
 
 SELDOM = 2.5e-7
-"""And so many in half of the joints as a stretch of Gaussian readings exceeds with this chance (five times, of ten;
-twenty-seven, of a single one): what touches a link loads every joint that carries it, what a joint does by itself
-shakes its own balance.
+"""And so many in half of the joints as a stretch of Gaussian readings exceeds with this chance (five times, of ten
+after a thousand; thirty-one, of a single one after a hundred, 85 after fourteen): what touches a link loads every joint
+that carries it, what a joint does by itself shakes its own balance.
 """
 
 SHARE = 0.2
@@ -99,7 +99,10 @@ def first_shock(
     ends = time[past + blind + ahead :]
     share = _trailing(counted, past)[past : past + loud.shape[0]]
     each = loud * share / np.maximum(quiet, 1e-300)
-    together = maximum_filter1d(each, 2 * slow + 1, axis=0) > chi2.isf(SELDOM, ahead) / ahead
+    seldom = np.asarray(
+        f.isf(SELDOM, ahead, np.maximum(np.arange(past + 1), 1))
+    )  # of a past of which few readings count
+    together = maximum_filter1d(each / seldom[np.rint(share * past).astype(int)], 2 * slow + 1, axis=0) > 1.0
     felt = (2 * together.sum(axis=1) >= each.shape[1]) & ~own[past + blind + ahead :]
     ratio = np.where(felt, each.max(axis=1), 0.0)
     most = float(ratio.max())
