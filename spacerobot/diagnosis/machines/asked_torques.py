@@ -101,14 +101,14 @@ class AskedTorques:
                 out[joint] = out.get(joint, 0.0) + np.array([m.value])
         return {where: numbers for where, numbers in out.items() if numbers.any()}
 
-    def read(self, mechanism: Mechanism, joint: str, asked: np.ndarray) -> np.ndarray:
-        """What is asked for at a joint, as it is read where nothing drives it."""
+    def read(self, mechanism: Mechanism, joint: str, along: str | Joined, asked: np.ndarray) -> np.ndarray:
+        """What is asked for at a joint along a piece, or pieces in a row, as it is read where nothing drives it."""
         if joint not in self.undriven.stated:
             return asked
         name = f"joint.{joint}"
         own = mechanism.coordinates[name].mass - own_inertia(self.base, self.mass, name)
         heavier = {link: self._heavier(mechanism, link) for link in self.link_mass}
-        return self.undriven.read(joint, asked, own, heavier, self._beside(mechanism))
+        return self.undriven.read(joint, along, asked, own, heavier, self._beside(mechanism))
 
     def _asked(self, mechanism: Mechanism, motion: Motion, joint: str) -> np.ndarray:
         """Torque that the motion asks for at a joint, shape (T,): of the rigid body, and of what is heavier than it."""

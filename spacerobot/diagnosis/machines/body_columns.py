@@ -14,7 +14,7 @@ import numpy as np
 import pinocchio as pin
 
 from spacerobot.diagnosis.machines.contract import TEN
-from spacerobot.diagnosis.machines.rigid import Rigid, some_of
+from spacerobot.diagnosis.machines.rigid import Rigid
 from spacerobot.model.robot import Robot
 
 
@@ -64,12 +64,11 @@ class BodyColumns:
         return int(self._frames[link].parentJoint)
 
     def inertia(self, link: str, row: int, position: np.ndarray) -> np.ndarray:
-        """What each number adds to the inertia about a logged joint, in the mean of poses, shape (10,)."""
-        some = some_of(position)
-        still, pushed = np.zeros_like(some), np.zeros_like(some)
+        """What each number adds to the inertia about a logged joint in poses, shape (T, J): shape (T, 10)."""
+        still, pushed = np.zeros_like(position), np.zeros_like(position)
         pushed[:, row] = 1.0
-        found = self.along([link], [row], some, still, pushed) - self.along([link], [row], some, still, still)
-        return np.asarray(found.mean(axis=0))
+        pulled, weight = (self.along([link], [row], position, still, a) for a in (pushed, still))
+        return np.asarray(pulled - weight)
 
     def along(
         self,

@@ -177,6 +177,9 @@ class Machine(ABC):
     carry a body; the base, in gravity; joints, "joint.NAME", whose encoders may have another zero."""
     refused: Refused = frozenset()
     """What is not offered."""
+    proportional: bool = True
+    """Whether what it reads rises in proportion to bodies at shared places, more or less."""
+
     shapes: Mapping[tuple[str, str], str] = MappingProxyType({})
     """By effect and place, the form in which what all parts feel together was found (`Effect.together`)."""
     strides: bool = True

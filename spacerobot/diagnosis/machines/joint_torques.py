@@ -211,11 +211,15 @@ class InverseDynamics(Machine):
         self.base |= {n: 0.0 for n in (*around, *self.moment) if n not in self.base}
         self._undriven = Undriven(
             self.compared,
+            np.array(felt),
             {j: self.base.get(f"joint.{j}.torque", 0.0) for j in self.compared if j in idle},
-            np.array([own_inertia(self.base, mass, f"joint.{j}") for j in self.compared]),
-            {n: np.diag(h.inertia(visited) - mean)[felt] for n, h in zip(self.links, heavier, strict=True)},
-            partial(self._felt.inertia, visited),
+            self._motion,
+            arm,
+            np.array([own_inertia(self.base, mass, n) - mass[n] for n in (f"joint.{j}" for j in self.compared)]),
+            dict(zip(self.links, heavier, strict=True)),
+            self._felt.inertia,
         )
+        self.proportional = not self._undriven.stated
         self._asks = AskedTorques(
             self.joints,
             self.compared,
@@ -410,27 +414,29 @@ class InverseDynamics(Machine):
         return self._weighted(trial, self._rises(trial, where))
 
     def _rises(self, trial: TrialData, where: str) -> np.ndarray:
-        """By how much readings rise with each number of what is at a shared place, shape (T, C, N)."""
+        """By how much what is read rises with each number of what is at a shared place, shape (T, C, N)."""
         rises = self._felt.piece(trial.id, where)
-        shown = self.seen(trial, rises.reshape(rises.shape[0], -1)).reshape(-1, *rises.shape[1:])
         if not self._undriven.stated:
-            return shown
-        return self._undriven.rises(shown, where, self._left(trial) + self._brought_there(trial), self._felt.there)
+            return rises
+        left = self._left(trial) + self._brought_there(trial)
+        return self._undriven.rises(trial.id, rises, where, left, self._felt.there)
 
     def _left(self, trial: TrialData) -> np.ndarray:
-        """Read beyond what is stated of joints that nothing drives, as is believed, shape (T, C)."""
+        """What is asked for beyond what is stated of joints that nothing drives, as is believed, shape (T, C)."""
         mechanism = self.mechanism({**self.base, **self.believed.unknown, **trial.overrides}, trial)
-        (asked,) = self.predict(mechanism, trial, np.zeros(0)).blocks
-        return np.stack([asked[c] - self._undriven.stated.get(j, 0.0) for c, j in enumerate(self.compared)], axis=1)
+        motion = self._motion[trial.id]
+        asked = self._asks.along(mechanism, motion, motion.lens, partial(self._felt.asked, trial.id))
+        return np.stack([asked[f"joint.{j}"] - self._undriven.stated.get(j, 0.0) for j in self.compared], axis=1)
 
     def _brought_there(self, trial: TrialData) -> np.ndarray:
         """What the numbers that it is near ask for, shape (T, C)."""
         there = self._felt.there
-        whole = self._felt.bent(trial.id) + sum(self._felt.piece(trial.id, where) @ x for where, x in there.items())
-        return self.seen(trial, whole)
+        straight = sum(self._felt.piece(trial.id, where) @ x for where, x in there.items())
+        return np.asarray(self._felt.bent(trial.id) + straight)
 
-    def _weighted(self, trial: TrialData, shown: np.ndarray) -> np.ndarray:
-        """Torques, shape (T, C, N), as a trial's readings weigh them, shape (N, S)."""
+    def _weighted(self, trial: TrialData, read: np.ndarray) -> np.ndarray:
+        """What is read along a trial, shape (T, C, N), as its weighted readings show it, shape (N, S)."""
+        shown = self.seen(trial, read.reshape(read.shape[0], -1)).reshape(-1, *read.shape[1:])
         (block,) = trial.blocks
         return np.concatenate([w[:, None] * shown[:, c] for c, w in enumerate(block.weight)]).T
 
@@ -446,8 +452,9 @@ class InverseDynamics(Machine):
     def bent(self, trial: TrialData) -> np.ndarray:
         """As the torque sensors would read it."""
         there = self._felt.there
-        whole, shares = self._brought_there(trial), self._undriven.shares(there)
+        whole = self._brought_there(trial)
         if self._undriven.stated:
+            shares = self._undriven.shares(trial.id, there)
             whole = shares * whole + (shares - 1.0) * self._left(trial)
         rest = whole - sum(self._rises(trial, where) @ x for where, x in there.items())
         return np.asarray(self._weighted(trial, rest[..., None])[0])
@@ -480,10 +487,10 @@ class InverseDynamics(Machine):
             name = f"joint.{joint}"
             maps = torque_log.beside_motion(mechanism.maps, name)
             log = None if motion.torque is None else motion.torque[:, names.index(name)]
-            shown = torque_log.seen(maps, torque[name], log, bump)
+            shown = torque_log.seen(maps, self._asks.read(mechanism, joint, trial.id, torque[name]), log, bump)
             for key, own in read.beside.items():
                 shown = shown - beyond(mechanism, key) * bump.smooth(own.torque[:, names.index(name)])
-            out.append(self._asks.read(mechanism, joint, shown)[:: motion.stride])
+            out.append(shown[:: motion.stride])
         return Predicted((np.array(out),))
 
     def _of_all(self, mechanism: Mechanism, joined: Joined) -> np.ndarray:
@@ -491,8 +498,8 @@ class InverseDynamics(Machine):
         torque, out = self._asks.along(mechanism, joined.motion, joined, partial(self._felt.asked, joined)), []
         for joint in self.compared:
             maps = torque_log.beside_motion(mechanism.maps, f"joint.{joint}")
-            shown = joined.seen(through_sensor(maps, torque[f"joint.{joint}"], joined.motion.step))
-            out.append(self._asks.read(mechanism, joint, shown))
+            read = self._asks.read(mechanism, joint, joined, torque[f"joint.{joint}"])
+            out.append(joined.seen(through_sensor(maps, read, joined.motion.step)))
         return np.array(out)
 
 

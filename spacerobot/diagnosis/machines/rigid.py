@@ -72,7 +72,7 @@ class Rigid:
         down = self.model.gravity.linear / max(float(np.linalg.norm(self.model.gravity.linear)), TINY)
         axes = [joint_axis(self.model, j) for j in self._joints]
         off = np.array([np.inf if turns else 0.0 for turns, _ in axes])
-        for q in self.written(some_of(position)):
+        for q in self.written(_some(position)):
             pin.forwardKinematics(self.model, self.data, q)
             placed = [self.data.oMi[j].rotation @ axis for j, (_, axis) in zip(self._joints, axes, strict=True)]
             off = np.maximum(off, np.abs(np.array(placed) @ down))
@@ -164,19 +164,23 @@ class Rigid:
         return np.asarray(np.triu(full) + np.triu(full, 1).T)
 
     def inertia(self, positions: np.ndarray) -> np.ndarray:
-        """Mean joint-space inertia over some poses, that of an afloat base taken off, shape (J, J)."""
+        """Mean joint-space inertia over some of many poses, see `inertias`, shape (J, J)."""
+        return np.asarray(np.mean(self.inertias(_some(positions)), axis=0))
+
+    def inertias(self, positions: np.ndarray) -> np.ndarray:
+        """Joint-space inertia in poses, shape (T, J), that of an afloat base taken off, shape (T, J, J)."""
         found = []
-        for q in self.written(some_of(positions)):
+        for q in self.written(positions):
             whole, free = self._inertia(q), self._afloat
             own = whole[np.ix_(self.index, self.index)]
             if free.size:
                 coupled = free.T @ whole[:6, self.index]
                 own = own - coupled.T @ np.linalg.solve(free.T @ whole[:6, :6] @ free, coupled)
             found.append(own)
-        return np.asarray(np.mean(found, axis=0))
+        return np.array(found)
 
 
-def some_of(positions: np.ndarray) -> np.ndarray:
+def _some(positions: np.ndarray) -> np.ndarray:
     """Of many poses, shape (T, J), enough to know them by."""
     return positions[:: max(1, positions.shape[0] // 50)]
 

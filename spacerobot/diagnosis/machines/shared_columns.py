@@ -88,15 +88,15 @@ class SharedColumns:
         return self._along[name, kind][:, :, places.index(where)]
 
     def inertia(self, position: np.ndarray, where: str) -> np.ndarray | None:
-        """What each number of what is at a place adds to the inertia about each joint that feels it, in the mean of
-        poses, shape (C, N); None of a pull, which adds nothing."""
+        """What each number of what is at a place adds to the inertia about each joint that feels it, in poses (T, J):
+        shape (T, C, N); None of a pull, which adds nothing."""
         if where in self.links:
             link = where.removeprefix("link.")
-            return np.array([self._columns.inertia(link, row, position) for row in self._rows])
+            return np.stack([self._columns.inertia(link, row, position) for row in self._rows], axis=1)
         if where in self.joints:
             aside = STEP * (np.array(self.joints) == where)
-            less, more = (self._columns.arm.inertia(position + side) for side in (aside, -aside))
-            return np.asarray(np.diag(more - less)[self._rows, None] / (2.0 * STEP))
+            less, more = (self._columns.arm.inertias(position + side) for side in (aside, -aside))
+            return np.asarray((more - less)[:, self._rows, self._rows, None] / (2.0 * STEP))
         return None
 
     def _alike(self, where: str) -> tuple[tuple[str, ...], Callable[..., np.ndarray]]:

@@ -1,9 +1,11 @@
 """Joints that nothing drives: what their motion tells is ratios of inertia, weight and friction alone.
 
 The noise of a motion asks for torque in proportion to inertia: lighter links would leave less of it, whatever moves,
-and links of no mass nothing. What is asked for there is read in proportion to believed inertia:
+and links of no mass nothing. What is asked for there is read in proportion to believed inertia, instant by instant:
 
-    tau_read = tau_stated + M_jj / M'_jj (tau_asked - tau_stated)
+    tau_read = tau_stated + M_jj(q) / M'_jj(q) (tau_asked - tau_stated)
+
+How readings rise with a number then holds nothing of the joint's own acceleration, which is their noise.
 """
 
 from __future__ import annotations
@@ -13,42 +15,60 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from spacerobot.diagnosis.machines.joined_pieces import Joined
+from spacerobot.diagnosis.machines.joint_log import Motion
+from spacerobot.diagnosis.machines.rigid import Rigid
+
 LEAST = 1e-3
 """Share of believed inertia that is left at least, where bodies that are not there take off more: a step of a fit."""
+
+Along = str | Joined
+"""A piece by its id, or pieces in a row."""
+
+Added = Callable[[np.ndarray, str], np.ndarray | None]
+"""Positions of the logged joints, shape (T, J), and a place -> what each number of what is there adds to the inertia
+about each joint that feels it, shape (T, C, N); None of what adds nothing."""
 
 
 @dataclass(frozen=True, eq=False)
 class Undriven:
-    """Some joints, of which some are not driven. C joints.
+    """Some joints, of which some are not driven, along pieces of motion. C joints.
 
     Attributes:
         joints: that are compared.
+        at: which of the logged joints they are, shape (C,).
         stated: of those that nothing drives, the torque there.
-        believed: inertia about each joint in the mean pose [kg m^2 or kg].
-        by_link: link of doubted mass -> what one more such link adds to that about each joint, shape (C,).
-        more: a place -> what each number of what is there adds to it, shape (C, N): of a body at a link, an encoder's
-            zero; None of a pull, which adds nothing.
+        motion: the pieces, by id.
+        arm: as it is believed.
+        beyond: inertia about each joint beyond the arm's, shape (C,) [kg m^2 or kg].
+        heavier: link of doubted mass -> the arm with one more such link.
+        added: by what is at places.
     """
 
     joints: tuple[str, ...]
+    at: np.ndarray
     stated: Mapping[str, float]
-    believed: np.ndarray
-    by_link: Mapping[str, np.ndarray]
-    more: Callable[[str], np.ndarray | None]
-    _kept: dict[str, np.ndarray | None] = field(default_factory=dict)
+    motion: Mapping[str, Motion]
+    arm: Rigid
+    beyond: np.ndarray
+    heavier: Mapping[str, Rigid]
+    added: Added
+    _kept: dict[tuple[str, Along], np.ndarray | None] = field(default_factory=dict)
 
     def read(
         self,
         joint: str,
+        along: Along,
         asked: np.ndarray,
         own: float,
         heavier: Mapping[str, float],
         bodies: Mapping[str, np.ndarray],
     ) -> np.ndarray:
-        """What is asked for at a joint, as it is read.
+        """What is asked for at a joint, as it is read, shape (T,).
 
         Args:
             joint: any of these.
+            along: which motion.
             asked: of its drive, shape (T,).
             own: inertia about it beyond what is believed.
             heavier: by link of doubted mass, how many more of it there are.
@@ -56,39 +76,67 @@ class Undriven:
         """
         if joint not in self.stated:
             return asked
-        c = self.joints.index(joint)
-        own += sum(by * float(self.by_link[link][c]) for link, by in heavier.items())
-        return self.stated[joint] + self._share(c, own, bodies) * (asked - self.stated[joint])
+        c, stated = self.joints.index(joint), self.stated[joint]
+        if not (own or bodies or any(heavier.values())):
+            return asked
+        more = own + sum((by * self._more(link, along)[:, c] for link, by in heavier.items() if by), np.zeros(1))
+        return np.asarray(stated + self._share(c, along, more, bodies) * (asked - stated))
 
-    def rises(self, shown: np.ndarray, where: str, left: np.ndarray, bodies: Mapping[str, np.ndarray]) -> np.ndarray:
-        """By how much readings rise with numbers of what is at a place, shape (T, C, N).
+    def rises(
+        self, along: Along, asked: np.ndarray, where: str, left: np.ndarray, bodies: Mapping[str, np.ndarray]
+    ) -> np.ndarray:
+        """By how much what is read rises with numbers of what is at a place, shape (T, C, N).
 
         Args:
-            shown: the same of what is asked for.
+            along: which motion.
+            asked: the same of what is asked for.
             where: the place.
             left: what is asked for there beyond what is stated, shape (T, C).
             bodies: by place, what is there beside the links.
         """
-        out, more = np.array(shown), self._more(where)
+        out, added = np.array(asked), self._added(where, along)
         for c, joint in enumerate(self.joints):
             if joint in self.stated:
-                share = self._share(c, 0.0, bodies)
+                share = self._share(c, along, np.zeros(1), bodies)[:, None]
                 out[:, c] *= share
-                if more is not None:
-                    out[:, c] -= share**2 * np.outer(left[:, c], more[c] / self.believed[c])
+                if added is not None:
+                    out[:, c] -= share**2 * left[:, c, None] * added[:, c] / self._believed(along)[:, c, None]
         return out
 
-    def shares(self, bodies: Mapping[str, np.ndarray]) -> np.ndarray:
-        """Believed inertia over that with some bodies, 1 of a joint that is driven, shape (C,)."""
-        return np.array([self._share(c, 0.0, bodies) if j in self.stated else 1.0 for c, j in enumerate(self.joints)])
+    def shares(self, along: Along, bodies: Mapping[str, np.ndarray]) -> np.ndarray:
+        """Believed inertia over that with some bodies, 1 of a joint that is driven, shape (T, C)."""
+        out = np.ones(self._believed(along).shape)
+        for c, joint in enumerate(self.joints):
+            if joint in self.stated:
+                out[:, c] = self._share(c, along, np.zeros(1), bodies)
+        return out
 
-    def _share(self, c: int, own: float, bodies: Mapping[str, np.ndarray]) -> float:
+    def _share(self, c: int, along: Along, more: np.ndarray, bodies: Mapping[str, np.ndarray]) -> np.ndarray:
         for where, numbers in bodies.items():
-            more = self._more(where)
-            own += 0.0 if more is None else float(more[c] @ numbers)
-        return float(1.0 / max(1.0 + own / self.believed[c], LEAST))
+            added = self._added(where, along)
+            more = more if added is None else more + added[:, c] @ numbers
+        return np.asarray(1.0 / np.maximum(1.0 + more / self._believed(along)[:, c], LEAST))
 
-    def _more(self, where: str) -> np.ndarray | None:
-        if where not in self._kept:
-            self._kept[where] = self.more(where)
-        return self._kept[where]
+    def _believed(self, along: Along) -> np.ndarray:
+        return self._along("", along, lambda q: self._about(self.arm, q) + self.beyond)
+
+    def _more(self, link: str, along: Along) -> np.ndarray:
+        other = self.heavier[link]
+        return self._along(link, along, lambda q: self._about(other, q) - self._about(self.arm, q))
+
+    def _about(self, arm: Rigid, position: np.ndarray) -> np.ndarray:
+        return np.asarray(arm.inertias(position)[:, self.at, self.at])
+
+    def _added(self, where: str, along: Along) -> np.ndarray | None:
+        if (where, along) not in self._kept:
+            self._kept[where, along] = self.added(self._position(along), where)
+        return self._kept[where, along]
+
+    def _along(self, name: str, along: Along, made: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+        found = self._kept.get((name, along))
+        if found is None:
+            found = self._kept[name, along] = made(self._position(along))
+        return found
+
+    def _position(self, along: Along) -> np.ndarray:
+        return self.motion[along].position if isinstance(along, str) else along.motion.position

@@ -74,6 +74,9 @@ def shapes_of(models: Sequence[Machine], effects: Iterable[Effect], asked: Asked
         return {}
     nothing = _beside_found(first, [], np.zeros(first[0][0].columns.shape[1]))
     tried = [nothing, *beside, *(plainly or ())]
+    if not all(m.proportional for m in some):
+        for begun in _other_places(sources, first):
+            tried += _sought(lambda one: one, sources, first, near, begun) or ()
     noise = np.min([[one.floor(one.columns @ t.brought) for one in t.stated] for t in tried], axis=0)
     best = min(tried, key=lambda one: one.costs(noise))
     # what is stated of the links may be wrong: what only says so is none of these
@@ -112,14 +115,17 @@ def _sought(
     sources: Sequence[Source],
     felt: Sequence[tuple[Felt, Felt]],
     asked: Callable[[Mapping[str, np.ndarray]], Sequence[tuple[Felt, Felt]]],
+    begun: Sequence[Leading] = (),
 ) -> list[Sought] | None:
-    """One after the other while more than chance is won; None where that takes in ever more.
+    """One after the other while more than chance is won, from what is begun with; None where that takes in ever more.
 
     Then all again beside what the parts show of their own, which is told anew, beside what is there, a few times.
     """
     found: list[Leading] = []
-    while len(more := found_in([view(one) for one, _ in felt], sources, found)) > len(found):
-        found = more
+    while more := begun or found_in([view(one) for one, _ in felt], sources, found):
+        if len(more) == len(found):
+            break
+        found, begun = list(more), ()
         if len(found) > FEW:
             return None
         for _ in range(NEARER):  # a pull pulls at a load too
@@ -143,6 +149,25 @@ def _beside_found(felt: Sequence[tuple[Felt, Felt]], found: list[Leading], broug
     """Parts beside what each shows of its own, where so much of the numbers, shape (N,), is there."""
     stated, freely = ([one.beside_shown(brought) for one in some] for some in zip(*felt, strict=True))
     return Sought(found, stated, freely)
+
+
+def _other_places(sources: Sequence[Source], felt: Sequence[tuple[Felt, Felt]]) -> list[list[Leading]]:
+    """Where else than at its best place a body does best near there, of all the best ones of a link."""
+    plain = [one for one, _ in felt]
+    normal, right = _summed(plain, _floors(plain, [one.floor(0.0) for one in plain], []))
+
+    def alike(one: Found, other: Found) -> bool:
+        apart = one.among(right.size) - other.among(right.size)
+        return by_chance(float(apart @ normal @ apart), 1)
+
+    out: list[list[Leading]] = []
+    for source in sources:
+        known = source.minima(normal, right)[:1]
+        for one in source.minima(normal, right)[1:]:
+            if one.gain > 0.0 and not any(alike(one, other) for other in known):
+                known.append(one)
+                out.append([(one, [])])
+    return out
 
 
 def _numbers(found: Sequence[Leading]) -> dict[str, np.ndarray]:
@@ -253,8 +278,17 @@ def found_in(felt: Sequence[Felt], sources: Sequence[Source], begun: Sequence[Le
     if {s.where for s in sources} <= {one.source.where for one, _ in known}:
         return known
     more = found_again(felt, sources, known, further=True)
-    last, _ = more[-1]
-    return known if by_chance(last.gain, last.source.free, len(sources)) else more
+    # what comes may take the place of what was found: all of them together must leave less
+    floors = _floors(felt, [one.floor(0.0) for one in felt], [one for one, _ in more])
+    fewer, last = (_left_over(felt, floors, [one for one, _ in some]) for some in (known, more))
+    return known if by_chance(fewer - last, more[-1][0].source.free, len(sources)) else more
+
+
+def _left_over(felt: Sequence[Felt], floors: Sequence[float], found: Sequence[Found]) -> float:
+    """Chi-squared of all parts beside as much of what was found as pays best."""
+    brought = _brought(felt, floors, found)
+    left = (np.sum((one.left - one.columns @ brought) ** 2) / f**2 for one, f in zip(felt, floors, strict=True))
+    return float(sum(left))
 
 
 def found_again(

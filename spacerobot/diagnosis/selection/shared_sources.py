@@ -63,8 +63,15 @@ class Source:
 
     def best(self, normal: np.ndarray, right: np.ndarray) -> Found:
         """What of it lowers a quadratic form, normal matrix and right-hand side of all places' numbers, most."""
+        return self.minima(normal, right)[0]
+
+    def minima(self, normal: np.ndarray, right: np.ndarray) -> list[Found]:
+        """The best, and of a point mass how it does best near other places, in order."""
         own, pull = normal[self.at, self.at], right[self.at]
-        place = self._place(own, pull) if self.effect.together == "point" else None
+        places = self._places(own, pull) if self.effect.together == "point" else [None]
+        return [self._at(place, own, pull) for place in places]
+
+    def _at(self, place: np.ndarray | None, own: np.ndarray, pull: np.ndarray) -> Found:
         directions = self.directions(place)
         much = amounts(own, pull, list(directions.T))
         if place is not None:
@@ -106,8 +113,8 @@ class Source:
             return form_of(place)
         return form_of(numbers / size) if self.effect.together == "field" and size > 0.0 else ""
 
-    def _place(self, own: np.ndarray, pull: np.ndarray) -> np.ndarray:
-        """Of the best point mass at a link, shape (3,)."""
+    def _places(self, own: np.ndarray, pull: np.ndarray) -> list[np.ndarray]:
+        """Of the best point masses at a link, shape (3,) each, best first."""
 
         def loss(place: np.ndarray) -> float:
             direction = self.numbers(self.where, place)
@@ -117,7 +124,7 @@ class Source:
 
         starts = [np.zeros(3), *ASIDE * np.eye(3), *-ASIDE * np.eye(3)]
         ends = [minimize(loss, start, method="L-BFGS-B", bounds=[(-REACH, REACH)] * 3) for start in starts]
-        return np.asarray(min(ends, key=lambda end: float(end.fun)).x)
+        return [np.asarray(end.x) for end in sorted(ends, key=lambda end: float(end.fun))]
 
 
 @dataclass(frozen=True, eq=False)
