@@ -330,8 +330,9 @@ class InverseDynamics(Machine):
             return found
         for trial, log in self._raw.items():
             motion = (log.position, log.velocity, log.acceleration, log.turned(self._arm))
-            rest = log.torque - unbent(self._arm.torque, log.lens, log.wider, motion)
-            moment = first_shock(log.time, rest, SHARP * log.step, log.velocity)
+            asked = unbent(self._arm.torque, log.lens, log.wider, motion)
+            blurred = asked - self._arm.torque(*motion)
+            moment = first_shock(log.time, log.torque - asked, SHARP * log.step, log.velocity, blurred)
             if moment is not None:
                 found[trial] = moment
         return found

@@ -71,7 +71,11 @@ class Moment:
 
 
 def first_shock(
-    time: np.ndarray, residual: np.ndarray, smear: float = 0.0, velocity: np.ndarray | None = None
+    time: np.ndarray,
+    residual: np.ndarray,
+    smear: float = 0.0,
+    velocity: np.ndarray | None = None,
+    blurred: np.ndarray | None = None,
 ) -> Moment | None:
     """The moment at which a balance that was quiet is first shaken; None where it never is, or all the time.
 
@@ -81,6 +85,8 @@ def first_shock(
         smear: half the width [s] of the filter that the residual went through.
         velocity: of each joint, shape (T, J) [rad/s or m/s]: where one turns back its friction does too, and that
             shakes its balance without a touch; where half of them start, stop or turn, the machine did it.
+        blurred: what the filter made of a motion that is fast for it, of which the residual is free to first order,
+            shape (T, J): what is no more than this is no shock.
     """
     step = float(np.median(np.diff(time)))
     past, blind, slow, ahead = (max(1, round(x / step)) for x in (PAST, BLIND, SLOW, AHEAD))
@@ -94,7 +100,10 @@ def first_shock(
         counted[back] = 0.0
         own = 2 * changed.sum(axis=1) >= velocity.shape[1]
     square *= counted
-    loud = _trailing(square, ahead)[past + blind + ahead :]  # of the stretch that ends at a moment
+    shown = square.copy()
+    if blurred is not None:  # at its most about a moment: it swings through nothing
+        shown[np.abs(fast) <= maximum_filter1d(np.abs(blurred), 2 * slow + 1, axis=0)] = 0.0
+    loud = _trailing(shown, ahead)[past + blind + ahead :]  # of the stretch that ends at a moment
     quiet = _trailing(square, past)[past : past + loud.shape[0]]  # of the past that ends BLIND before it begins
     ends = time[past + blind + ahead :]
     share = _trailing(counted, past)[past : past + loud.shape[0]]

@@ -139,8 +139,10 @@ def _sought(
     brought = brought_by([view(one) for one, _ in felt], found)
     for _ in range(ROUNDS):
         beside = _beside_found(felt, found, brought)
-        found = found_again(beside.stated, sources, found)
+        before, found = found, found_again(beside.stated, sources, found)
         out.append(replace(beside, found=found))
+        if not by_chance(moved(beside.stated, before, found), 1):
+            felt = asked(_numbers(found))
         brought = out[-1].brought
     return out
 
