@@ -154,6 +154,7 @@ class InverseDynamics(Machine):
         self._followed = {c: Readout(c, "position", f"joint.{j}") for j in alone for c in [f"joint.{j}.position"]}
         self._lately = MechanismCache()
         self._motion: dict[str, Motion] = {}
+        self._lefts: dict[str, np.ndarray] = {}
         self._bump: dict[str, Bump] = {}
         moving = arm.inertia(np.concatenate([log.position for log in raw.values()]))
         rows = {j: dict(zip(self.joints, moving[self.joints.index(j)].tolist(), strict=True)) for j in self.compared}
@@ -340,7 +341,7 @@ class InverseDynamics(Machine):
     def faster(self, factor: float) -> InverseDynamics:
         """The same paths at another speed: rates so many times, accelerations its square; weight stays."""
         other = copy(self)
-        other._motion = {}
+        other._motion, other._lefts = {}, {}
         for name, m in self._motion.items():
             speed, growth = factor * m.velocity, factor**2 * m.acceleration
             rigid = self._arm.torque(m.position, speed, growth)
@@ -419,21 +420,18 @@ class InverseDynamics(Machine):
         rises = self._felt.piece(trial.id, where)
         if not self._undriven.stated:
             return rises
-        left = self._left(trial) + self._brought_there(trial)
+        left = self._left(trial) + self._felt.brought(trial.id)
         return self._undriven.rises(trial.id, rises, where, left, self._felt.there)
 
     def _left(self, trial: TrialData) -> np.ndarray:
         """What is asked for beyond what is stated of joints that nothing drives, as is believed, shape (T, C)."""
+        if trial.id in self._lefts:
+            return self._lefts[trial.id]
         mechanism = self.mechanism({**self.base, **self.believed.unknown, **trial.overrides}, trial)
         motion = self._motion[trial.id]
         asked = self._asks.along(mechanism, motion, motion.lens, partial(self._felt.asked, trial.id))
-        return np.stack([asked[f"joint.{j}"] - self._undriven.stated.get(j, 0.0) for j in self.compared], axis=1)
-
-    def _brought_there(self, trial: TrialData) -> np.ndarray:
-        """What the numbers that it is near ask for, shape (T, C)."""
-        there = self._felt.there
-        straight = sum(self._felt.piece(trial.id, where) @ x for where, x in there.items())
-        return np.asarray(self._felt.bent(trial.id) + straight)
+        left = [asked[f"joint.{j}"] - self._undriven.stated.get(j, 0.0) for j in self.compared]
+        return self._lefts.setdefault(trial.id, np.stack(left, axis=1))
 
     def _weighted(self, trial: TrialData, read: np.ndarray) -> np.ndarray:
         """What is read along a trial, shape (T, C, N), as its weighted readings show it, shape (N, S)."""
@@ -452,8 +450,7 @@ class InverseDynamics(Machine):
 
     def bent(self, trial: TrialData) -> np.ndarray:
         """As the torque sensors would read it."""
-        there = self._felt.there
-        whole = self._brought_there(trial)
+        there, whole = self._felt.there, self._felt.brought(trial.id)
         if self._undriven.stated:
             shares = self._undriven.shares(trial.id, there)
             whole = shares * whole + (shares - 1.0) * self._left(trial)

@@ -47,6 +47,7 @@ class SharedColumns:
         self.there: Mapping[str, np.ndarray] = {}
         self._believed = self
         self._plain: dict[str, np.ndarray] = {}
+        self._brought: dict[str, np.ndarray] = {}
         self._along: dict[tuple[str, str], np.ndarray] = {}
         self._terms: dict[tuple[str | Joined, tuple[tuple[str, bytes], ...]], dict[tuple[str, ...], np.ndarray]] = {}
 
@@ -61,12 +62,13 @@ class SharedColumns:
         other._columns = self._columns.of(self._with(numbers))
         return other
 
-    def bent(self, name: str) -> np.ndarray:
-        """What all of these ask for there along a piece, beside what is in proportion to them, shape (T, C)."""
+    def brought(self, name: str) -> np.ndarray:
+        """What all of these ask for there along a piece, shape (T, C)."""
         if not self.there:
             return np.zeros((self._motion[name].position.shape[0], len(self._rows)))
-        whole = self._believed._exactly(name, self._columns.arm, self.there)
-        return np.asarray(whole - sum(self.piece(name, where) @ x for where, x in self.there.items()))
+        if name not in self._brought:
+            self._brought[name] = self._believed._exactly(name, self._columns.arm, self.there)
+        return self._brought[name]
 
     def numbers(self, where: str, place: np.ndarray | None) -> np.ndarray:
         """Those of a body of 1 kg at a place of a link [m], or spread as the link is, shape (10,)."""

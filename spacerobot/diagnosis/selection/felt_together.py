@@ -137,12 +137,13 @@ def _sought(
     if not found:
         return out
     brought = brought_by([view(one) for one, _ in felt], found)
-    for _ in range(ROUNDS):
+    for _ in range(NEARER):
         beside = _beside_found(felt, found, brought)
         before, found = found, found_again(beside.stated, sources, found)
         out.append(replace(beside, found=found))
-        if not by_chance(moved(beside.stated, before, found), 1):
-            felt = asked(_numbers(found))
+        if by_chance(moved(beside.stated, before, found), 1):
+            break
+        felt = asked(_numbers(found))
         brought = out[-1].brought
     return out
 
@@ -166,7 +167,8 @@ def _other_places(sources: Sequence[Source], felt: Sequence[tuple[Felt, Felt]]) 
     for source in sources:
         known = source.minima(normal, right)[:1]
         for one in source.minima(normal, right)[1:]:
-            if one.gain > 0.0 and not any(alike(one, other) for other in known):
+            told = not by_chance(one.gain, source.free, len(sources))
+            if told and not any(alike(one, other) for other in known):
                 known.append(one)
                 out.append([(one, [])])
     return out

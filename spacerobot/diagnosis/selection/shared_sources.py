@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.optimize import minimize
 
 from spacerobot.diagnosis.machines.contract import Machine, numbers_at
-from spacerobot.diagnosis.selection.nested_laws import chance_edge
+from spacerobot.diagnosis.selection.nested_laws import by_chance, chance_edge
 from spacerobot.diagnosis.terms.candidates import stood_for
 from spacerobot.effects.effect import Effect
 from spacerobot.effects.settled import form_of, shape_of
@@ -114,17 +115,43 @@ class Source:
         return form_of(numbers / size) if self.effect.together == "field" and size > 0.0 else ""
 
     def _places(self, own: np.ndarray, pull: np.ndarray) -> list[np.ndarray]:
-        """Of the best point masses at a link, shape (3,) each, best first."""
+        """Of the best point masses at a link, shape (3,) each, best first; nought along what no reading tells."""
+        bent = self._bent
+        norms, mets = bent.T @ own @ bent, bent.T @ pull
 
         def loss(place: np.ndarray) -> float:
-            direction = self.numbers(self.where, place)
-            norm, met = float(direction @ own @ direction), float(direction @ pull)
-            much = float(np.clip(met / norm, *self.range(place))) if norm > 0.0 else 0.0
+            powers = _powers(place)
+            norm, met = float(powers @ norms @ powers), float(powers @ mets)
+            much = met / norm if norm > 0.0 else 0.0
+            if much < 0.0 or much > self.effect.strength.upper:
+                much = float(np.clip(much, *self.range(place)))
             return much * (much * norm - 2.0 * met)
 
         starts = [np.zeros(3), *ASIDE * np.eye(3), *-ASIDE * np.eye(3)]
         ends = [minimize(loss, start, method="L-BFGS-B", bounds=[(-REACH, REACH)] * 3) for start in starts]
-        return [np.asarray(end.x) for end in sorted(ends, key=lambda end: float(end.fun))]
+        return [_told(loss, np.asarray(end.x)) for end in sorted(ends, key=lambda end: float(end.fun))]
+
+    @cached_property
+    def _bent(self) -> np.ndarray:
+        """What each of a place's powers makes of a point mass's numbers, shape (N, 10): they go as its square."""
+        some = [*np.eye(3), *-np.eye(3), np.zeros(3), *(1.0 - np.eye(3))]
+        numbers = np.stack([self.numbers(self.where, place) for place in some])
+        return np.asarray(np.linalg.solve(np.stack([_powers(place) for place in some]), numbers).T)
+
+
+def _powers(place: np.ndarray) -> np.ndarray:
+    """1, what a place is, and the products of its numbers, shape (10,)."""
+    x, y, z = place.tolist()
+    return np.array([1.0, x, y, z, x * x, y * y, z * z, y * z, x * z, x * y])
+
+
+def _told(loss: Callable[[np.ndarray], float], place: np.ndarray) -> np.ndarray:
+    """A place, nought along each axis of which readings tell no more than chance would: none, in a plane, of depth."""
+    for k in range(place.size):
+        less = np.where(np.arange(place.size) == k, 0.0, place)
+        if by_chance(loss(less) - loss(place), 1):
+            place = less
+    return place
 
 
 @dataclass(frozen=True, eq=False)
