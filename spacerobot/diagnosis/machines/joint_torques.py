@@ -18,12 +18,12 @@ from spacerobot.diagnosis.machines.asked_torques import AskedTorques, own_inerti
 from spacerobot.diagnosis.machines.body_columns import BodyColumns
 from spacerobot.diagnosis.machines.clear_width import half_width, logged_noise
 from spacerobot.diagnosis.machines.contract import FACTORS, Machine, Predicted, Variant, conditions_of
+from spacerobot.diagnosis.machines.cut_logs import SHARP, LogCutter
 from spacerobot.diagnosis.machines.doubted import NONE, Doubted, beyond
+from spacerobot.diagnosis.machines.felt_bodies import FeltBodies
 from spacerobot.diagnosis.machines.grid import Grid
 from spacerobot.diagnosis.machines.joined_pieces import Joined, Rows
-from spacerobot.diagnosis.machines.joint_factors import Brought, asked_for, brought
 from spacerobot.diagnosis.machines.joint_log import (
-    JointLog,
     Motion,
     kinematics,
     shifted,
@@ -36,12 +36,12 @@ from spacerobot.diagnosis.machines.measured import through_sensor
 from spacerobot.diagnosis.machines.mechanism_cache import MechanismCache
 from spacerobot.diagnosis.machines.rigid import Rigid
 from spacerobot.diagnosis.machines.shared_columns import BASE, SharedColumns
-from spacerobot.diagnosis.machines.stated_noise import Lens, StatedNoise, stated_noise, still_below
+from spacerobot.diagnosis.machines.stated_noise import StatedNoise, stated_noise
 from spacerobot.diagnosis.machines.test_functions import Bump
-from spacerobot.diagnosis.machines.torque_pieces import FEWEST, Cutter, Recorded, standing
+from spacerobot.diagnosis.machines.torque_pieces import Cutter, standing
 from spacerobot.diagnosis.machines.touch import CLEAR, Moment, first_shock
 from spacerobot.diagnosis.machines.undriven import Undriven
-from spacerobot.diagnosis.machines.windows import PIECES, moment
+from spacerobot.diagnosis.machines.windows import moment
 from spacerobot.diagnosis.terms.candidates import stood_for
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed, Hypothesis, Site
@@ -52,12 +52,6 @@ from spacerobot.effects.learned import Variable
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import ChannelMap, Coordinate, Force, Readout
 from spacerobot.model.robot import Robot
-
-SHARP = 5
-"""Least samples to either side of the test function through which velocities are taken, for laws with kinks."""
-
-POINTS = 20
-"""Points to either side at which a balance's test function is evaluated; faster logs are smoothed and thinned."""
 
 SILENT = 0.1
 """A torque that varies by less than this share of what its own weight and inertia ask for is not what moved the joint:
@@ -153,9 +147,6 @@ class InverseDynamics(Machine):
         alone = self.joints if len(self.joints) == 1 else ()  # of several, what one hides behind it moves with all
         self._followed = {c: Readout(c, "position", f"joint.{j}") for j in alone for c in [f"joint.{j}.position"]}
         self._lately = MechanismCache()
-        self._motion: dict[str, Motion] = {}
-        self._lefts: dict[str, np.ndarray] = {}
-        self._bump: dict[str, Bump] = {}
         moving = arm.inertia(np.concatenate([log.position for log in raw.values()]))
         rows = {j: dict(zip(self.joints, moving[self.joints.index(j)].tolist(), strict=True)) for j in self.compared}
         for j, row in rows.items():
@@ -163,23 +154,8 @@ class InverseDynamics(Machine):
             if f"joint.{j}.mass" in unknown:
                 row[j] = own[j].of("kg")
         pace = half_width(logs, rows, own, self._idle)
-        trials: list[TrialData] = []
-        lenses: list[Lens] = []
-        for key, (grid, condition, overrides) in grids.items():
-            own_pace = min(pace, (grid.time[-1] - grid.time[0]) / PIECES / FEWEST / 2.0)
-            thin = max(1, int(own_pace / grid.step / POINTS))
-            sharp = max(SHARP, 3 * thin)  # or noise folds over
-            log = raw[key] if sharp == SHARP else kinematics(grid, self.joints, sharp)
-            log = log.thinned(thin, arm, heavier)
-            half = max(SHARP, round(own_pace / log.step))
-            narrow = Bump.of(sharp, grid.step)
-            beside = self._brought(key, grid, log, narrow, thin)
-            slow = np.array([still_below(noise or {}, j, narrow) for j in self.compared])
-            pieces, every = cutter.pieces(Recorded(key, condition, overrides, log, half, beside), slow)
-            self._motion |= {p.trial.id: p.motion for p in (*every, *pieces)}
-            self._bump |= {p.trial.id: p.bump for p in pieces}
-            lenses += [Lens(narrow, p.bump, thin) for p in pieces]
-            trials += [p.trial for p in pieces]
+        cut = LogCutter(cutter, arm, heavier, self.doubted, noise or {}).cut(grids, raw, pace)
+        trials, lenses, self._motion, self._bump = cut.trials, cut.lenses, cut.motion, cut.bump
         noisy = [logged_noise(logs, f"joint.{j}.position") for j in self.joints]
         far = np.maximum(REST * np.array([own[j].length for j in self.joints]), CLEAR * np.array(noisy))
         self.trials = standing(trials, {t.id: self._motion[t.id].position for t in trials}, far)
@@ -187,10 +163,10 @@ class InverseDynamics(Machine):
         ends = [last[i] for j in self.joints if (i := robot.joint_id(j)) in last]
         felt, encoders = [self.joints.index(j) for j in self.compared], [f"joint.{j}" for j in self.joints]
         links = () if robot.floating else ends
-        self._felt = SharedColumns(columns, links, encoders, felt, self._motion)
+        shared = SharedColumns(columns, links, encoders, felt, self._motion)
         x, y, z = gravity
         self._gravity = None if robot.floating else (float(x), float(y), float(z))
-        self.shared = () if self._gravity is None else (*self._felt.links, BASE, *self._felt.joints)
+        self.shared = () if self._gravity is None else (*shared.links, BASE, *shared.joints)
         self._rows = Rows({t.id: (self._motion[t.id], self._bump[t.id]) for t in trials})
         visited = np.concatenate([m.position[:: m.stride] for m in self._motion.values()])
         mean = arm.inertia(visited)
@@ -210,7 +186,7 @@ class InverseDynamics(Machine):
             steps = (grid.step for grid, _, _ in grids.values())
             self.moment |= moment(f"joint.{joint}.delay", {*around, *self.base}, steps)
         self.base |= {n: 0.0 for n in (*around, *self.moment) if n not in self.base}
-        self._undriven = Undriven(
+        undriven = Undriven(
             self.compared,
             np.array(felt),
             {j: self.base.get(f"joint.{j}.torque", 0.0) for j in self.compared if j in idle},
@@ -218,18 +194,19 @@ class InverseDynamics(Machine):
             arm,
             np.array([own_inertia(self.base, mass, n) - mass[n] for n in (f"joint.{j}" for j in self.compared)]),
             dict(zip(self.links, heavier, strict=True)),
-            self._felt.inertia,
+            shared.inertia,
         )
-        self.proportional = not self._undriven.stated
+        self.proportional = not undriven.stated
+        self._felt = FeltBodies(shared, undriven, self._believed_torques)
         self._asks = AskedTorques(
             self.joints,
             self.compared,
-            self._undriven,
+            undriven,
             mass,
             link_mass,
             self.base,
             self._gravity,
-            self._felt.numbers,
+            shared.numbers,
         )
         own_zeros = self.doubted.sigma
         self.believed = Believed(self.base, sigma, {}, conditions_of(trials), centres, absolute=around, zeros=own_zeros)
@@ -256,16 +233,6 @@ class InverseDynamics(Machine):
             return ""
         unit = "N m" if self.angular(self.compared[0]) else "N"
         return f"its torque reads {shown:.2g} {unit} rms about its mean where the motion asks for {moved:.2g}"
-
-    def _brought(self, key: str, grid: Grid, log: JointLog, lens: Bump, thin: int) -> dict[str, Brought]:
-        """By doubted factor, what one more of it adds to a trial's log."""
-        out, motion = {}, (log.position, log.velocity, log.acceleration)
-        rates = all(f"joint.{j}.velocity" in grid.value for j in self.joints)
-        for channel in grid.value:
-            for name, column in self.doubted.of(key, channel, grid.time).items():
-                own = brought(channel, column, self.joints, lens, thin, rates=rates)
-                out[name] = replace(own, rigid=asked_for(own, motion, log.turn, self._arm, self.doubted.sigma[name]))
-        return out
 
     def sites(self, effects: Iterable[Effect] | None = None) -> list[Site]:
         """As everywhere; of one joint among several, those at it, at its sensors, and drives of others it turns too."""
@@ -312,7 +279,7 @@ class InverseDynamics(Machine):
                 ),
             ),
             sensors=self._sensors(),
-            links=self._felt.links,
+            links=self._felt.columns.links,
             level=self._level,
             gravity=self._gravity,
         )
@@ -341,7 +308,7 @@ class InverseDynamics(Machine):
     def faster(self, factor: float) -> InverseDynamics:
         """The same paths at another speed: rates so many times, accelerations its square; weight stays."""
         other = copy(self)
-        other._motion, other._lefts = {}, {}
+        other._motion = {}
         for name, m in self._motion.items():
             speed, growth = factor * m.velocity, factor**2 * m.acceleration
             rigid = self._arm.torque(m.position, speed, growth)
@@ -355,7 +322,7 @@ class InverseDynamics(Machine):
                 onset=m.onset.times(factor),
                 beside={},
             )
-        other._felt = self._felt.along(other._motion)
+        other._felt = replace(self._felt, columns=self._felt.columns.along(other._motion))
         other._rows = Rows({name: (m, self._bump[name]) for name, m in other._motion.items() if name in self._bump})
         return other
 
@@ -413,25 +380,15 @@ class InverseDynamics(Machine):
         """As the torque sensors would read it; none of a link that no compared joint carries."""
         if where not in self.shared:
             return super().felt(trial, where)
-        return self._weighted(trial, self._rises(trial, where))
+        return self._weighted(trial, self._felt.rises(trial.id, where))
 
-    def _rises(self, trial: TrialData, where: str) -> np.ndarray:
-        """By how much what is read rises with each number of what is at a shared place, shape (T, C, N)."""
-        rises = self._felt.piece(trial.id, where)
-        if not self._undriven.stated:
-            return rises
-        left = self._left(trial) + self._felt.brought(trial.id)
-        return self._undriven.rises(trial.id, rises, where, left, self._felt.there)
-
-    def _left(self, trial: TrialData) -> np.ndarray:
-        """What is asked for beyond what is stated of joints that nothing drives, as is believed, shape (T, C)."""
-        if trial.id in self._lefts:
-            return self._lefts[trial.id]
+    def _believed_torques(self, piece: str) -> np.ndarray:
+        """What the machine as it is believed to be asks for along a piece, shape (T, C)."""
+        trial = next(t for t in self.trials if t.id == piece)
         mechanism = self.mechanism({**self.base, **self.believed.unknown, **trial.overrides}, trial)
-        motion = self._motion[trial.id]
-        asked = self._asks.along(mechanism, motion, motion.lens, partial(self._felt.asked, trial.id))
-        left = [asked[f"joint.{j}"] - self._undriven.stated.get(j, 0.0) for j in self.compared]
-        return self._lefts.setdefault(trial.id, np.stack(left, axis=1))
+        motion = self._motion[piece]
+        asked = self._asks.along(mechanism, motion, motion.lens, partial(self._felt.columns.asked, piece))
+        return np.stack([asked[f"joint.{j}"] for j in self.compared], axis=1)
 
     def _weighted(self, trial: TrialData, read: np.ndarray) -> np.ndarray:
         """What is read along a trial, shape (T, C, N), as its weighted readings show it, shape (N, S)."""
@@ -450,20 +407,15 @@ class InverseDynamics(Machine):
 
     def bent(self, trial: TrialData) -> np.ndarray:
         """As the torque sensors would read it."""
-        there, whole = self._felt.there, self._felt.brought(trial.id)
-        if self._undriven.stated:
-            shares = self._undriven.shares(trial.id, there)
-            whole = shares * whole + (shares - 1.0) * self._left(trial)
-        rest = whole - sum(self._rises(trial, where) @ x for where, x in there.items())
-        return np.asarray(self._weighted(trial, rest[..., None])[0])
+        return np.asarray(self._weighted(trial, self._felt.bent(trial.id)[..., None])[0])
 
     def numbers(self, where: str, place: np.ndarray | None) -> np.ndarray:
         """As the columns of what it carries stand."""
-        return self._felt.numbers(where, place)
+        return self._felt.columns.numbers(where, place)
 
     def carried(self, where: str, place: np.ndarray | None) -> float:
         """As the arm is believed to be."""
-        return self._felt.carried(where, place)
+        return self._felt.columns.carried(where, place)
 
     def bump(self, trial: TrialData) -> Bump:
         """The test function that a piece's balance is seen through."""
@@ -480,7 +432,7 @@ class InverseDynamics(Machine):
         read, bump = self._motion[trial.id], self._bump[trial.id]
         motion = read.told(partial(beyond, mechanism))
         names = [f"joint.{j}" for j in self.joints]
-        torque, out = self._asks.along(mechanism, motion, motion.lens, partial(self._felt.asked, trial.id)), []
+        torque, out = self._asks.along(mechanism, motion, motion.lens, partial(self._felt.columns.asked, trial.id)), []
         for joint in self.compared:
             name = f"joint.{joint}"
             maps = torque_log.beside_motion(mechanism.maps, name)
@@ -493,7 +445,7 @@ class InverseDynamics(Machine):
 
     def _of_all(self, mechanism: Mechanism, joined: Joined) -> np.ndarray:
         """The same of all pieces of a row, shape (C, N), where every instant is its own."""
-        torque, out = self._asks.along(mechanism, joined.motion, joined, partial(self._felt.asked, joined)), []
+        torque, out = self._asks.along(mechanism, joined.motion, joined, partial(self._felt.columns.asked, joined)), []
         for joint in self.compared:
             maps = torque_log.beside_motion(mechanism.maps, f"joint.{joint}")
             read = self._asks.read(mechanism, joint, joined, torque[f"joint.{joint}"])
