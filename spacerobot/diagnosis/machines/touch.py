@@ -108,9 +108,8 @@ def first_shock(
     ends = time[past + blind + ahead :]
     share = _trailing(counted, past)[past : past + loud.shape[0]]
     each = loud * share / np.maximum(quiet, 1e-300)
-    seldom = np.asarray(
-        f.isf(SELDOM, ahead, np.maximum(np.arange(past + 1), 1))
-    )  # of a past of which few readings count
+    # of a past of which few readings count
+    seldom = np.asarray(f.isf(SELDOM, ahead, np.maximum(np.arange(past + 1), 1)))
     together = maximum_filter1d(each / seldom[np.rint(share * past).astype(int)], 2 * slow + 1, axis=0) > 1.0
     felt = (2 * together.sum(axis=1) >= each.shape[1]) & ~own[past + blind + ahead :]
     ratio = np.where(felt, each.max(axis=1), 0.0)

@@ -165,8 +165,9 @@ def _other_places(sources: Sequence[Source], felt: Sequence[tuple[Felt, Felt]]) 
 
     out: list[list[Leading]] = []
     for source in sources:
-        known = source.minima(normal, right)[:1]
-        for one in source.minima(normal, right)[1:]:
+        best, *others = source.minima(normal, right)
+        known = [best]
+        for one in others:
             told = not by_chance(one.gain, source.free, len(sources))
             if told and not any(alike(one, other) for other in known):
                 known.append(one)
