@@ -24,6 +24,7 @@ class Felt:
         own: what effects of its own would bring, shape (S, E).
         ways: in which sense each of them can, shape (E,): 1, -1, or 0 in both.
         spent: how many of these were taken out of the rest.
+        unit: noise that the weights stand for, in that of the machine's own weights.
     """
 
     trials: tuple[TrialData, ...]
@@ -32,6 +33,7 @@ class Felt:
     own: np.ndarray
     ways: np.ndarray
     spent: int = 0
+    unit: float = 1.0
 
     def floor(self, brought: np.ndarray | float) -> float:
         """By what its weights must fall for chi-squared to count independent readings, with so much brought (S,)."""
@@ -43,6 +45,14 @@ class Felt:
         exact = ROUNDING * float(np.sqrt(np.mean(self.left**2)))  # readings without noise are no surer than this
         least = max(exact, np.finfo(float).tiny)
         return max(*told.values(), least) * float(np.sqrt(readings / max(readings - self.spent, 1)))
+
+    def left_over(self, brought: np.ndarray) -> float:
+        """Sum of squares that so much of the numbers, shape (N,), leaves, in the machine's own weights."""
+        return self.unit**2 * float(np.sum((self.left - self.columns @ brought) ** 2))
+
+    def noise(self, brought: np.ndarray) -> float:
+        """What is left then if it is noise, in the machine's own weights."""
+        return self.unit * self.floor(self.columns @ brought)
 
     @cached_property
     def beside_own(self) -> Felt:

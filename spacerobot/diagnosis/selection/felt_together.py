@@ -77,7 +77,7 @@ def shapes_of(models: Sequence[Machine], effects: Iterable[Effect], asked: Asked
     if not all(m.proportional for m in some):
         for begun in _other_places(sources, first):
             tried += _sought(lambda one: one, sources, first, near, begun) or ()
-    noise = np.min([[one.floor(one.columns @ t.brought) for one in t.stated] for t in tried], axis=0)
+    noise = np.min([[one.noise(t.brought) for one in t.stated] for t in tried], axis=0)
     best = min(tried, key=lambda one: one.costs(noise))
     # what is stated of the links may be wrong: what only says so is none of these
     borne_out = still_there(best.freely, best.found, len(sources))
@@ -105,7 +105,7 @@ class Sought:
 
     def costs(self, noise: np.ndarray) -> float:
         """What is left over in units of the parts' noise, shape (K,), with each number at its price, their own too."""
-        left = [np.sum((one.left - one.columns @ self.brought) ** 2) for one in self.stated]
+        left = [one.left_over(self.brought) for one in self.stated]
         numbers = sum(one.spent for one in self.stated) + sum(one.source.free for one, _ in self.found)
         return float(np.sum(np.array(left) / noise**2)) + PENALTY * numbers
 
@@ -141,7 +141,8 @@ def _sought(
         beside = _beside_found(felt, found, brought)
         before, found = found, found_again(beside.stated, sources, found)
         out.append(replace(beside, found=found))
-        if by_chance(moved(beside.stated, before, found), 1):
+        none = any(one.gain <= 0.0 for one, _ in found)
+        if none or by_chance(moved(beside.stated, before, found), 1):
             break
         felt = asked(_numbers(found))
         brought = out[-1].brought
@@ -253,7 +254,8 @@ def felt_by(part: Alone, places: Sequence[str], known: Mapping[str, np.ndarray])
             whole = [c[: rows.shape[1]] for c in own]
             mine = _freed(project, whole) if own else np.zeros((left.size, 0))
             more = np.linalg.norm(mine, axis=0) > ROUNDING * np.array([np.linalg.norm(c) for c in whole])
-            out.append(Felt(bench.trials, _freed(project, rows), left, mine[:, more], part.ways[more]))
+            own_left = _freed(project, rows), left, mine[:, more], part.ways[more]
+            out.append(Felt(bench.trials, *own_left, unit=max(bench.weights.values(), default=1.0)))
         return out
 
     # whatever all of these leave over is noise: beliefs are held by as much as readings then count
@@ -285,8 +287,9 @@ def found_in(felt: Sequence[Felt], sources: Sequence[Source], begun: Sequence[Le
     more = found_again(felt, sources, known, further=True)
     # what comes may take the place of what was found: all of them together must leave less
     floors = _floors(felt, [one.floor(0.0) for one in felt], [one for one, _ in more])
-    fewer, last = (_left_over(felt, floors, [one for one, _ in some]) for some in (known, more))
-    return known if by_chance(fewer - last, more[-1][0].source.free, len(sources)) else more
+    fewer, less = (_left_over(felt, floors, [one for one, _ in some]) for some in (known, more))
+    last, _ = more[-1]
+    return known if by_chance(min(last.gain, fewer - less), last.source.free, len(sources)) else more
 
 
 def _left_over(felt: Sequence[Felt], floors: Sequence[float], found: Sequence[Found]) -> float:
