@@ -30,6 +30,7 @@ from spacerobot.diagnosis.answer.record import (
     Value,
     Verdict,
 )
+from spacerobot.diagnosis.answer.shape_errors import with_shapes
 from spacerobot.diagnosis.answer.turning import counted_in_angles
 from spacerobot.diagnosis.answer.verdict import all_moved, detectable, fitted_effects, moved_values, pattern
 from spacerobot.diagnosis.learning.learned_part import LearnedPart
@@ -70,6 +71,7 @@ def verdict_of(study: Study, parts: Sequence[Part], *, seed: int, seconds: float
     said = (AMBIGUOUS, NAMED) if verdict == AMBIGUOUS else (verdict,)
     speaking = [p for p, v in zip(parts, own, strict=True) if v in said and (not p.model.not_measured or told is own)]
     effects = agreed([e for p in speaking for e in lacked(p, len(parts))]) if verdict in (NAMED, LEARNED) else []
+    effects = with_shapes(effects, speaking)
     further = [next_trial_of(p) for p, v in zip(parts, own, strict=True) if v == AMBIGUOUS]
     seen = touches([p.model for p in parts])
     return Verdict(

@@ -283,6 +283,17 @@ class Projector:
             [*(p - g @ step for g, p in zip(self.global_rows, parts, strict=True)), paid - self.pull * step]
         )
 
+    def beside(self, columns: Sequence[np.ndarray]) -> np.ndarray:
+        """Normal matrix of the free parameters and, behind them, of what further readings would do, (P + N, P + N).
+
+        Args:
+            columns: N of readings, shape (S,) each.
+        """
+        more = [np.stack(parts, axis=1) for parts in zip(*(self._parts(c) for c in columns), strict=True)]
+        rows = [np.concatenate([g, m], axis=1) for g, m in zip(self.global_rows, more, strict=True)]
+        pull = np.concatenate([self.pull, np.zeros(len(columns))])
+        return np.asarray(sum(r.T @ r for r in rows) + np.diag(pull**2))
+
     def shift(self, column: np.ndarray) -> np.ndarray:
         """By how much the free parameters move to imitate a column, shape (P,)."""
         return self._step(self._parts(column), np.zeros_like(self.pull))

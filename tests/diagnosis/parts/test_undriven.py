@@ -9,12 +9,14 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from spacerobot.diagnosis.answer.shape_errors import spread_of
 from spacerobot.diagnosis.machines.choose import models_for
 from spacerobot.diagnosis.machines.contract import Machine
-from spacerobot.diagnosis.selection.felt_together import alone, felt_by, shapes_of
+from spacerobot.diagnosis.selection.felt_together import alone, felt_by, shapes_of, told
+from spacerobot.diagnosis.selection.forward_selection import grow
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.effects.primitives import Load
-from spacerobot.effects.registry import all_effects
+from spacerobot.effects.registry import all_effects, effect
 from spacerobot.recordings.study import load_study
 
 CART, POLE, FAR, SPIN = 1.2, 0.3, 0.25, 0.00625
@@ -135,11 +137,42 @@ def test_a_pole_of_more_of_the_same_swings_alike(loaded: tuple[Machine, ...]) ->
     assert np.abs(aside).max() > np.abs(once).max()
 
 
-def test_the_load_is_found_by_cart_and_pole_together(loaded: tuple[Machine, ...]) -> None:
+Shapes = dict[tuple[str, str], str]
+
+
+@pytest.fixture(scope="module")
+def shapes(loaded: tuple[Machine, ...]) -> Shapes:
     effects = list(all_effects().values())
     parts = [alone(machine, effects) for machine in loaded]
-    shapes = shapes_of(loaded, effects, lambda which, places, known: [felt_by(parts[k], places, known) for k in which])
+    found = shapes_of(loaded, effects, lambda which, places, near: [felt_by(parts[k], places, near) for k in which])
+    return dict(found)
+
+
+def place_of(form: str) -> np.ndarray:
+    return np.array([float(x) for x in form.split("_")]) / 1e6
+
+
+def test_the_load_is_found_by_cart_and_pole_together(shapes: Shapes) -> None:
     ((name, where),) = shapes
     assert (name, where) == ("link_load", "link.pole")
-    place = np.array([float(x) for x in shapes[name, where].split("_")]) / 1e6
+    place = place_of(shapes[name, where])
     np.testing.assert_allclose(place[[0, 2]], [0.0, -FAR], atol=0.003)
+    assert place[1] == 0.0  # across the plane that it swings in nothing tells
+
+
+def test_where_it_is_shares_in_how_heavy_it_may_be(loaded: tuple[Machine, ...], shapes: Shapes) -> None:
+    (form,) = shapes.values()
+    grown = [grow(told(m, shapes), effects=[effect("link_load")]) for m in loaded]
+    named = [(g.bench, g.after.fit, site) for g in grown for site in g.after.sites]
+    assert len(named) == len(loaded)
+    spread = spread_of(named)
+    assert spread.wider > 1.0
+    x, _, z = np.abs(place_of(form) - [0.0, 0.0, -FAR])
+    assert x < 3.0 * spread.shape["x_m"] < 0.003
+    assert z < 3.0 * spread.shape["z_m"] < 0.003
+    assert spread.shape["y_m"] == np.inf
+    slide, _ = (fit.values()[site.key("mass_kg")] for _, fit, site in named)
+    assert abs(slide - LOAD) < 3.0 * spread.held * spread.wider < 0.1 * LOAD
+    twice = spread_of([*named, *named])  # as much again tells the square root of two better
+    assert twice.held * np.sqrt(2.0) == pytest.approx(spread.held, rel=1e-6)
+    assert twice.shape["z_m"] * np.sqrt(2.0) == pytest.approx(spread.shape["z_m"], rel=1e-6)
