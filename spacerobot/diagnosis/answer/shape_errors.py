@@ -1,4 +1,4 @@
-"""How sure the shape is of what all parts feel together: where a load is, which way a pull goes; and how much, beside.
+"""How sure the place is of a load that all parts feel together, and how much of it there is beside.
 
 Parts are fitted with the shape held where all of them together found it, so what each says of the strength is as if the
 place were known. All parts' readings tell both, beside what each part fits itself (Gauss-Newton's normal matrix, each
@@ -26,7 +26,7 @@ from spacerobot.effects.settled import form_of
 from spacerobot.support.errors import SimulationError
 
 STEP = 1e-3
-"""By which numbers of a shape are moved to either side [m, or share of a direction]: names hold a thousandth of it."""
+"""By which numbers of a shape are moved to either side [m]: names hold a thousandth of it."""
 
 SURE = 1e-9
 """Share of the largest direction below which readings tell nothing of one."""
@@ -52,7 +52,7 @@ def with_shapes(effects: Sequence[Effect], parts: Sequence[Part]) -> list[Effect
     found: dict[tuple[str, str], list[tuple[Bench, Fit, Site]]] = {}
     for part in parts:
         for site in part.fit.hypothesis.sites:
-            if site.effect.together and site.effect.settings:
+            if site.effect.together == "point" and site.effect.settings:
                 found.setdefault((said_name(site.effect.name), site.where), []).append(
                     (part.growth.bench, part.fit, site)
                 )

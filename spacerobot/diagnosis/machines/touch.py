@@ -84,7 +84,7 @@ def first_shock(
         residual: of each joint's balance, shape (T, J) [N m or N].
         smear: half the width [s] of the filter that the residual went through.
         velocity: of each joint, shape (T, J) [rad/s or m/s]: where one turns back its friction does too, and that
-            shakes its balance without a touch; where half of them start, stop or turn, the machine did it.
+            shakes its balance without a touch; where half of those that move start, stop or turn, the machine did it.
         blurred: what the filter made of a motion that is fast for it, of which the residual is free to first order,
             shape (T, J): what is no more than this is no shock.
     """
@@ -96,9 +96,9 @@ def first_shock(
     square = fast**2
     counted, own = np.ones_like(square), np.zeros(time.size, dtype=bool)
     if velocity is not None:
-        back, changed = _changing(velocity, slow, ahead, max(1, round(smear / step)))
+        back, changed, moving = _changing(velocity, slow, ahead, max(1, round(smear / step)))
         counted[back] = 0.0
-        own = 2 * changed.sum(axis=1) >= velocity.shape[1]
+        own = changed.any(axis=1) & (2 * changed.sum(axis=1) >= moving.sum(axis=1))
     square *= counted
     shown = square.copy()
     if blurred is not None:  # at its most about a moment: it swings through nothing
@@ -130,8 +130,9 @@ def _trailing(value: np.ndarray, count: int) -> np.ndarray:
     return np.asarray((total[index] - total[first]) / np.maximum(index - first, 1)[:, None])
 
 
-def _changing(velocity: np.ndarray, slow: int, ahead: int, smeared: int) -> tuple[np.ndarray, np.ndarray]:
-    """Which samples of which joint are about a moment at which it turns back, or starts, stops or turns back.
+def _changing(velocity: np.ndarray, slow: int, ahead: int, smeared: int) -> tuple[np.ndarray, ...]:
+    """Which samples of which joint are about a moment at which it turns back; or starts, stops or turns back; and about
+    which it moves at all.
 
     Rest's noise is no motion.
 
@@ -145,10 +146,10 @@ def _changing(velocity: np.ndarray, slow: int, ahead: int, smeared: int) -> tupl
         shape (T, J) each.
     """
     count = velocity.shape[0]
-    back, changed = np.zeros(velocity.shape, dtype=bool), np.zeros(velocity.shape, dtype=bool)
+    back, changed, moving = (np.zeros(velocity.shape, dtype=bool) for _ in range(3))
     reach = STEADY * slow
     if count <= 2 * reach:
-        return back, changed
+        return back, changed, moving
     noise = CLEAR * np.array([estimate_noise(column[::smeared]) for column in velocity.T])
     ways = np.where(np.abs(velocity) > noise, np.sign(velocity), 0.0).astype(np.int8)
     offsets = range(slow, reach + 1, slow)
@@ -158,5 +159,7 @@ def _changing(velocity: np.ndarray, slow: int, ahead: int, smeared: int) -> tupl
     back[-reach:] = True  # what follows is not recorded
     back[reach:-reach] = steady & (before[0] * after[0] < 0)
     changed[reach:-reach] = steady & (before[0] != after[0])
+    moving[reach:-reach] = (before != 0).any(axis=0) | (after != 0).any(axis=0)
     width = 2 * (slow + ahead + smeared) + 1
-    return maximum_filter1d(back, width, axis=0), maximum_filter1d(changed, width, axis=0)
+    back, changed, moving = (maximum_filter1d(x, width, axis=0) for x in (back, changed, moving))
+    return back, changed, moving

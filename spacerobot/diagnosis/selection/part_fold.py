@@ -43,10 +43,12 @@ def settled(growth: Growth) -> tuple[Growth, Unseen]:
     """The choice, and its trials kept aside; less than was chosen where these say so.
 
     Where most folds choose but a part of the set, and by that foretell what was kept aside better than the whole set
-    does, the rest of it was fitted to the trials, not found in them. What no fold finds any of is not there.
+    does, the rest of it was fitted to the trials, not found in them. What no fold finds any of, and what
+    is foretold about as well without, is not there.
     """
     unseen = keep_aside(growth)
-    if growth.after.size and not any(f.selected for f in unseen.folds) and not unseen.leading_to(OPEN):
+    as_well = unseen.after.together > (1.0 - TIE) * unseen.before.together
+    if growth.after.size and as_well and not any(f.selected for f in unseen.folds) and not unseen.leading_to(OPEN):
         return settled(no_larger(growth, 0, "is not found without a part of the trials, whichever"))
     found = unseen.leading_to(PART)
     sizes = [size for f in found if 0 < (size := growth.size_of(f.selected)) < growth.after.size]

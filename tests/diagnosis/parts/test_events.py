@@ -84,6 +84,19 @@ def test_a_joint_that_shakes_alone_and_an_arm_that_starts_and_stops_were_not_tou
         assert found.low <= 6.1 <= found.high
 
 
+def test_an_arm_that_begins_to_move_was_not_touched_though_few_of_its_joints_do() -> None:
+    """A trajectory that begins with some joints: what breaks loose there shakes the others' balances too."""
+    random = np.random.default_rng(4)
+    going, blow = np.clip((TIME - 4.0) / 0.1, 0.0, 1.0), (balance(4.0) - balance(None))[:, 1:]
+    rest = 0.01 * random.standard_normal((TIME.size, 7)) + blow * np.array([0.0, 1.0, 0.8, 0.0, 0.3, 1.0, 0.2])
+    starts, thrown = (0.1 * x[:, None] * np.array([0, -1, 1, 0, 0, -1, 0]) for x in (going, going * (TIME < 4.2)))
+    noise = 1e-3 * random.standard_normal(starts.shape)
+    assert first_shock(TIME, rest, 0.005, starts + noise) is None
+    found = first_shock(TIME, rest, 0.005, thrown + noise)  # what is hit at rest does not go on
+    assert found is not None
+    assert found.low <= 4.0 <= found.high
+
+
 @pytest.mark.parametrize("step", [0.01, 0.004])
 def test_what_noise_alone_shakes_of_a_slow_log_is_no_touch(step: float) -> None:
     """One joint's friction steps; of the others a stretch is a reading or two, and some are always large."""
