@@ -7,7 +7,7 @@ a pull on the base, the zero of each encoder. An effect is some of these: all th
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -45,6 +45,7 @@ class Source:
         at: its numbers among those of all places.
         numbers: of a body.
         carried: mass that may be there already [kg], of a body, by link and place; less than all of it may be missing.
+        across: of a pull, what it is level to, shape (3,): a base that leans does not change how strong gravity is.
     """
 
     effect: Effect
@@ -52,11 +53,12 @@ class Source:
     at: slice
     numbers: Numbers
     carried: Callable[[str, np.ndarray | None], float]
+    across: np.ndarray | None = None
 
     @property
     def free(self) -> int:
         """How many of its numbers are free."""
-        return FREE[self.effect.together]
+        return FREE[self.effect.together] - (self.across is not None)
 
     def price(self, looks: int) -> float:
         """What chance makes of all its free numbers but one, among so many sources."""
@@ -103,6 +105,8 @@ class Source:
         Args:
             place: of a point mass, shape (3,).
         """
+        if self.across is not None:
+            return np.linalg.svd(self.across[None])[2][1:].T
         if self.effect.together in ("field", "zero"):
             return np.eye(self.at.stop - self.at.start)
         return self.numbers(self.where, place)[:, None]
@@ -187,6 +191,9 @@ def placed(effects: Sequence[Effect], places: Sequence[str], machines: Sequence[
         open_to = {where for mechanism in plain for where in effect.places(mechanism)}
         some = [p for p in places if p in open_to and not stood_for(effect, p, fitted)]
         out += [Source(effect, p, at[p], machines[0].numbers, machines[0].carried) for p in some]
+        down = np.array(plain[0].gravity if plain[0].gravity is not None else np.zeros(3))
+        if effect.together == "field" and down.any():  # of those that do alike the last is taken
+            out += [replace(source, across=down) for source in out if source.effect is effect]
     return out
 
 
