@@ -36,6 +36,7 @@ from spacerobot.diagnosis.machines.measured import through_sensor
 from spacerobot.diagnosis.machines.mechanism_cache import MechanismCache
 from spacerobot.diagnosis.machines.rigid import Rigid
 from spacerobot.diagnosis.machines.shared_columns import BASE, SharedColumns
+from spacerobot.diagnosis.machines.silent_torque import asked_along, why_silent
 from spacerobot.diagnosis.machines.stated_noise import StatedNoise, stated_noise
 from spacerobot.diagnosis.machines.test_functions import Bump
 from spacerobot.diagnosis.machines.torque_pieces import Cutter, standing
@@ -52,10 +53,6 @@ from spacerobot.effects.learned import Variable
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import ChannelMap, Coordinate, Force, Readout
 from spacerobot.model.robot import Robot
-
-SILENT = 0.1
-"""A torque that varies by less than this share of what its own weight and inertia ask for is not what moved the joint:
-friction adds to it, nothing that a body can be takes nine tenths of it away."""
 
 REST = 0.02
 """Share of a joint's typical speed below which it may as well stand still: above what noise leaves of a smoothed rate.
@@ -213,26 +210,14 @@ class InverseDynamics(Machine):
         self.not_measured = self._silence(unknown)
 
     def _silence(self, unknown: Sequence[str]) -> str:
-        """Why the logged torque tells nothing of the one joint compared; empty where it does, or may.
-
-        Where the joint's own inertia is not known, its weight alone is what is asked for.
-        """
+        """Why the logged torque tells nothing of the one joint compared; empty where it does, or may."""
         own = {n.rsplit(".", 1)[1] for n in unknown}
         if len(self.compared) != 1 or not self.driven or own & {"gain", "stiffness"}:
             return ""
-        k = self.joints.index(self.compared[0])
-        told, needed = [], []
-        for trial in self.trials:
-            seen, motion = trial.blocks[0].weight[0] > 0.0, self._motion[trial.id]
-            still = np.zeros_like(motion.velocity)
-            asked = self._arm.torque(motion.position, still, still) if "mass" in own else motion.rigid
-            told.append(trial.blocks[0].value[0][seen])
-            needed.append(self.seen(trial, asked[:, k])[seen])
-        shown, moved = (float(np.std(np.concatenate(x))) for x in (told, needed))
-        if shown >= SILENT * moved:
-            return ""
-        unit = "N m" if self.angular(self.compared[0]) else "N"
-        return f"its torque reads {shown:.2g} {unit} rms about its mean where the motion asks for {moved:.2g}"
+        (joint,) = self.compared
+        weight = self._arm if "mass" in own else None
+        asked = partial(asked_along, self._motion, self.joints.index(joint), weight)
+        return why_silent(self.trials, asked, self.seen, "N m" if self.angular(joint) else "N")
 
     def sites(self, effects: Iterable[Effect] | None = None) -> list[Site]:
         """As everywhere; of one joint among several, those at it, at its sensors, and drives of others it turns too."""
