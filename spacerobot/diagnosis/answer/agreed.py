@@ -34,16 +34,21 @@ def agreed(found: Sequence[Effect]) -> list[Effect]:
 
 def _common(values: Sequence[Value]) -> Value:
     """Weighted mean of what several parts tell, its interval as wide as their differences ask for (Birge 1932)."""
-    told = [(float(v.value or 0.0), error) for v in values if np.isfinite(error := _error(v))]
+    told = [(float(v.value or 0.0), error) for v in values if np.isfinite(error := error_of(v))]
     if len(told) < 2:
         return values[0]
     common = pooled(*zip(*told, strict=True))
     wider = max(common.scatter / common.error / (len(told) - 1) ** 0.5, 1.0)
-    half = NORMAL_95 * wider * common.error
-    return replace(values[0], value=common.value, ci95=(common.value - half, common.value + half))
+    return within(replace(values[0], value=common.value), wider * common.error)
 
 
-def _error(value: Value) -> float:
+def within(value: Value, error: float) -> Value:
+    """A value with this standard error."""
+    middle, half = float(value.value or 0.0), NORMAL_95 * error
+    return replace(value, ci95=(middle - half, middle + half))
+
+
+def error_of(value: Value) -> float:
     """Standard error of a value; infinite where nothing is told of it."""
     low, high = value.ci95 or (None, None)
     return np.inf if low is None or high is None else 0.5 * (float(high) - float(low)) / NORMAL_95

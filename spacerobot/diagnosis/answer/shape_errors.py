@@ -14,11 +14,13 @@ from dataclasses import replace as changed
 import numpy as np
 from msgspec.structs import replace
 
-from spacerobot.diagnosis.answer.record import Effect, Value
-from spacerobot.diagnosis.fitting.fitted import NORMAL_95, Fit
+from spacerobot.diagnosis.answer.agreed import error_of, within
+from spacerobot.diagnosis.answer.record import Effect
+from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.fitting.screen import Projector, Screener
 from spacerobot.diagnosis.selection.bench import Bench
 from spacerobot.diagnosis.selection.part_result import Part
+from spacerobot.diagnosis.selection.shared_sources import without
 from spacerobot.diagnosis.terms.hypothesis import Site, hypothesis
 from spacerobot.effects.effect import said_name
 from spacerobot.effects.form import FormOf
@@ -53,32 +55,21 @@ def with_shapes(effects: Sequence[Effect], parts: Sequence[Part]) -> list[Effect
     for part in parts:
         for site in part.fit.hypothesis.sites:
             if site.effect.together == "point" and site.effect.settings:
-                found.setdefault((said_name(site.effect.name), site.where), []).append(
-                    (part.growth.bench, part.fit, site)
-                )
-    return [
-        _widened(one, spread_of(found[one.effect, one.where])) if (one.effect, one.where) in found else one
-        for one in effects
-    ]
+                place = said_name(site.effect.name), site.where
+                found.setdefault(place, []).append((part.growth.bench, part.fit, site))
+    return [_widened(one, found[place]) if (place := (one.effect, one.where)) in found else one for one in effects]
 
 
-def _widened(one: Effect, spread: Spread) -> Effect:
-    parameters = dict(one.parameters)
-    scale = 1.0
-    for name, value in one.parameters.items():
-        if value.ci95 is not None and None not in value.ci95:
-            half = 0.5 * (float(value.ci95[1] or 0.0) - float(value.ci95[0] or 0.0))
-            scale = half / NORMAL_95 / spread.held if spread.held > 0.0 else 1.0
-            parameters[name] = _within(value, half * spread.wider)
-    for name, error in spread.shape.items():
-        if np.isfinite(error):
-            parameters[name] = _within(parameters[name], NORMAL_95 * scale * error)
-    return replace(one, parameters=parameters)
-
-
-def _within(value: Value, half: float) -> Value:
-    middle = float(value.value or 0.0)
-    return replace(value, ci95=(middle - half, middle + half))
+def _widened(one: Effect, told: Sequence[tuple[Bench, Fit, Site]]) -> Effect:
+    (*_, first), *_ = told
+    strength, spread = first.effect.strength.name, spread_of(told)
+    error = error_of(one.parameters[strength])
+    if not np.isfinite(error):
+        return one
+    scale = error / spread.held
+    wider = {strength: error * spread.wider}
+    wider |= {name: scale * own for name, own in spread.shape.items() if np.isfinite(own)}
+    return replace(one, parameters={n: within(v, wider[n]) if n in wider else v for n, v in one.parameters.items()})
 
 
 def spread_of(told: Sequence[tuple[Bench, Fit, Site]]) -> Spread:
@@ -120,13 +111,10 @@ def _normal(bench: Bench, fit: Fit, site: Site) -> np.ndarray:
         more, less = (raw({**settled, name: x + step}) for step in (STEP, -STEP))
         columns.append((more - less) / (2.0 * STEP))
     whole = project.beside(columns)
-    z = fit.z.copy()
-    z[k] += STEP
-    rate = (made.values(z)[key] - fit.values()[key]) / STEP
+    rate = made.free[k].slope(float(fit.z[k]))
     whole[k] /= rate
     whole[:, k] /= rate
     kept = [k, *range(len(made.free), whole.shape[0])]
-    rest = [n for n in range(len(made.free)) if n != k]
-    across = whole[np.ix_(rest, kept)]
-    inner = np.linalg.pinv(whole[np.ix_(rest, rest)], rcond=1e-12, hermitian=True)
-    return np.asarray(whole[np.ix_(kept, kept)] - across.T @ inner @ across)
+    others = [row for n, row in enumerate(np.eye(whole.shape[0])) if n not in kept]
+    freed, _ = without(whole, np.zeros(whole.shape[0]), others)
+    return freed[np.ix_(kept, kept)]

@@ -142,11 +142,21 @@ def unbent(
         motion: as `asked` takes it: position, velocity and acceleration, shape (T, J) each, and more.
     """
     once = asked(*motion)
+    return np.asarray(once + bent(asked, once, lens, wider, motion))
+
+
+def bent(
+    asked: Callable[..., np.ndarray],
+    once: np.ndarray,
+    lens: Bump,
+    wider: float,
+    motion: Sequence[np.ndarray | None],
+) -> np.ndarray:
+    """What `unbent` adds to what the smoothed motion itself asks for, shape (T, M) both; nothing where it is short."""
     if once.shape[0] <= 2 * lens.half:
-        return once
+        return np.zeros_like(once)
     again = asked(*(None if x is None else lens.smooth(x) for x in motion))
-    bent = lens.smooth(once) - again
-    return once + wider * np.pad(bent, ((lens.half, lens.half), (0, 0)), mode="edge")
+    return np.asarray(wider * np.pad(lens.smooth(once) - again, ((lens.half, lens.half), (0, 0)), mode="edge"))
 
 
 def kinematics(grid: Grid, joints: Sequence[str], half: int) -> JointLog:

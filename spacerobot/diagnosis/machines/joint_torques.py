@@ -25,11 +25,11 @@ from spacerobot.diagnosis.machines.grid import Grid
 from spacerobot.diagnosis.machines.joined_pieces import Joined, Rows
 from spacerobot.diagnosis.machines.joint_log import (
     Motion,
+    bent,
     kinematics,
     shifted,
     stated_friction,
     torque_sizes,
-    unbent,
 )
 from spacerobot.diagnosis.machines.links import twice_as_heavy, weighed_links
 from spacerobot.diagnosis.machines.measured import through_sensor
@@ -140,7 +140,6 @@ class InverseDynamics(Machine):
         level = np.array([own[j].force for j in self.compared])
         resting = np.array([REST * own[j].length / own[j].time for j in self.joints])
         cutter = Cutter(self.joints, self.compared, level, resting, sensor)
-        self._idle = frozenset(idle)
         alone = self.joints if len(self.joints) == 1 else ()  # of several, what one hides behind it moves with all
         self._followed = {c: Readout(c, "position", f"joint.{j}") for j in alone for c in [f"joint.{j}.position"]}
         self._lately = MechanismCache()
@@ -150,7 +149,7 @@ class InverseDynamics(Machine):
             row[j] = (values or {}).get(f"joint.{j}.mass", row[j]) + (values or {}).get(f"joint.{j}.armature", 0.0)
             if f"joint.{j}.mass" in unknown:
                 row[j] = own[j].of("kg")
-        pace = half_width(logs, rows, own, self._idle)
+        pace = half_width(logs, rows, own, idle)
         cut = LogCutter(cutter, arm, heavier, self.doubted, noise or {}).cut(grids, raw, pace)
         trials, lenses, self._motion, self._bump = cut.trials, cut.lenses, cut.motion, cut.bump
         noisy = [logged_noise(logs, f"joint.{j}.position") for j in self.joints]
@@ -193,7 +192,7 @@ class InverseDynamics(Machine):
             dict(zip(self.links, heavier, strict=True)),
             shared.inertia,
         )
-        self.proportional = not undriven.stated
+        self.proportional = self.driven
         self._felt = FeltBodies(shared, undriven, self._believed_torques)
         self._asks = AskedTorques(
             self.joints,
@@ -283,9 +282,9 @@ class InverseDynamics(Machine):
             return found
         for trial, log in self._raw.items():
             motion = (log.position, log.velocity, log.acceleration, log.turned(self._arm))
-            asked = unbent(self._arm.torque, log.lens, log.wider, motion)
-            blurred = asked - self._arm.torque(*motion)
-            moment = first_shock(log.time, log.torque - asked, SHARP * log.step, log.velocity, blurred)
+            asked = self._arm.torque(*motion)
+            blurred = bent(self._arm.torque, asked, log.lens, log.wider, motion)
+            moment = first_shock(log.time, log.torque - asked - blurred, SHARP * log.step, log.velocity, blurred)
             if moment is not None:
                 found[trial] = moment
         return found

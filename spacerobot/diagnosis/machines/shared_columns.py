@@ -10,6 +10,7 @@ from itertools import combinations
 import numpy as np
 
 from spacerobot.diagnosis.machines.body_columns import BodyColumns
+from spacerobot.diagnosis.machines.contract import numbers_at
 from spacerobot.diagnosis.machines.joined_pieces import Joined
 from spacerobot.diagnosis.machines.joint_log import Motion, unbent
 from spacerobot.diagnosis.machines.rigid import STEP, Rigid
@@ -89,9 +90,9 @@ class SharedColumns:
             self._along[name, kind] = found.reshape(found.shape[0], len(self._rows), len(places), -1)
         return self._along[name, kind][:, :, places.index(where)]
 
-    def inertia(self, position: np.ndarray, where: str) -> np.ndarray | None:
+    def inertia(self, position: np.ndarray, where: str) -> np.ndarray:
         """What each number of what is at a place adds to the inertia about each joint that feels it, in poses (T, J):
-        shape (T, C, N); None of a pull, which adds nothing."""
+        shape (T, C, N); a pull adds nothing."""
         if where in self.links:
             link = where.removeprefix("link.")
             return np.stack([self._columns.inertia(link, row, position) for row in self._rows], axis=1)
@@ -99,7 +100,7 @@ class SharedColumns:
             aside = STEP * (np.array(self.joints) == where)
             less, more = (self._columns.arm.inertias(position + side) for side in (aside, -aside))
             return np.asarray((more - less)[:, self._rows, self._rows, None] / (2.0 * STEP))
-        return None
+        return np.zeros((position.shape[0], len(self._rows), numbers_at(where)))
 
     def _alike(self, where: str) -> tuple[tuple[str, ...], Callable[..., np.ndarray]]:
         """Places of one kind, whose columns are made at once, and what makes them."""

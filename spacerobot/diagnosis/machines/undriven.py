@@ -25,9 +25,9 @@ LEAST = 1e-3
 Along = str | Joined
 """A piece by its id, or pieces in a row."""
 
-Added = Callable[[np.ndarray, str], np.ndarray | None]
+Added = Callable[[np.ndarray, str], np.ndarray]
 """Positions of the logged joints, shape (T, J), and a place -> what each number of what is there adds to the inertia
-about each joint that feels it, shape (T, C, N); None of what adds nothing."""
+about each joint that feels it, shape (T, C, N)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +53,7 @@ class Undriven:
     beyond: np.ndarray
     heavier: Mapping[str, Rigid]
     added: Added
-    _kept: dict[tuple[str, Along], np.ndarray | None] = field(default_factory=dict)
+    _kept: dict[tuple[str, Along], np.ndarray] = field(default_factory=dict)
 
     def read(
         self,
@@ -67,15 +67,13 @@ class Undriven:
         """What is asked for at a joint, as it is read, shape (T,).
 
         Args:
-            joint: any of these.
+            joint: one of these that nothing drives.
             along: which motion.
             asked: of its drive, shape (T,).
             own: inertia about it beyond what is believed.
             heavier: by link of doubted mass, how many more of it there are.
             bodies: by place, numbers of what is there beside the links.
         """
-        if joint not in self.stated:
-            return asked
         c, stated = self.joints.index(joint), self.stated[joint]
         if not (own or bodies or any(heavier.values())):
             return asked
@@ -99,8 +97,7 @@ class Undriven:
             if joint in self.stated:
                 share = self._share(c, along, np.zeros(1), bodies)[:, None]
                 out[:, c] *= share
-                if added is not None:
-                    out[:, c] -= share**2 * left[:, c, None] * added[:, c] / self._believed(along)[:, c, None]
+                out[:, c] -= share**2 * left[:, c, None] * added[:, c] / self._believed(along)[:, c, None]
         return out
 
     def shares(self, along: Along, bodies: Mapping[str, np.ndarray]) -> np.ndarray:
@@ -113,8 +110,7 @@ class Undriven:
 
     def _share(self, c: int, along: Along, more: np.ndarray, bodies: Mapping[str, np.ndarray]) -> np.ndarray:
         for where, numbers in bodies.items():
-            added = self._added(where, along)
-            more = more if added is None else more + added[:, c] @ numbers
+            more = more + self._added(where, along)[:, c] @ numbers
         return np.asarray(1.0 / np.maximum(1.0 + more / self._believed(along)[:, c], LEAST))
 
     def _believed(self, along: Along) -> np.ndarray:
@@ -127,16 +123,11 @@ class Undriven:
     def _about(self, arm: Rigid, position: np.ndarray) -> np.ndarray:
         return np.asarray(arm.inertias(position)[:, self.at, self.at])
 
-    def _added(self, where: str, along: Along) -> np.ndarray | None:
-        if (where, along) not in self._kept:
-            self._kept[where, along] = self.added(self._position(along), where)
-        return self._kept[where, along]
+    def _added(self, where: str, along: Along) -> np.ndarray:
+        return self._along(where, along, lambda q: self.added(q, where))
 
     def _along(self, name: str, along: Along, made: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
-        found = self._kept.get((name, along))
-        if found is None:
-            found = self._kept[name, along] = made(self._position(along))
-        return found
-
-    def _position(self, along: Along) -> np.ndarray:
-        return self.motion[along].position if isinstance(along, str) else along.motion.position
+        if (name, along) not in self._kept:
+            motion = self.motion[along] if isinstance(along, str) else along.motion
+            self._kept[name, along] = made(motion.position)
+        return self._kept[name, along]

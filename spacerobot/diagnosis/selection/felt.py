@@ -46,9 +46,9 @@ class Felt:
         least = max(exact, np.finfo(float).tiny)
         return max(*told.values(), least) * float(np.sqrt(readings / max(readings - self.spent, 1)))
 
-    def left_over(self, brought: np.ndarray) -> float:
-        """Sum of squares that so much of the numbers, shape (N,), leaves, in the machine's own weights."""
-        return self.unit**2 * float(np.sum((self.left - self.columns @ brought) ** 2))
+    def squares(self, brought: np.ndarray) -> float:
+        """Their sum, of what so much of the numbers, shape (N,), leaves."""
+        return float(np.sum((self.left - self.columns @ brought) ** 2))
 
     def noise(self, brought: np.ndarray) -> float:
         """What is left then if it is noise, in the machine's own weights."""

@@ -105,7 +105,7 @@ class Sought:
 
     def costs(self, noise: np.ndarray) -> float:
         """What is left over in units of the parts' noise, shape (K,), with each number at its price, their own too."""
-        left = [one.left_over(self.brought) for one in self.stated]
+        left = [one.unit**2 * one.squares(self.brought) for one in self.stated]
         numbers = sum(one.spent for one in self.stated) + sum(one.source.free for one, _ in self.found)
         return float(np.sum(np.array(left) / noise**2)) + PENALTY * numbers
 
@@ -122,30 +122,29 @@ def _sought(
     Then all again beside what the parts show of their own, which is told anew, beside what is there, a few times.
     """
     found: list[Leading] = []
-    while more := begun or found_in([view(one) for one, _ in felt], sources, found):
-        if len(more) == len(found):
-            break
-        found, begun = list(more), ()
+    seen = [view(one) for one, _ in felt]
+    more = begun or found_in(seen, sources)
+    while len(more) > len(found):
+        found = list(more)
         if len(found) > FEW:
             return None
         for _ in range(NEARER):  # a pull pulls at a load too
             felt, before = asked(_numbers(found)), found
-            found = found_again([view(one) for one, _ in felt], sources, found)
-            if by_chance(moved([view(one) for one, _ in felt], before, found), 1):
+            seen = [view(one) for one, _ in felt]
+            found = found_again(seen, sources, found)
+            if by_chance(moved(seen, before, found), 1):
                 break
+        more = found_in(seen, sources, found)
     out: list[Sought] = []
-    if not found:
-        return out
-    brought = brought_by([view(one) for one, _ in felt], found)
-    for _ in range(NEARER):
-        beside = _beside_found(felt, found, brought)
+    while found and len(out) < NEARER:
+        if out:
+            felt = asked(_numbers(found))
+        beside = _beside_found(felt, found, out[-1].brought if out else brought_by(seen, found))
         before, found = found, found_again(beside.stated, sources, found)
         out.append(replace(beside, found=found))
         none = any(one.gain <= 0.0 for one, _ in found)
         if none or by_chance(moved(beside.stated, before, found), 1):
             break
-        felt = asked(_numbers(found))
-        brought = out[-1].brought
     return out
 
 
@@ -295,8 +294,7 @@ def found_in(felt: Sequence[Felt], sources: Sequence[Source], begun: Sequence[Le
 def _left_over(felt: Sequence[Felt], floors: Sequence[float], found: Sequence[Found]) -> float:
     """Chi-squared of all parts beside as much of what was found as pays best."""
     brought = _brought(felt, floors, found)
-    left = (np.sum((one.left - one.columns @ brought) ** 2) / f**2 for one, f in zip(felt, floors, strict=True))
-    return float(sum(left))
+    return sum(one.squares(brought) / f**2 for one, f in zip(felt, floors, strict=True))
 
 
 def found_again(

@@ -17,6 +17,7 @@ from spacerobot.diagnosis.selection.forward_selection import grow
 from spacerobot.diagnosis.terms.data import TrialData
 from spacerobot.effects.primitives import Load
 from spacerobot.effects.registry import all_effects, effect
+from spacerobot.effects.settled import shape_of
 from spacerobot.recordings.study import load_study
 
 CART, POLE, FAR, SPIN = 1.2, 0.3, 0.25, 0.00625
@@ -148,14 +149,10 @@ def shapes(loaded: tuple[Machine, ...]) -> Shapes:
     return dict(found)
 
 
-def place_of(form: str) -> np.ndarray:
-    return np.array([float(x) for x in form.split("_")]) / 1e6
-
-
 def test_the_load_is_found_by_cart_and_pole_together(shapes: Shapes) -> None:
     ((name, where),) = shapes
     assert (name, where) == ("link_load", "link.pole")
-    place = place_of(shapes[name, where])
+    place = np.array(shape_of(shapes[name, where]))
     np.testing.assert_allclose(place[[0, 2]], [0.0, -FAR], atol=0.003)
     assert place[1] == 0.0  # across the plane that it swings in nothing tells
 
@@ -167,7 +164,7 @@ def test_where_it_is_shares_in_how_heavy_it_may_be(loaded: tuple[Machine, ...], 
     assert len(named) == len(loaded)
     spread = spread_of(named)
     assert spread.wider > 1.0
-    x, _, z = np.abs(place_of(form) - [0.0, 0.0, -FAR])
+    x, _, z = np.abs(np.array(shape_of(form)) - [0.0, 0.0, -FAR])
     assert x < 3.0 * spread.shape["x_m"] < 0.003
     assert z < 3.0 * spread.shape["z_m"] < 0.003
     assert spread.shape["y_m"] == np.inf
