@@ -16,7 +16,7 @@ from spacerobot.effects.kernel import Kernel, ScalarLaw
 from spacerobot.effects.memory import Memory
 from spacerobot.support.errors import InputError
 
-MAP_ORDER = ("inertia", "low_pass", "delay", "gain", "offset")
+MAP_ORDER = ("inertia", "lever", "low_pass", "delay", "gain", "offset")
 """The kinds of channel maps, in the order in which a sensor applies them."""
 
 
@@ -240,10 +240,12 @@ class ChannelMap:
 
     Attributes:
         channel: which channel.
-        kind: "inertia" (F - m a of port `of`), "low_pass", "delay", "gain" or "offset".
-        value: kg, Hz, s, factor, or the channel's unit.
-        of: the port whose acceleration an "inertia" map reads.
+        kind: "inertia" (F - m a of port `of`), "lever" (what turns with port `of` is shown), "low_pass", "delay",
+            "gain" or "offset".
+        value: kg, m, Hz, s, factor, or the channel's unit.
+        of: the port whose acceleration an "inertia" map reads, whose angle a "lever".
         form: order and kind of a "low_pass" map, as `filters.first_orders` takes them.
+        turned: of a "lever", its angle from the channel's axis where the port has none [rad].
     """
 
     channel: str
@@ -251,6 +253,7 @@ class ChannelMap:
     value: float
     of: str | None = None
     form: tuple[int, str] = (1, "butterworth")
+    turned: float = 0.0
 
     def __post_init__(self) -> None:
         if self.kind not in MAP_ORDER:
@@ -260,6 +263,21 @@ class ChannelMap:
     def sluggish(self) -> bool:
         """Whether it is a filter of the first order: y' = 2 pi f (u - y)."""
         return self.kind == "low_pass" and self.form[0] == 1
+
+    def lever(self, angle: np.ndarray, rate: np.ndarray | None = None, growth: np.ndarray | None = None) -> np.ndarray:
+        """What a turning lever adds to a place [m]; to its rate [m/s], or that one's, where the turning's are given.
+
+        Args:
+            angle: by which it has turned, shape (T,) [rad].
+            rate: of its turning, shape (T,) [rad/s].
+            growth: of that rate, shape (T,) [rad/s^2].
+        """
+        sine, cosine = np.sin(angle + self.turned), np.cos(angle + self.turned)
+        if rate is None:
+            return np.asarray(self.value * cosine)
+        if growth is None:
+            return np.asarray(-self.value * rate * sine)
+        return np.asarray(-self.value * (rate**2 * cosine + growth * sine))
 
     @property
     def rank(self) -> int:

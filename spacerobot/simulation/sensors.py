@@ -114,13 +114,13 @@ def _read(
 ) -> np.ndarray:
     late = sum(m.value for m in maps if m.kind == "delay")
     filters = [m for m in maps if m.kind == "low_pass" and math.isfinite(m.value)]
-    inertias = [m for m in maps if m.kind == "inertia" and m.value != 0.0]
+    riding = [m for m in maps if m.kind in ("inertia", "lever") and m.value != 0.0]
     if filters:
-        value = _filtered(run, readout, inertias, filters, times - late, taken)
+        value = _filtered(run, readout, riding, filters, times - late, taken)
     else:
         if late not in taken:
             taken[late] = _Taken(run, times - late)
-        value = _raw(run, readout, inertias, taken[late])
+        value = _raw(run, readout, riding, taken[late])
     for m in maps:
         if m.kind == "gain":
             value = value * m.value
@@ -129,21 +129,26 @@ def _read(
     return value
 
 
-def _raw(run: Run, readout: Readout, inertias: list[ChannelMap], taken: _Taken) -> np.ndarray:
+def _raw(run: Run, readout: Readout, riding: list[ChannelMap], taken: _Taken) -> np.ndarray:
     if readout.kind == "force":
         value = readout.sign * run.contact_at(taken.times)
     else:
         value = readout.sign * run.port(readout.of, taken.of(readout.kind))
-    for m in inertias:
-        assert m.of is not None  # an inertia map names the port it rides on
-        value = value - m.value * run.port(m.of, taken.acceleration)
+    for m in riding:
+        assert m.of is not None  # such a map names the port it rides on
+        if m.kind == "inertia":
+            value = value - m.value * run.port(m.of, taken.acceleration)
+        else:
+            kinds = ("position", "velocity", "acceleration")
+            turned = [run.port(m.of, taken.of(kind)) for kind in kinds[: kinds.index(readout.kind) + 1]]
+            value = value + m.lever(*turned)
     return value
 
 
 def _filtered(
     run: Run,
     readout: Readout,
-    inertias: list[ChannelMap],
+    riding: list[ChannelMap],
     filters: list[ChannelMap],
     times: np.ndarray,
     taken: dict[object, _Taken],
@@ -157,7 +162,7 @@ def _filtered(
     spacing = _usual(np.diff(times)) if times.size > 1 else 1e-3
     cutoffs = [m.value for m in filters]
     fastest = 1.0 / (2.0 * math.pi * max(cutoffs))
-    smooth = readout.kind == "position" and not inertias
+    smooth = readout.kind == "position" and not riding
     step = max(min(0.5 * spacing, 0.25 * fastest), 1e-3) if smooth else min(0.5 * spacing, 0.25 * fastest, 2e-4)
     step = max(step, 1e-4)
     # start early enough that the filter has forgotten its start
@@ -166,14 +171,14 @@ def _filtered(
     begin = max(times[0] - forgotten, run.start - step)
     grid = np.arange(begin, times[-1] + step, step)
     here = taken.setdefault((begin, step, grid.size), _Taken(run, grid))  # channels of one sensor share it
-    value = _raw(run, readout, inertias, here)
-    if readout.kind == "force" and not inertias:  # nothing but where bodies touch, and until that is forgotten
+    value = _raw(run, readout, riding, here)
+    if readout.kind == "force" and not riding:  # nothing but where bodies touch, and until that is forgotten
         pressed, beside = np.flatnonzero(value), math.ceil(forgotten / step) + 1
         if not pressed.size:
             return np.zeros_like(times)
         part = slice(max(pressed[0] - beside, 0), pressed[-1] + beside + 1)
         grid, value = grid[part], value[part]
-    at, jump = _jumps(run, readout, inertias, grid)
+    at, jump = _jumps(run, readout, riding, grid)
     for m in filters:
         value = _through(m, value, grid, at, jump)
         at = at[:0]  # what comes out has no jumps
@@ -210,14 +215,14 @@ def _through(m: ChannelMap, value: np.ndarray, grid: np.ndarray, at: np.ndarray,
     return summed(m.form, respond)
 
 
-def _jumps(run: Run, readout: Readout, inertias: list[ChannelMap], grid: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _jumps(run: Run, readout: Readout, riding: list[ChannelMap], grid: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Where a readout jumps within a grid, and by how much, shape (E,) each."""
-    if readout.kind == "position" and not inertias:
+    if readout.kind == "position" and not riding:
         return np.empty(0), np.empty(0)
     at = np.unique(run.switches())
     at = at[(at > grid[0]) & (at < grid[-1])]
     if not at.size:
         return at, at
     sides = np.stack([np.nextafter(at, -np.inf), at], axis=1)
-    before, after = _raw(run, readout, inertias, _Taken(run, sides.ravel())).reshape(-1, 2).T
+    before, after = _raw(run, readout, riding, _Taken(run, sides.ravel())).reshape(-1, 2).T
     return at, after - before

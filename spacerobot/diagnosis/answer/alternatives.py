@@ -59,7 +59,12 @@ def _alternative(chosen: Sequence[tuple[Part, Candidate]]) -> Alternative:
     scores = [_score(part, one) for part, one in chosen]
     return Alternative(
         effects=[p for _, one in chosen for p in placed(one.label)],
-        parameters={k: v for _, one in chosen for k, v in one.fit.values().items() if "@" in k},
+        parameters={
+            k: v
+            for part, one in chosen
+            for k, v in one.fit.values().items()
+            if "@" in k or (one is part.growth.by_values and k in one.fit.hypothesis.freed)
+        },
         score=sum(scores) if np.isfinite(scores).all() else None,
         part=", ".join(part.name for part, _ in chosen),
     )

@@ -15,7 +15,7 @@ from spacerobot.diagnosis.selection.kept_aside import Unseen
 from spacerobot.diagnosis.selection.model_choice import agreeing, pays
 from spacerobot.diagnosis.selection.part_result import NotLearned, Part
 from spacerobot.diagnosis.selection.search_state import Report
-from spacerobot.diagnosis.terms.decision import AS_GOOD, CROWD, DOUBT, MOST_LEFT, TIE
+from spacerobot.diagnosis.terms.decision import AS_GOOD, CROWD, DOUBT, MOST_LEFT, SMALL, TIE
 from spacerobot.diagnosis.terms.kinds import AMBIGUOUS, LEARNED, NAMED, NOTHING_MISSING, UNKNOWN, WRONG_PARAMETER, Kind
 
 
@@ -52,7 +52,7 @@ def room_for_a_law(part: Part) -> bool:
     Nothing of the catalogue explains it; or, where the noise is stated, what is named of it leaves more, or is a crowd
     at ports, where laws act.
     Where nothing is said to be missing and no noise is stated, a law that predicts better is what tells; and where
-    something is named, one that takes most of what that leaves.
+    something is named, one that takes most of what that leaves, if that is more than the named law's own small defect.
     """
     said, bench = part.verdict, part.growth.bench
     stated = bool(bench.model.stated_noise(part.fit.values()))
@@ -62,10 +62,19 @@ def room_for_a_law(part: Part) -> bool:
         return said == UNKNOWN
     if not stated:  # what is ambiguous says already that it is open
         named = said == NAMED and bool(part.fit.hypothesis.sites)
-        return named and part.shown and taken_by_curves(part.growth) > MOST_LEFT
+        return named and part.shown and not _own_defect(part) and taken_by_curves(part.growth) > MOST_LEFT
     ports = bench.model.plain().ports
     count = sum(s.effect.kind != "sensor" and s.where in ports for s in part.fit.hypothesis.sites)
     return louder(bench, part.fit) > 0.0 or count >= CROWD - (said == AMBIGUOUS)
+
+
+def _own_defect(part: Part) -> bool:
+    """Whether what a name leaves of unseen trials is so small a share of all it explains that its law may be to blame.
+
+    Dry friction that turns round within a milliradian a second is dry friction.
+    """
+    before, after = part.before.mean_square, part.after.mean_square
+    return after < SMALL * (before - after)
 
 
 def settle_part(part: Part, report: Report) -> Part:

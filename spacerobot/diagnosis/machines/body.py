@@ -17,6 +17,7 @@ from spacerobot.diagnosis.machines.windows import FOLDS, Drive, Turned, commande
 from spacerobot.diagnosis.terms.candidates import stood_for
 from spacerobot.diagnosis.terms.data import Block, TrialData
 from spacerobot.diagnosis.terms.hypothesis import Believed
+from spacerobot.effects.catalogue.off_centre import TURN, levers
 from spacerobot.effects.laws import DAMPER
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import ChannelMap, Coordinate, Field, Force, Input, Readout
@@ -32,6 +33,9 @@ COMMAND = "command"
 
 FORCES = "command.force"
 """The same without a torque that something else may give: by how much they are weaker, a larger mass would say too."""
+
+COM = ("body.com.x", "body.com.y")
+"""Where its centre of mass lies from the point that is tracked, along its own axes [m]."""
 
 RESTART = 1.5
 """Length of a window under recorded forces, in units of the motion's own time: simulations of a free body drift."""
@@ -75,6 +79,9 @@ def _mechanism(
         damping = values.get("body.yaw_damping" if axis.angular else "body.damping")
         if damping:
             forces.append(Force(f"{axis.name}.damper", axis.name, DAMPER, (damping,), role="damper"))
+    at = [values.get(name, 0.0) for name in COM]
+    if any(at) and TURN in coordinates:
+        maps += levers(readouts, *at)
     return Mechanism(
         coordinates=coordinates,
         ports=ports,
@@ -157,12 +164,16 @@ def _model(study: Study, trials: Sequence[Trial], group: str, name: str) -> Simu
     known = study.recording(trials[0])
     said = yawing(study.sigma, group, "body")
     sigma = {n: v for n, v in said.items() if n in ("body.mass", "body.yaw_inertia") and n not in unknown}
+    beside_zero = {n: v for n, v in yawing(study.absolute, group, "body").items() if n in COM}
+    sigma |= {n: v for n, v in said.items() if n in COM}
+    values |= {n: values.get(n, 0.0) for n in beside_zero}
     logs = (study.recording(t)[c].good()[0] for t in trials for c in driven)
     late = moment("body.delay", values, (np.median(np.diff(log)) for log in logs)) if driven else {}
     values |= dict.fromkeys(late, 0.0)
     fitted = {*sigma, *unknown, *relative}
     covers = {"target": "body.mass", "target.yaw": "body.yaw_inertia"}
     stand = {f"{place}.mass" for place, value in covers.items() if value in fitted}
+    stand |= {"target.com"} if any(n in COM for n in (*sigma, *beside_zero)) else set()
     catalogue = all_effects().values()
     covered = {(e.name, place) for e in catalogue for place in covers if stood_for(e, place, stand)}
     covered |= {(e.name, FORCES) for e in catalogue if e.kind == "sensor" and e.name != "scale"}
@@ -176,7 +187,7 @@ def _model(study: Study, trials: Sequence[Trial], group: str, name: str) -> Simu
         body(axes, _pull(study, free), sensors, driven),
         whole,
         drives,
-        believed=Believed(values, sigma, {}, conditions_of(whole), unknown),
+        believed=Believed(values, sigma, {}, conditions_of(whole), unknown, absolute=beside_zero),
         sizes=sizes,
         window=study.horizon or _window(whole, sizes[""].time, bool(driven)),
         covered=frozenset(covered),

@@ -162,6 +162,11 @@ class Bench:
         )
         return [Promise(by[label], start, left) for label, start, left in found]
 
+    def gains(self, fit: Fit, sites: Sequence[Site]) -> list[Promise]:
+        """Further effects by what each takes off a fit's cost, believed values put back included; best first."""
+        best = self._screener(fit).screen(fit, sites).best().values()
+        return [Promise(item.site, _begun(item, item.amplitude), fit.cost - item.gain) for item in best]
+
     def pairs(self, fit: Fit, sites: Sequence[Site]) -> list[tuple[Promise, Promise]]:
         """Two effects more, as they promise together, best first; each has what both leave over.
 

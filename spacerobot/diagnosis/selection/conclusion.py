@@ -11,6 +11,7 @@ from spacerobot.diagnosis.fitting.fitted import Fit, interval
 from spacerobot.diagnosis.selection.bench import Bench
 from spacerobot.diagnosis.selection.candidate import Candidate
 from spacerobot.diagnosis.selection.growth import Growth
+from spacerobot.diagnosis.selection.instead import instead
 from spacerobot.diagnosis.selection.model_choice import as_good, choice, pays, ratio
 from spacerobot.diagnosis.selection.nameable import not_shown
 from spacerobot.diagnosis.selection.nested_laws import by_chance, not_excluded
@@ -101,12 +102,23 @@ class Conclusion:
         if less is not after:
             rivals = tuple(r for r in rivals if r.label != less.label and not contains(r.label, less.label))
             after = less
+        if one := instead(self.bench, after, tuple(self.sites.values())):
+            after, *others = one
+            rivals = (*rivals, *others)
+            tested.append(self.as_considered(after, weights))
         if stated:
             more = not_excluded(self.bench, after.fit, self.sites)
             rivals = (*rivals, *(self.bench.tested(fit) for fit in more))
         ranked = tuple(sorted(tested, key=lambda c: c.error))
         sites = tuple(self.sites.values())
         return Growth(self.bench, before, after, rivals, ranked, tuple(self.screened.items()), refused, sites, weights)
+
+    def as_considered(self, one: Candidate, weights: Mapping[str, float]) -> Candidate:
+        """A candidate that was met after the search, under the weights of those beside it."""
+        own, self.bench.weights = self.bench.weights, weights
+        found = self.bench.tested(self.bench.again(one.fit))
+        self.bench.weights = own
+        return found
 
     def ahead_of(self, chosen: Candidate, tested: Sequence[Candidate]) -> list[Candidate]:
         """The simplest of other sets that predict unseen trials clearly better on the whole, if not throughout."""

@@ -38,6 +38,12 @@ class Growth:
     weights: Mapping[str, float] = field(default_factory=dict)
 
     @property
+    def by_values(self) -> Candidate | None:
+        """Of the rivals the one that has wrong values in the place of an effect of the chosen set; None without it."""
+        label = set(self.after.label)
+        return next((c for c in self.rivals if c.fit.hypothesis.freed and set(c.label) < label), None)
+
+    @property
     def considered_baseline(self) -> Candidate:
         """The baseline under the weights of the search, as the candidates beside it."""
         return next(c for c in self.considered if not c.sites)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from spacerobot.diagnosis.selection.check import Check
 from spacerobot.diagnosis.selection.held_out import HeldOut
+from spacerobot.diagnosis.terms.decision import TIE
 from spacerobot.diagnosis.terms.hypothesis import Label
 from spacerobot.diagnosis.terms.kinds import OPEN, OTHER, SAME, LeadsTo
 
@@ -39,6 +40,7 @@ class Unseen:
         everywhere: whether any of the chosen set's effects acts in more than some trials.
         rivals: errors of the further sets that the folds chose among.
         taken: what was found from the unseen trials themselves, in words.
+        or_values: whether wrong values may be meant in the place of the set: they foretell as much.
     """
 
     scheme: str
@@ -49,6 +51,7 @@ class Unseen:
     everywhere: bool = True
     rivals: Mapping[Label, HeldOut] = field(default_factory=dict)
     taken: tuple[str, ...] = ()
+    or_values: bool = False
 
     @property
     def told(self) -> tuple[HeldOut, HeldOut, HeldOut]:
@@ -80,6 +83,7 @@ class Unseen:
             said += ", which predicts what was kept aside worse"
         telling = self.leading_to(SAME, OPEN) or self.folds
         better = self._better(telling) or (not whole and self._better(self.folds))
+        better = better or (self.or_values and self.after.together < (1.0 + TIE) * self.before.together)
         if self.everywhere and not better:
             said += ", and it predicts trials that were kept aside no better than the baseline"
         return Check(name, better or not self.everywhere, said)

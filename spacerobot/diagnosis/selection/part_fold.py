@@ -67,7 +67,8 @@ def keep_aside(growth: Growth) -> Unseen:
     shaped = (s for s in growth.after.sites if s.effect.together and s.effect.settings)
     own += [f"{', '.join(s.effect.settings)} of {s.effect.phrase}, which all trials tell" for s in shaped]
     scheme, kept = scheme_of(trials, MOST_FOLDS), tuple(fold for fold, _ in done)
-    return Unseen(scheme, kept, before, after, selected, taken=tuple(own))
+    or_values = growth.by_values is not None
+    return Unseen(scheme, kept, before, after, selected, taken=tuple(own), or_values=or_values)
 
 
 def joined(parts: Sequence[HeldOut]) -> HeldOut:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from scipy.special import expit
 
 from spacerobot.diagnosis.fitting.approach import lag1
 from spacerobot.diagnosis.fitting.fitted import Fit
@@ -21,6 +22,7 @@ from spacerobot.diagnosis.selection.judge import moved
 from spacerobot.diagnosis.selection.kept_aside import Unseen
 from spacerobot.diagnosis.selection.limits import Limit
 from spacerobot.diagnosis.selection.model_choice import agreeing, ratio, surely
+from spacerobot.diagnosis.selection.penalty import score
 from spacerobot.diagnosis.selection.stretches import Knock
 from spacerobot.diagnosis.terms.candidates import by_name
 from spacerobot.diagnosis.terms.data import TrialData
@@ -182,11 +184,12 @@ class Part:
 
     @property
     def unexplained(self) -> bool:
-        """Whether a good part of what is read is left, though its logs are quiet and what is left goes on."""
+        """Whether what is left goes on and is much more than its logs scatter; of a balance, a good part of it too."""
         left = levels_of(self.fit.residuals(), self.trials)
         quiet = self.model.logged(self.fit.values())
+        part = 0.0 if self.model.predicts_readings else GOOD_PART
         return self.shown and any(
-            left[c] > max(QUIET * noise, GOOD_PART * spread(self.trials, c)) for c, noise in quiet.items()
+            left[c] > max(QUIET * noise, part * spread(self.trials, c)) for c, noise in quiet.items()
         )
 
     def louder(self, times: float) -> bool:
@@ -219,6 +222,8 @@ class Part:
             base = self.growth.considered_baseline
             lead = min((ratio(c, base) for c in self.growth.considered if c.sites), default=np.inf) - 1.0 + TIE
             return float(np.clip(1.0 - DOUBT * np.exp(-max(lead, 0.0) / TIE), DOUBT, 0.99))
+        if (values := self.growth.by_values) is not None:
+            return float(np.clip(expit(0.5 * (score(values.fit) - score(self.fit))), 0.05, 0.99))
         own = next(c for c in self.growth.considered if c.label == self.growth.after.label)
         every = [(c, ratio(c, own)) for c in self.growth.considered]
         others = [(c, x) for c, x in every if not any(set(w.label) <= set(c.label) for w in self._wordings(own, every))]

@@ -43,11 +43,12 @@ def in_plane(
     seed: int = 0,
     lasting: float = 0.0,
     pull: Callable[[np.ndarray], np.ndarray] = lambda state: np.zeros(3),
+    turning: float = 1.0,
 ) -> Study:
     """One slide from each start under a force of the velocity [N], with knocks in some of them.
 
     Such a knock may be a steady push that begins then and lasts [s]. What pulls besides, along, across and about
-    [N, N m], is a function of the state, shape (6,).
+    [N, N m], is a function of the state, shape (6,). They turn so many times as fast as usual.
     """
     folder.mkdir(exist_ok=True, parents=True)
     random, text = np.random.default_rng(seed), [HEAD]
@@ -60,7 +61,7 @@ def in_plane(
     for number, start in enumerate(STARTS):
         when, impulse = (knocks or {}).get(number, (SECONDS, (0.0, 0.0, 0.0)))
         shown = np.zeros((3, READINGS))
-        state, begin = np.array([0.0, 0.0, 0.0, *start]), 0.0
+        state, begin = np.array([0.0, 0.0, 0.0, *start[:2], turning * start[2]]), 0.0
         given = np.array(impulse)
         pushed = [(when + lasting, given / lasting)] if lasting and when < SECONDS else []
         for end, push in ((when, np.zeros(3)), *pushed, (SECONDS + 1e-9, np.zeros(3))):
