@@ -69,6 +69,18 @@ def moved(fit: Fit) -> tuple[str, ...]:
     return tuple(k for k, s in fit.hypothesis.sigmas(fit.z).items() if abs(s) > MOVED)
 
 
+def sure_of_values(fit: Fit) -> float:
+    """How sure it is on which side of MOVED the furthest of the believed values lies: even odds there, 1 far from it.
+
+    What is stated of a value is a standard deviation, so that odds grow as those of a normal distribution do.
+    """
+    away = fit.hypothesis.sigmas(fit.z)
+    # what lies within a bound for certain is on one side
+    free = [f for f in fit.hypothesis.free if f.key in away and max(map(abs, f.bounds)) > MOVED]
+    furthest = max((abs(away[f.key]) for f in free), default=0.0)
+    return float(1.0 - 0.5 * np.exp(-0.5 * abs(furthest**2 - MOVED**2)))
+
+
 def contradicted(fit: Fit) -> tuple[str, ...]:
     """Believed values that are moved, or that hold off readings which do not tell them well enough to move them.
 
@@ -278,7 +290,9 @@ def _without_effect(
     else:
         verdict = WRONG_PARAMETER if out else NOTHING_MISSING
     best_gain = max((scores[id(base)] - scores[id(f)] for f in ranked if f is not base), default=-PENALTY)
-    confidence = float(np.clip(1.0 - np.exp(-0.25 * max(EARN - best_gain, 0.0)), 0.05, 0.99))
+    chosen = freed if freed is not None and verdict == WRONG_PARAMETER else base
+    unearned = 1.0 - np.exp(-0.25 * max(EARN - best_gain, 0.0))
+    confidence = float(np.clip(unearned * sure_of_values(chosen), 0.05, 0.99))
     if verdict == UNKNOWN:
         confidence = max(_surprise(left), BENT if len(out) > FEW else 0.0)
     rivals = tuple(
@@ -286,7 +300,6 @@ def _without_effect(
         for f in ranked
         if f is not base
     )
-    chosen = freed if freed is not None and verdict == WRONG_PARAMETER else base
     return Judgement(verdict, confidence, chosen, (), rivals, out)
 
 

@@ -18,7 +18,7 @@ from spacerobot.diagnosis.selection.candidate import Candidate, tried
 from spacerobot.diagnosis.selection.check import Check
 from spacerobot.diagnosis.selection.growth import Growth
 from spacerobot.diagnosis.selection.held_out import HeldOut
-from spacerobot.diagnosis.selection.judge import moved
+from spacerobot.diagnosis.selection.judge import moved, sure_of_values
 from spacerobot.diagnosis.selection.kept_aside import Unseen
 from spacerobot.diagnosis.selection.limits import Limit
 from spacerobot.diagnosis.selection.model_choice import agreeing, ratio, surely
@@ -221,7 +221,8 @@ class Part:
         if not sites:
             base = self.growth.considered_baseline
             lead = min((ratio(c, base) for c in self.growth.considered if c.sites), default=np.inf) - 1.0 + TIE
-            return float(np.clip(1.0 - DOUBT * np.exp(-max(lead, 0.0) / TIE), DOUBT, 0.99))
+            clear = 1.0 - DOUBT * np.exp(-max(lead, 0.0) / TIE)
+            return float(np.clip(clear * sure_of_values(self.fit), DOUBT, 0.99))
         if (values := self.growth.by_values) is not None:
             return float(np.clip(expit(0.5 * (score(values.fit) - score(self.fit))), 0.05, 0.99))
         own = next(c for c in self.growth.considered if c.label == self.growth.after.label)
