@@ -2,12 +2,12 @@
 
     tau = Y(q, v, a) phi,   phi = (m, m c, I)
 
-(Atkeson, An and Hollerbach 1986, eq. 4). Of an arm on a held base; one afloat moves with what it carries.
+(Atkeson, An and Hollerbach 1986, eq. 4). A base that floats gives way to what it carries (`Rigid.yielding`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from copy import copy
 
 import numpy as np
@@ -23,7 +23,7 @@ class BodyColumns:
 
     def __init__(self, robot: Robot, arm: Rigid) -> None:
         """Of a robot, whose rigid part along the logged joints is `arm`."""
-        self.model, self.data, self.arm = arm.model, arm.model.createData(), arm
+        self.robot, self.model, self.data, self.arm = robot, arm.model, arm.model.createData(), arm
         self._frames = {f.name: f for f in robot.model.frames if f.type == pin.FrameType.BODY}
         self._moments: dict[int, tuple[np.ndarray, np.ndarray]] = {}  # of a joint's own body, once it is asked for
 
@@ -59,6 +59,11 @@ class BodyColumns:
         along = axes.T @ [*self._frames[link].placement.act(np.asarray(place, dtype=float)), 1.0]
         return float(1.0 / np.sum(along**2 / np.maximum(size, np.finfo(float).tiny)))
 
+    def ends(self, joints: Iterable[str], felt_by: Iterable[str]) -> tuple[str, ...]:
+        """ "link.NAME" of the last link that each of some joints moves by itself, in order; of those felt by others."""
+        last = {self.joint_of(n): f"link.{n}" for n in self.robot.links_on(felt_by)}
+        return tuple(last[i] for j in joints if (i := self.robot.joint_id(j)) in last)
+
     def joint_of(self, link: str) -> int:
         """Index of the joint that moves a link."""
         return int(self._frames[link].parentJoint)
@@ -77,6 +82,7 @@ class BodyColumns:
         position: np.ndarray,
         velocity: np.ndarray,
         acceleration: np.ndarray,
+        turn: np.ndarray | None = None,
     ) -> np.ndarray:
         """Torques along a motion.
 
@@ -84,6 +90,8 @@ class BodyColumns:
             links: that carry the body, K of them.
             rows: which of the logged joints feel it, R of them.
             position, velocity, acceleration: of the logged joints, shape (T, J) each.
+            turn: rate of a base that floats about its free axis, shape (T,) [rad/s]; None where it began at rest, or is
+                held.
 
         Returns:
             shape (T, R K 10) [N m or N, per unit of each number].
@@ -91,9 +99,12 @@ class BodyColumns:
         v, a = np.zeros(self.model.nv), np.zeros(self.model.nv)
         index = self.arm.index
         columns = np.concatenate([TEN * (self.joint_of(n) - 1) + np.arange(TEN) for n in links])
-        wanted = np.ix_(np.array([index[r] for r in rows]), columns)
+        felt = [index[r] for r in rows]
         out = np.empty((position.shape[0], len(rows), columns.size))
         for t, q in enumerate(self.arm.written(position)):
             v[index], a[index] = velocity[t], acceleration[t]
-            out[t] = pin.computeJointTorqueRegressor(self.model, self.data, q, v, a)[wanted]
+            if self.arm.afloat:
+                v[:6], a[:6] = self.arm.base(q, v, a, None if turn is None else float(turn[t]))
+            found = pin.computeJointTorqueRegressor(self.model, self.data, q, v, a)[:, columns]
+            out[t] = found[felt] - self.arm.yielding(q, felt) @ found[:6] if self.arm.afloat else found[felt]
         return out.reshape(out.shape[0], -1)

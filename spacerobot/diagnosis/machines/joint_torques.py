@@ -155,14 +155,12 @@ class InverseDynamics(Machine):
         noisy = [logged_noise(logs, f"joint.{j}.position") for j in self.joints]
         far = np.maximum(REST * np.array([own[j].length for j in self.joints]), CLEAR * np.array(noisy))
         self.trials = standing(trials, {t.id: self._motion[t.id].position for t in trials}, far)
-        last = {columns.joint_of(n): f"link.{n}" for n in robot.links_on(self.compared)}
-        ends = [last[i] for j in self.joints if (i := robot.joint_id(j)) in last]
         felt, encoders = [self.joints.index(j) for j in self.compared], [f"joint.{j}" for j in self.joints]
-        links = () if robot.floating else ends
-        shared = SharedColumns(columns, links, encoders, felt, self._motion)
+        shared = SharedColumns(columns, columns.ends(self.joints, self.compared), encoders, felt, self._motion)
         x, y, z = gravity
         self._gravity = None if robot.floating else (float(x), float(y), float(z))
-        self.shared = () if self._gravity is None else (*shared.links, BASE, *shared.joints)
+        pulled = () if self._gravity is None else (BASE,)  # what floats is pulled with its base, and feels nothing
+        self.shared = (*shared.links, *pulled, *shared.joints)
         self._rows = Rows({t.id: (self._motion[t.id], self._bump[t.id]) for t in trials})
         visited = np.concatenate([m.position[:: m.stride] for m in self._motion.values()])
         mean = arm.inertia(visited)

@@ -18,11 +18,13 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
+from spacerobot.diagnosis.machines.body_columns import BodyColumns
 from spacerobot.diagnosis.machines.contract import FIRST_NOISE, Machine, Nuisance, Predicted, conditions_of
 from spacerobot.diagnosis.machines.doubted import BAR, doubted
 from spacerobot.diagnosis.machines.links import robot_of, twice_as_heavy, weighed_links
 from spacerobot.diagnosis.machines.measured import port_forces, through_sensor
 from spacerobot.diagnosis.machines.readings_noise import readings_noise
+from spacerobot.diagnosis.machines.rigid import Rigid
 from spacerobot.diagnosis.machines.sizes import sizes_of
 from spacerobot.diagnosis.machines.touch import Moment
 from spacerobot.diagnosis.machines.windows import cut, local
@@ -33,7 +35,7 @@ from spacerobot.effects.effect import Effect
 from spacerobot.effects.learned import Variable
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.plane import across
-from spacerobot.effects.primitives import Coordinate, Readout
+from spacerobot.effects.primitives import ChannelMap, Coordinate, Readout
 from spacerobot.effects.sizes import Sizes
 from spacerobot.model.robot import Robot
 from spacerobot.recordings.recording import Recording
@@ -58,6 +60,9 @@ EARLY = 1.0
 """Readings within this time [s] tell how a trial starts."""
 
 VALUES = ("platform.mass", "platform.yaw_inertia")
+
+Place = tuple[float, float, float] | None
+"""Of a load in its link's frame [m]; None of more of the link itself."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,11 +101,13 @@ class Platform(Machine):
         believed = yawing(study.values(), "platform")
         self.base = {"platform.mass": own.mass, "platform.yaw_inertia": float(own.inertia[2, 2]), **believed}
         self._link_mass = weighed_links(self.robot, (*study.sigma, *sorted(study.baseline.unknown)), self.drives)
-        self._twice = twice_as_heavy(self.robot, self._link_mass)
+        self._twice = {n: r.model for n, r in twice_as_heavy(self.robot, self._link_mass).items()}
+        self._bodies = BodyColumns(self.robot, Rigid(self.robot, study.baseline.gravity, list(self.drives)))
         self.base |= {f"link.{n}.mass": m for n, m in self._link_mass.items()}
         self._grid: dict[str, np.ndarray] = {}
         self._joints: dict[str, np.ndarray] = {}
-        self._shape: dict[tuple[object, ...], tuple[Shape, dict[str, Shape]]] = {}
+        self._shape: dict[tuple[object, ...], tuple[Shape, dict[str, Shape], np.ndarray]] = {}
+        self._loads: dict[tuple[object, ...], Shape] = {}
         self._arms: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {}
         self._seen: dict[str, tuple[dict[str, np.ndarray], dict[str, np.ndarray]]] = {}
         self.doubted = doubted(study, trials, {*TRACK.values(), *self.drives.values()})
@@ -187,6 +194,7 @@ class Platform(Machine):
             ports=ports,
             readouts={c: Readout(c, "position", n) for n, c in TRACK.items()},
             sensors={stream: tuple(TRACK.values()), ARM: tuple(self.drives.values())},
+            links=self._bodies.ends(self.drives, self.drives),
         )
 
     def nuisances(self, trial: TrialData) -> tuple[Nuisance, ...]:
@@ -285,6 +293,7 @@ class Platform(Machine):
         if key not in self._shape:
             if len(self._shape) > 64:
                 self._shape.clear()
+                self._loads.clear()
             grid = self._grid[trial.id]
             moved = [
                 through_sensor(
@@ -295,12 +304,14 @@ class Platform(Machine):
                 for c, q in zip(self.drives.values(), self._joints[trial.id], strict=True)
             ]
             joints, grid = np.array(moved), self._grid[trial.id]
-            whole = self._arm(self.robot, joints, grid)
-            twice = {n: self._arm(robot, joints, grid) for n, robot in self._twice.items()}
-            self._shape[key] = whole, {n: heavier.plus(whole, -1.0) for n, heavier in twice.items()}
-        arm, links = self._shape[key]
+            whole = self._arm(self.robot.model, joints, grid)
+            twice = {n: self._arm(model, joints, grid) for n, model in self._twice.items()}
+            self._shape[key] = whole, {n: heavier.plus(whole, -1.0) for n, heavier in twice.items()}, joints
+        arm, links, _ = self._shape[key]
         for name, share in links.items():
             arm = arm.plus(share, mechanism.coordinates[f"link.{name}"].mass / self._link_mass[name] - 1.0)
+        for load in mechanism.loads:
+            arm = arm.plus(self._carried(key, load.link, load.place), load.mass)
         own = self.robot.model.inertias[1]
         more = mass - own.mass
         lever = own.lever[:2]
@@ -312,12 +323,22 @@ class Platform(Machine):
             arm.spin,
         )
 
-    def _arm(self, robot: Robot, joints: np.ndarray, grid: np.ndarray) -> Shape:
+    def _carried(self, motion: tuple[str, tuple[ChannelMap, ...]], where: str, place: Place) -> Shape:
+        """What a load of 1 kg at a place of a link has of the whole's motion, along one of the arm's that is kept."""
+        if (key := (*motion, where, place)) not in self._loads:
+            whole, _, joints = self._shape[motion]
+            link, model = where.removeprefix("link."), pin.Model(self.robot.model)
+            joint = self._bodies.joint_of(link)
+            own = np.asarray(model.inertias[joint].toDynamicParameters())
+            model.inertias[joint] = pin.Inertia.FromDynamicParameters(own + self._bodies.numbers(link, place))
+            self._loads[key] = self._arm(model, joints, self._grid[motion[0]]).plus(whole, -1.0)
+        return self._loads[key]
+
+    def _arm(self, model: pin.Model, joints: np.ndarray, grid: np.ndarray) -> Shape:
         from scipy.interpolate import CubicSpline
 
-        model = robot.model
         data = model.createData()
-        index = [robot.velocity_index(j) for j in self.drives]
+        index = [self.robot.velocity_index(j) for j in self.drives]
         rates = CubicSpline(grid, joints, axis=1)(grid, 1)
         base = pin.neutral(model)[:7]
         position, v = np.zeros(model.nv), np.zeros(model.nv)

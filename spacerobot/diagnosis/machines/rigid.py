@@ -58,7 +58,7 @@ class Rigid:
         for t, q in enumerate(self.written(position)):
             v[self.index], a[self.index] = velocity[t], acceleration[t]
             if self._afloat.size:
-                v[:6], a[:6] = self._base(q, v, a, None if turn is None else float(turn[t]))
+                v[:6], a[:6] = self.base(q, v, a, None if turn is None else float(turn[t]))
             out[t] = pin.rnea(self.model, self.data, q, v, a)[self.index]
         return out
 
@@ -141,10 +141,10 @@ class Rigid:
         v, a, out = np.zeros(self.model.nv), np.zeros(self.model.nv), np.zeros(position.shape[0])
         for t, q in enumerate(self.written(position) if self._afloat.shape[1] == 3 else ()):
             v[self.index] = velocity[t]
-            out[t] = self._base(q, v, a)[0][3:] @ self._afloat[3:, 2]
+            out[t] = self.base(q, v, a)[0][3:] @ self._afloat[3:, 2]
         return out
 
-    def _base(
+    def base(
         self, q: np.ndarray, v: np.ndarray, a: np.ndarray, turn: float | None = None
     ) -> tuple[np.ndarray, np.ndarray]:
         """Velocity and acceleration of the base, shape (6,) each, from those of the joints and perhaps its turn."""
@@ -158,6 +158,20 @@ class Rigid:
             moving[:6] = free @ np.append(slide, turn)
         bias = free.T @ pin.nonLinearEffects(self.model, self.data, q, moving)[:6]
         return moving[:6], -free @ np.linalg.solve(own, joints @ a[6:] + bias)
+
+    @property
+    def afloat(self) -> bool:
+        """Whether the base floats."""
+        return bool(self._afloat.size)
+
+    def yielding(self, q: np.ndarray, joints: Sequence[int]) -> np.ndarray:
+        """What joints, by their place among velocities, feel less of a wrench that a floating base gives way to.
+
+        M_jb (F^T M_bb F)^-1 F^T with its free motions F, shape (joints, 6).
+        """
+        free, whole = self._afloat, self._inertia(q)
+        own = free.T @ whole[:6, :6] @ free
+        return np.asarray(whole[list(joints), :6] @ free @ np.linalg.solve(own, free.T))
 
     def _inertia(self, q: np.ndarray) -> np.ndarray:
         full = pin.crba(self.model, self.data, q)

@@ -21,6 +21,9 @@ BASE = "base"
 ASIDE = 0.01
 """How far a zero is moved to either side for how torque bends with it [rad or m]: error 1e-4 of its square's term."""
 
+LIGHT = 0.25
+"""Share of a link's mass by which it is made heavier and lighter for how torque bends with a load on it, afloat."""
+
 TOLD = 9
 """Digits by which two directions of numbers are the same."""
 
@@ -106,7 +109,7 @@ class SharedColumns:
         """Places of one kind, whose columns are made at once, and what makes them."""
         if where in self.links:
             links = [link.removeprefix("link.") for link in self.links]
-            return self.links, lambda q, v, a, _: self._columns.along(links, self._rows, q, v, a)
+            return self.links, partial(self._columns.along, links, self._rows)
         if where in self.joints:
             return self.joints, partial(self._flat, self._columns.arm.by_zero)
         return (BASE,), partial(self._flat, self._columns.arm.by_gravity)
@@ -118,7 +121,8 @@ class SharedColumns:
     def asked(self, along: str | Joined, numbers: Mapping[str, np.ndarray]) -> np.ndarray:
         """What all of these together ask for beside the rigid body as it is believed, shape (T, C).
 
-        In pairs: a pull pulls at a body too. With where it stands what an arm asks for bends, to second order in zeros.
+        In pairs: a pull pulls at a body too. With where it stands what an arm asks for bends, to second order in zeros;
+        and with what it carries, where its base gives way.
 
         Args:
             along: a piece by its id, or pieces in a row.
@@ -138,18 +142,18 @@ class SharedColumns:
 
     def _terms_along(self, name: str, directions: Mapping[str, np.ndarray]) -> dict[tuple[str, ...], np.ndarray]:
         """What places and pairs of places ask for along a piece per unit of each, shape (T, C) each."""
-        steps = {where: ASIDE if where in self.joints else 1.0 for where in directions}
+        steps = {where: self._step(where) for where in directions}
 
         def at(of: Mapping[str, float]) -> np.ndarray:
             numbers = {where: x * steps[where] * directions[where] for where, x in of.items()}
             return self._exactly(name, self._with(numbers), numbers)
 
         ahead = {where: at({where: 1.0}) for where in directions}
-        behind = {where: at({where: -1.0}) if where in self.joints else -ahead[where] for where in directions}
+        behind = {where: at({where: -1.0}) if self._bends(where) else -ahead[where] for where in directions}
         out: dict[tuple[str, ...], np.ndarray] = {}
         for where, step in steps.items():
             out[where,] = (ahead[where] - behind[where]) / (2.0 * step)
-            if where in self.joints:  # to a body, and to a pull, it is in proportion
+            if self._bends(where):  # else it is in proportion
                 out[where, where] = (ahead[where] + behind[where]) / (2.0 * step**2)
         for one, other in combinations(sorted(directions, key=lambda where: where in self.joints), 2):
             size, step = steps[one], steps[other]
@@ -161,6 +165,16 @@ class SharedColumns:
             out[one, other] = (both - back) / (2.0 * size * step)
             out[one, other, other] = (both + back) / (2.0 * size * step**2)
         return out
+
+    def _bends(self, where: str) -> bool:
+        """Whether torque is not in proportion to what is there: to a zero, and to a body to which a base yields."""
+        return where in self.joints or (where in self.links and self._columns.arm.afloat)
+
+    def _step(self, where: str) -> float:
+        """How much of it is added and taken off."""
+        if where in self.joints:
+            return ASIDE
+        return LIGHT * self._columns.carried(where.removeprefix("link."), None) if self._bends(where) else 1.0
 
     def _exactly(self, name: str, other: Rigid, numbers: Mapping[str, np.ndarray]) -> np.ndarray:
         """What the arm with all of these asks for along a piece beside what it does without, shape (T, C)."""
