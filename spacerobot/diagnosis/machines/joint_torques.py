@@ -159,8 +159,9 @@ class InverseDynamics(Machine):
         shared = SharedColumns(columns, columns.ends(self.joints, self.compared), encoders, felt, self._motion)
         x, y, z = gravity
         self._gravity = None if robot.floating else (float(x), float(y), float(z))
-        pulled = () if self._gravity is None else (BASE,)  # what floats is pulled with its base, and feels nothing
-        self.shared = (*shared.links, *pulled, *shared.joints)
+        # what floats is pulled with its base, and feels nothing; of its encoders' zeros little, and that costs much
+        held = () if self._gravity is None else (BASE, *shared.joints)
+        self.shared = (*shared.links, *held)
         self._rows = Rows({t.id: (self._motion[t.id], self._bump[t.id]) for t in trials})
         visited = np.concatenate([m.position[:: m.stride] for m in self._motion.values()])
         mean = arm.inertia(visited)

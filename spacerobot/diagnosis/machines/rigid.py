@@ -38,6 +38,7 @@ class Rigid:
         self.model = pin.Model(robot.model)
         self.model.gravity.linear = np.array(gravity, dtype=float)
         self.data = self.model.createData()
+        self._upper = np.triu(np.ones((self.model.nv, self.model.nv), dtype=bool))
         self.index = [robot.velocity_index(j) for j in joints]
         self._joints = [robot.joint_id(j) for j in joints]
         self.written = robot.writer(joints)
@@ -174,8 +175,8 @@ class Rigid:
         return np.asarray(whole[list(joints), :6] @ free @ np.linalg.solve(own, free.T))
 
     def _inertia(self, q: np.ndarray) -> np.ndarray:
-        full = pin.crba(self.model, self.data, q)
-        return np.asarray(np.triu(full) + np.triu(full, 1).T)
+        full = pin.crba(self.model, self.data, q)  # of which the upper triangle is filled
+        return np.asarray(np.where(self._upper, full, full.T))
 
     def inertia(self, positions: np.ndarray) -> np.ndarray:
         """Mean joint-space inertia over some of many poses, see `inertias`, shape (J, J)."""
