@@ -49,6 +49,12 @@ def test_the_centre_of_mass_moves_straight_on(ahead: float, aside: float, spin: 
     np.testing.assert_allclose(centre, 0.1 + (0.2 - 0.1j) * TIMES, atol=1e-8)
 
 
+def test_at_its_null_it_is_not_there() -> None:
+    shown = read(0.0, 0.0, 1.7)
+    np.testing.assert_allclose(shown["body.position.x"], 0.1 + 0.2 * TIMES, atol=1e-12)
+    np.testing.assert_allclose(shown["body.velocity.y"], -0.1, atol=1e-12)
+
+
 @pytest.mark.parametrize("letter", NAMES)
 def test_rates_are_those_of_the_place(letter: str) -> None:
     shown = read(0.05, -0.12, 1.7)

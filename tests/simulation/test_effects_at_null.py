@@ -107,9 +107,9 @@ def test_constants_are_removed_at_all() -> None:
     assert SCENES["held"].mechanism() != without(SCENES["held"], ("contact.damping",)).mechanism()
 
 
-WITHOUT_CONTACT = {"table_curvature", "umbilical", "joint_flexibility", "lift"}
+WITHOUT_CONTACT = {"table_curvature", "umbilical", "joint_flexibility", "lift", "off_centre"}
 """Effects of what glides or is driven alone; tests/diagnosis/parts/test_free_bodies.py, test_platform.py,
-test_spinning_balls.py and tests/effects/test_joint_flexibility.py hold them to the same."""
+test_spinning_balls.py, tests/effects/test_joint_flexibility.py and test_off_centre.py hold them to the same."""
 
 
 def test_every_effect_has_a_place_somewhere() -> None:

@@ -102,7 +102,7 @@ class Conclusion:
         if less is not after:
             rivals = tuple(r for r in rivals if r.label != less.label and not contains(r.label, less.label))
             after = less
-        if one := instead(self.bench, after, tuple(self.sites.values())):
+        if one := instead(self.bench, after, tuple(self.sites.values()), refused):
             after, *others = one
             rivals = (*rivals, *others)
             tested.append(self.as_considered(after, weights))

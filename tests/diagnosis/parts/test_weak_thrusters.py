@@ -48,6 +48,22 @@ def test_weak_thrusters_are_never_a_payload_for_sure(torque: float, tmp_path: Pa
         assert {(("payload", "target"),), (("scale", "command.force"),)} <= said
 
 
+@pytest.mark.slow
+def test_a_weak_command_of_a_body_that_was_weighed_is_no_two_wrong_values(tmp_path: Path) -> None:
+    """Mass and inertia, known to a hundredth, may both be a quarter too large by chance; the command is likelier."""
+    study = air_bed(tmp_path, SHARE, SHARE)
+    text = (tmp_path / "study.toml").read_text()
+    known = "[baseline.sigma]\nbody.mass = 0.01\nbody.yaw_inertia = 0.01\n[streams.log]\n"
+    (tmp_path / "study.toml").write_text(text.replace("[streams.log]\n", known, 1))
+    verdict = diagnose(load_study(study.path), jobs=1).verdict
+    assert verdict["verdict"] == "ambiguous"
+    assert verdict["confidence"] > 0.5
+    first, *others = verdict["alternatives"]
+    assert [(e["effect"], e["where"]) for e in first["effects"]] == [("scale", "command")]
+    assert first["parameters"]["scale@command.factor"] == pytest.approx(SHARE, rel=0.03)
+    assert {"body.mass", "body.yaw_inertia"} in [set(o["parameters"]) for o in others if not o["effects"]]
+
+
 def test_forces_are_a_place_of_their_own_only_where_a_torque_is_beside_them(tmp_path: Path) -> None:
     (model,) = models_for(air_bed(tmp_path, 1.0, 1.0))
     assert {s.effect.name for s in model.sites() if s.where == "command.force"} == {"scale"}
