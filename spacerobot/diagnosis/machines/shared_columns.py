@@ -174,7 +174,8 @@ class SharedColumns:
         """How much of it is added and taken off."""
         if where in self.joints:
             return ASIDE
-        return LIGHT * self._columns.carried(where.removeprefix("link."), None) if self._bends(where) else 1.0
+        own = self.carried(where, None) if self._bends(where) else 0.0
+        return LIGHT * own if own > 0.0 else 1.0
 
     def _exactly(self, name: str, other: Rigid, numbers: Mapping[str, np.ndarray]) -> np.ndarray:
         """What the arm with all of these asks for along a piece beside what it does without, shape (T, C)."""
