@@ -163,17 +163,16 @@ def _model(study: Study, trials: Sequence[Trial], group: str, name: str) -> Simu
             sensors |= {name: (c,) for name, c in singly.items()}
     known = study.recording(trials[0])
     said = yawing(study.sigma, group, "body")
-    sigma = {n: v for n, v in said.items() if n in ("body.mass", "body.yaw_inertia") and n not in unknown}
+    sigma = {n: v for n, v in said.items() if n in ("body.mass", "body.yaw_inertia", *COM) and n not in unknown}
     beside_zero = {n: v for n, v in yawing(study.absolute, group, "body").items() if n in COM}
-    sigma |= {n: v for n, v in said.items() if n in COM}
     values |= {n: values.get(n, 0.0) for n in beside_zero}
     logs = (study.recording(t)[c].good()[0] for t in trials for c in driven)
     late = moment("body.delay", values, (np.median(np.diff(log)) for log in logs)) if driven else {}
     values |= dict.fromkeys(late, 0.0)
-    fitted = {*sigma, *unknown, *relative}
+    fitted = {*sigma, *beside_zero, *unknown, *relative}
     covers = {"target": "body.mass", "target.yaw": "body.yaw_inertia"}
     stand = {f"{place}.mass" for place, value in covers.items() if value in fitted}
-    stand |= {"target.com"} if any(n in COM for n in (*sigma, *beside_zero)) else set()
+    stand |= {"target.com"} if fitted.intersection(COM) else set()
     catalogue = all_effects().values()
     covered = {(e.name, place) for e in catalogue for place in covers if stood_for(e, place, stand)}
     covered |= {(e.name, FORCES) for e in catalogue if e.kind == "sensor" and e.name != "scale"}

@@ -96,15 +96,10 @@ class BodyColumns:
         Returns:
             shape (T, R K 10) [N m or N, per unit of each number].
         """
-        v, a = np.zeros(self.model.nv), np.zeros(self.model.nv)
-        index = self.arm.index
         columns = np.concatenate([TEN * (self.joint_of(n) - 1) + np.arange(TEN) for n in links])
-        felt = [index[r] for r in rows]
+        felt = [self.arm.index[r] for r in rows]
         out = np.empty((position.shape[0], len(rows), columns.size))
-        for t, q in enumerate(self.arm.written(position)):
-            v[index], a[index] = velocity[t], acceleration[t]
-            if self.arm.afloat:
-                v[:6], a[:6] = self.arm.base(q, v, a, None if turn is None else float(turn[t]))
+        for t, (q, v, a) in enumerate(self.arm.moving(position, velocity, acceleration, turn)):
             found = pin.computeJointTorqueRegressor(self.model, self.data, q, v, a)[:, columns]
             out[t] = found[felt] - self.arm.yielding(q, felt) @ found[:6] if self.arm.afloat else found[felt]
         return out.reshape(out.shape[0], -1)

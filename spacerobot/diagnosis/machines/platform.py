@@ -35,7 +35,7 @@ from spacerobot.effects.effect import Effect
 from spacerobot.effects.learned import Variable
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.plane import across
-from spacerobot.effects.primitives import ChannelMap, Coordinate, Readout
+from spacerobot.effects.primitives import ChannelMap, Coordinate, Load, Readout
 from spacerobot.effects.sizes import Sizes
 from spacerobot.model.robot import Robot
 from spacerobot.recordings.recording import Recording
@@ -60,9 +60,6 @@ EARLY = 1.0
 """Readings within this time [s] tell how a trial starts."""
 
 VALUES = ("platform.mass", "platform.yaw_inertia")
-
-Place = tuple[float, float, float] | None
-"""Of a load in its link's frame [m]; None of more of the link itself."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,6 +100,7 @@ class Platform(Machine):
         self._link_mass = weighed_links(self.robot, (*study.sigma, *sorted(study.baseline.unknown)), self.drives)
         self._twice = {n: r.model for n, r in twice_as_heavy(self.robot, self._link_mass).items()}
         self._bodies = BodyColumns(self.robot, Rigid(self.robot, study.baseline.gravity, list(self.drives)))
+        self._links = self._bodies.ends(self.drives, self.drives)
         self.base |= {f"link.{n}.mass": m for n, m in self._link_mass.items()}
         self._grid: dict[str, np.ndarray] = {}
         self._joints: dict[str, np.ndarray] = {}
@@ -194,7 +192,7 @@ class Platform(Machine):
             ports=ports,
             readouts={c: Readout(c, "position", n) for n, c in TRACK.items()},
             sensors={stream: tuple(TRACK.values()), ARM: tuple(self.drives.values())},
-            links=self._bodies.ends(self.drives, self.drives),
+            links=self._links,
         )
 
     def nuisances(self, trial: TrialData) -> tuple[Nuisance, ...]:
@@ -311,7 +309,7 @@ class Platform(Machine):
         for name, share in links.items():
             arm = arm.plus(share, mechanism.coordinates[f"link.{name}"].mass / self._link_mass[name] - 1.0)
         for load in mechanism.loads:
-            arm = arm.plus(self._carried(key, load.link, load.place), load.mass)
+            arm = arm.plus(self._carried(key, load), load.mass)
         own = self.robot.model.inertias[1]
         more = mass - own.mass
         lever = own.lever[:2]
@@ -323,15 +321,14 @@ class Platform(Machine):
             arm.spin,
         )
 
-    def _carried(self, motion: tuple[str, tuple[ChannelMap, ...]], where: str, place: Place) -> Shape:
-        """What a load of 1 kg at a place of a link has of the whole's motion, along one of the arm's that is kept."""
-        if (key := (*motion, where, place)) not in self._loads:
+    def _carried(self, motion: tuple[str, tuple[ChannelMap, ...]], load: Load) -> Shape:
+        """What each kilogram of a load has of the whole's motion, along one of the arm's that is kept."""
+        if (key := (*motion, load.link, load.place)) not in self._loads:
             whole, _, joints = self._shape[motion]
-            link, model = where.removeprefix("link."), pin.Model(self.robot.model)
-            joint = self._bodies.joint_of(link)
-            own = np.asarray(model.inertias[joint].toDynamicParameters())
-            model.inertias[joint] = pin.Inertia.FromDynamicParameters(own + self._bodies.numbers(link, place))
-            self._loads[key] = self._arm(model, joints, self._grid[motion[0]]).plus(whole, -1.0)
+            link = load.link.removeprefix("link.")
+            body = {self._bodies.joint_of(link): self._bodies.numbers(link, load.place)}
+            loaded = self._bodies.arm.with_bodies(body, np.zeros(3))
+            self._loads[key] = self._arm(loaded.model, joints, self._grid[motion[0]]).plus(whole, -1.0)
         return self._loads[key]
 
     def _arm(self, model: pin.Model, joints: np.ndarray, grid: np.ndarray) -> Shape:

@@ -11,7 +11,7 @@ That it began at rest need not be true of the turn, which a tracker shows; how f
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from copy import copy
 from functools import cached_property
 
@@ -54,21 +54,28 @@ class Rigid:
             turn: rate of an afloat base about its free axis, shape (T,) [rad/s]; that of a base which began at rest if
                 None.
         """
-        v, a = np.zeros(self.model.nv), np.zeros(self.model.nv)
         out = np.empty_like(position)
-        for t, q in enumerate(self.written(position)):
-            v[self.index], a[self.index] = velocity[t], acceleration[t]
-            if self._afloat.size:
-                v[:6], a[:6] = self.base(q, v, a, None if turn is None else float(turn[t]))
+        for t, (q, v, a) in enumerate(self.moving(position, velocity, acceleration, turn)):
             out[t] = pin.rnea(self.model, self.data, q, v, a)[self.index]
         return out
+
+    def moving(
+        self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray, turn: np.ndarray | None = None
+    ) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+        """The whole robot along such a motion, its base with it: one after the other, written over by the next."""
+        v, a = np.zeros(self.model.nv), np.zeros(self.model.nv)
+        for t, q in enumerate(self.written(position)):
+            v[self.index], a[self.index] = velocity[t], acceleration[t]
+            if self.afloat:
+                v[:6], a[:6] = self._base(q, v, a, None if turn is None else float(turn[t]))
+            yield q, v, a
 
     def level(self, position: np.ndarray) -> list[bool]:
         """By joint, whether it slides level in poses, shape (T, J), wherever the weights are; not where afloat.
 
         About an upright axis none does work either, but a base that leans makes them.
         """
-        if self._afloat.size:
+        if self.afloat:
             return [False] * len(self.index)
         down = self.model.gravity.linear / max(float(np.linalg.norm(self.model.gravity.linear)), TINY)
         axes = [joint_axis(self.model, j) for j in self._joints]
@@ -87,14 +94,12 @@ class Rigid:
         A later zero is an earlier place.
         """
         motion, joints = (velocity, acceleration, turn), position.shape[1]
-        if self._afloat.size:
+        if self.afloat:
             steps = STEP * np.eye(joints)
             less = [self.torque(position - s, *motion) - self.torque(position + s, *motion) for s in steps]
             return np.stack(less, axis=-1) / (2.0 * STEP)
-        v, a, own = np.zeros(self.model.nv), np.zeros(self.model.nv), np.ix_(self.index, self.index)
-        out = np.empty((position.shape[0], joints, joints))
-        for t, q in enumerate(self.written(position)):
-            v[self.index], a[self.index] = velocity[t], acceleration[t]
+        own, out = np.ix_(self.index, self.index), np.empty((position.shape[0], joints, joints))
+        for t, (q, v, a) in enumerate(self.moving(position, velocity, acceleration)):
             pin.computeRNEADerivatives(self.model, self.data, q, v, a)
             out[t] = -self.data.dtau_dq[own]
         return out
@@ -142,15 +147,14 @@ class Rigid:
         v, a, out = np.zeros(self.model.nv), np.zeros(self.model.nv), np.zeros(position.shape[0])
         for t, q in enumerate(self.written(position) if self._afloat.shape[1] == 3 else ()):
             v[self.index] = velocity[t]
-            out[t] = self.base(q, v, a)[0][3:] @ self._afloat[3:, 2]
+            out[t] = self._base(q, v, a)[0][3:] @ self._afloat[3:, 2]
         return out
 
-    def base(
+    def _base(
         self, q: np.ndarray, v: np.ndarray, a: np.ndarray, turn: float | None = None
     ) -> tuple[np.ndarray, np.ndarray]:
         """Velocity and acceleration of the base, shape (6,) each, from those of the joints and perhaps its turn."""
-        free, whole = self._afloat, self._inertia(q)
-        own, joints = free.T @ whole[:6, :6] @ free, free.T @ whole[:6, 6:]
+        free, (own, joints) = self._afloat, self._coupled(self._inertia(q))
         moving, push = v.copy(), joints @ v[6:]
         if turn is None or free.shape[1] != 3:
             moving[:6] = -free @ np.linalg.solve(own, push)
@@ -170,9 +174,13 @@ class Rigid:
 
         M_jb (F^T M_bb F)^-1 F^T with its free motions F, shape (joints, 6).
         """
-        free, whole = self._afloat, self._inertia(q)
-        own = free.T @ whole[:6, :6] @ free
-        return np.asarray(whole[list(joints), :6] @ free @ np.linalg.solve(own, free.T))
+        own, coupled = self._coupled(self._inertia(q))
+        return np.asarray(coupled[:, np.array(joints) - 6].T @ np.linalg.solve(own, self._afloat.T))
+
+    def _coupled(self, whole: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Of a robot's inertia that of its base's free motions, shape (F, F), and what couples these to all joints."""
+        free = self._afloat
+        return free.T @ whole[:6, :6] @ free, free.T @ whole[:6, 6:]
 
     def _inertia(self, q: np.ndarray) -> np.ndarray:
         full = pin.crba(self.model, self.data, q)  # of which the upper triangle is filled
@@ -186,11 +194,12 @@ class Rigid:
         """Joint-space inertia in poses, shape (T, J), that of an afloat base taken off, shape (T, J, J)."""
         found = []
         for q in self.written(positions):
-            whole, free = self._inertia(q), self._afloat
+            whole = self._inertia(q)
             own = whole[np.ix_(self.index, self.index)]
-            if free.size:
-                coupled = free.T @ whole[:6, self.index]
-                own = own - coupled.T @ np.linalg.solve(free.T @ whole[:6, :6] @ free, coupled)
+            if self.afloat:
+                base, coupled = self._coupled(whole)
+                coupled = coupled[:, np.array(self.index) - 6]
+                own = own - coupled.T @ np.linalg.solve(base, coupled)
             found.append(own)
         return np.array(found)
 

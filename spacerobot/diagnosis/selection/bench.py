@@ -163,7 +163,7 @@ class Bench:
         return [Promise(by[label], start, left) for label, start, left in found]
 
     def gains(self, fit: Fit, sites: Sequence[Site]) -> list[Promise]:
-        """Further effects by what each takes off a fit's cost, believed values put back included; best first."""
+        """Further effects, by what each would leave of a fit's cost: believed values put back count; best first."""
         best = self._screener(fit).screen(fit, sites).best().values()
         return [Promise(item.site, _begun(item, item.amplitude), fit.cost - item.gain) for item in best]
 

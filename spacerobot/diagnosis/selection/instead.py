@@ -11,10 +11,10 @@ from spacerobot.diagnosis.selection.bench import Bench
 from spacerobot.diagnosis.selection.candidate import Candidate
 from spacerobot.diagnosis.selection.judge import moved
 from spacerobot.diagnosis.selection.model_choice import ratio
-from spacerobot.diagnosis.selection.penalty import score
+from spacerobot.diagnosis.selection.penalty import instead_of_values, score
 from spacerobot.diagnosis.selection.without_prior import let_go
 from spacerobot.diagnosis.terms.candidates import redundant
-from spacerobot.diagnosis.terms.decision import FEW, MARGIN, TIE
+from spacerobot.diagnosis.terms.decision import TIE
 from spacerobot.diagnosis.terms.hypothesis import Label, Site, label_of
 
 MOST = 4
@@ -27,9 +27,6 @@ def instead(bench: Bench, one: Candidate, sites: Sequence[Site], barred: Contain
 
     Last the candidate itself, without what is stated of these values; empty where no effect does as well as that.
 
-    One thing that is missing is no less likely than two values that are both stated wrongly; beside one wrong value it
-    must cost clearly less.
-
     Args:
         bench: under the weights of the fit.
         one: as fitted with what is stated.
@@ -39,7 +36,7 @@ def instead(bench: Bench, one: Candidate, sites: Sequence[Site], barred: Contain
     freed = let_go(one.fit, moved(one.fit), bench.freed)
     if freed is None:
         return []
-    bar = score(freed) - (0.0 if len(freed.hypothesis.freed) >= FEW else MARGIN)
+    bar = instead_of_values(score(freed), len(freed.hypothesis.freed))
     further = [s for s in sites if s.label not in one.label and not redundant([*one.label, s.label])]
     further = [s for s in further if label_of([*one.sites, s]) not in barred]
     found = []

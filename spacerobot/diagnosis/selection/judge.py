@@ -10,7 +10,7 @@ import numpy as np
 from spacerobot.diagnosis.fitting.adequacy import Left
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.selection.nameable import held, means
-from spacerobot.diagnosis.selection.penalty import defect, lead_over, score, simplest
+from spacerobot.diagnosis.selection.penalty import defect, instead_of_values, lead_over, score, simplest
 from spacerobot.diagnosis.selection.search_state import Found
 from spacerobot.diagnosis.terms.candidates import by_name, contains
 from spacerobot.diagnosis.terms.decision import (
@@ -247,12 +247,8 @@ def _unnamed(said: Judgement, better: Sequence[Fit]) -> Judgement:
 def _instead(
     freed: Fit, at_will: float, ranked: Sequence[Fit], scores: Mapping[int, float], left_of: Mapping[int, Left]
 ) -> list[Fit]:
-    """Effects that put back believed values and cost less than wrong values do, best first.
-
-    One thing that is missing is no less likely than two values that are both stated wrongly; beside one wrong value it
-    must cost clearly less.
-    """
-    bar = at_will - (0.0 if len(moved(freed)) >= FEW else MARGIN)
+    """Effects that put back believed values and cost less than wrong values do, best first."""
+    bar = instead_of_values(at_will, len(moved(freed)))
     better = [f for f in ranked if len(f.hypothesis.sites) == 1 and scores[id(f)] < bar and not moved(f)]
     return [f for f in better if id(f) in left_of and left_of[id(f)].adequate]
 

@@ -82,8 +82,8 @@ class Unseen:
                 return Check(name, False, said)
             said += ", which predicts what was kept aside worse"
         telling = self.leading_to(SAME, OPEN) or self.folds
-        better = self._better(telling) or (not whole and self._better(self.folds))
-        better = better or (self.or_values and self.after.together < (1.0 + TIE) * self.before.together)
+        as_well = self.or_values and self.after.together < (1.0 + TIE) * self.before.together
+        better = as_well or self._better(telling) or (not whole and self._better(self.folds))
         if self.everywhere and not better:
             said += ", and it predicts trials that were kept aside no better than the baseline"
         return Check(name, better or not self.everywhere, said)

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from spacerobot.diagnosis.fitting.fitted import Fit
 from spacerobot.diagnosis.terms.candidates import contains
-from spacerobot.diagnosis.terms.decision import MARGIN, PENALTY, SLIGHT, SMALL
+from spacerobot.diagnosis.terms.decision import FEW, MARGIN, PENALTY, SLIGHT, SMALL
 
 
 def score(fit: Fit, inflation: float = 1.0) -> float:
@@ -21,6 +21,15 @@ def score(fit: Fit, inflation: float = 1.0) -> float:
 def priced(fit: Fit, inflation: float = 1.0) -> float:
     """Its cost with what it gives up of what is believed; effects are not counted."""
     return fit.cost / inflation + PENALTY * len(fit.hypothesis.freed)
+
+
+def instead_of_values(at_will: float, wrong: int) -> float:
+    """Penalised cost below which one effect may be meant in the place of so many wrong values, which cost `at_will`.
+
+    One thing that is missing is no less likely than two values that are both stated wrongly; beside one wrong value it
+    must cost clearly less.
+    """
+    return at_will - (0.0 if wrong >= FEW else MARGIN)
 
 
 def simplest(

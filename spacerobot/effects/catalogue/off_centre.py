@@ -3,31 +3,26 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from spacerobot.effects.effect import Effect, Parameter
 from spacerobot.effects.mechanism import Mechanism
+from spacerobot.effects.plane import SPINS, across, in_space
 from spacerobot.effects.primitives import ChannelMap
 
-TURN = "target.yaw"
-QUARTER = 0.5 * math.pi
+TURN = SPINS[2]
+AXES = {".x": 0.0, ".y": -0.5 * math.pi}
+"""Ending of a channel's name -> angle of a body's own first axis from the channel's, where it has not turned [rad]."""
 
 
-def levers(readouts: Mapping[str, object], ahead: float, aside: float) -> tuple[ChannelMap, ...]:
+def levers(readouts: Iterable[str], ahead: float, aside: float) -> tuple[ChannelMap, ...]:
     """Maps of the channels along x and y whose tracked point has the centre of mass ahead of it and to its left [m]."""
-    found = []
-    for channel in readouts:
-        if channel.endswith(".x"):
-            found += [
-                ChannelMap(channel, "lever", -ahead, TURN),
-                ChannelMap(channel, "lever", aside, TURN, turned=-QUARTER),
-            ]
-        elif channel.endswith(".y"):
-            found += [
-                ChannelMap(channel, "lever", -ahead, TURN, turned=-QUARTER),
-                ChannelMap(channel, "lever", -aside, TURN),
-            ]
-    return tuple(found)
+    return tuple(
+        ChannelMap(channel, "lever", length, TURN, turned=AXES[channel[-2:]] - back)
+        for channel in readouts
+        if channel[-2:] in AXES
+        for length, back in ((-ahead, 0.0), (aside, 0.5 * math.pi))
+    )
 
 
 class OffCentre(Effect):
@@ -47,9 +42,8 @@ class OffCentre(Effect):
 
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:
         """A body that is tracked along both axes of the plane in which it turns by itself."""
-        plane = {"target.y", TURN} <= mechanism.ports.keys() and "target.z" not in mechanism.ports
-        shown = {channel[-2:] for channel in mechanism.readouts}
-        return ("target",) if plane and mechanism.contact is None and {".x", ".y"} <= shown else ()
+        plane = across(mechanism, "target") and TURN in mechanism.ports and not in_space(mechanism)
+        return ("target",) if plane and AXES.keys() <= {channel[-2:] for channel in mechanism.readouts} else ()
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
         """A lever in each channel."""

@@ -23,7 +23,7 @@ def test_torques_of_a_floating_arm_are_those_that_moved_it(gravity: tuple[float,
         said = arm.torque(position[None], velocity[None], acceleration[None])[0]
         q, v, a = arm.written(position), np.zeros(model.nv), np.zeros(model.nv)
         v[arm.index], a[arm.index] = velocity, acceleration
-        v[:6], a[:6] = arm.base(q, v, a)
+        v[:6], a[:6] = arm._base(q, v, a)
         tau = pin.rnea(model, data, q, v, a)
         np.testing.assert_allclose(pin.aba(model, data, q, v, tau), a, atol=1e-8)
         np.testing.assert_allclose(free.T @ tau[:6], 0.0, atol=1e-9)  # nothing pushes where nothing carries
@@ -34,7 +34,7 @@ def test_torques_of_a_floating_arm_are_those_that_moved_it(gravity: tuple[float,
         if free.shape[1] == 3:
             up = free[3:, 2]
             turned = arm.torque(position[None], velocity[None], acceleration[None], np.array([0.7]))[0]
-            v[:6], a[:6] = arm.base(q, v, a, 0.7)
+            v[:6], a[:6] = arm._base(q, v, a, 0.7)
             tau = pin.rnea(model, data, q, v, a)
             np.testing.assert_allclose(pin.aba(model, data, q, v, tau), a, atol=1e-8)
             np.testing.assert_allclose(free.T @ tau[:6], 0.0, atol=1e-9)
