@@ -32,12 +32,12 @@ def formed(pool: Pool, found: Found, report: Report) -> None:
     for site in found.singles:
         if not site.effect.forms:
             continue
-        model, explained = pool.workshop.model, found.explained
+        model, settled = pool.workshop.model, found.settled
         there = [s.effect.name for s in found.best.hypothesis.sites if _at(s, site.where, model.sensors)]
         late = site.where in model.sensors and len(there) == 1 and there != [site.effect.name]
-        if explained and not (late or len(there) > 1):
+        if settled and not (late or len(there) > 1):
             continue
-        lightly = explained and late  # what is there does it alone: another form must do it as well
+        lightly = settled and late  # what is there does it alone: another form must do it as well
         forms = site.effect.forms_at(model.visited(site.where))
         others = [model.site(effect(site.effect.name + FORM + f), site.where) for f in forms]
         for beside in (_rest if lightly else _without)(found, site.where, model.sensors):
@@ -50,9 +50,9 @@ def formed(pool: Pool, found: Found, report: Report) -> None:
                     task = Task(both, start, near=beside, max_iterations=30, eager=lightly, patient=not lightly)
                     tasks.append(task)
             run_tasks(pool, found, tasks, report, "other forms of effects")
-            if found.explained:
+            if found.settled:
                 break
-        if not found.explained and [f.hypothesis.label for f in found.singles_by_cost()[:1]] == [(site.label,)]:
+        if not found.settled and [f.hypothesis.label for f in found.singles_by_cost()[:1]] == [(site.label,)]:
             # what a filter hides has bent the values of all that was fitted without it
             afresh = [Task((o.label,), start, max_iterations=30) for o in others for start in effect_starts([o])]
             run_tasks(pool, found, afresh, report, "other forms of effects, afresh", stop=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,6 +14,7 @@ from spacerobot.diagnosis.selection.bench import Bench
 from spacerobot.diagnosis.terms.candidates import redundant, refines
 from spacerobot.diagnosis.terms.decision import CHANCE, SMALL, TWICE
 from spacerobot.diagnosis.terms.hypothesis import Site
+from spacerobot.effects.effect import Effect
 
 
 def by_chance(gain: float, parameters: int, looks: int = 1) -> bool:
@@ -41,6 +42,19 @@ def general_sites(special: Site, known: Known) -> Iterator[Site]:
     for (general, where), site in sorted(known.items()):
         if where == special.where and refines(general, special.effect.name):
             yield site
+
+
+def smoother(special: Site, made: Callable[[Effect, str], Site]) -> Iterator[Site]:
+    """Forms of an effect that equal it in a limit: what it leaves may be that it is no sharp law.
+
+    Args:
+        special: the effect at its place.
+        made: of an effect and a place.
+    """
+    for form in special.effect.forms:
+        one = special.effect.in_form(form)
+        if one.limits:
+            yield made(one, special.where)
 
 
 def special_sites(general: Site, known: Known) -> Iterator[Site]:

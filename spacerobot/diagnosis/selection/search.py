@@ -135,7 +135,14 @@ def search(
         stop=True,
     )
     if not found.explained:
-        run_tasks(pool, found, heirs(found, found.one_of_each()[:TOP_FITTED]), report, "richer laws", stop=True)
+        run_tasks(
+            pool,
+            found,
+            heirs(found, found.one_of_each()[:TOP_FITTED], workshop.model.site),
+            report,
+            "richer laws",
+            stop=True,
+        )
     if not found.explained:
         unfinished = [t.label for t in _unfinished(found)[:ON_THEIR_WAY]]
         to_their_end(pool, found, unfinished, report, "single effects, on their way")

@@ -86,6 +86,11 @@ class Found:
         """Whether the best fit does."""
         return self.explains(self.best)
 
+    @property
+    def settled(self) -> bool:
+        """Whether it does, and its effects are what their names say."""
+        return self.explained and not self.implausible(self.best)
+
     def preferred(self, fits: Sequence[Fit]) -> Fit:
         """The one of these that a verdict would prefer; of those that it could not name, where there is no other."""
         fits = [f for f in fits if nameable(f) and not self.implausible(f)] or fits

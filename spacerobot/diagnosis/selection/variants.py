@@ -8,9 +8,10 @@ from spacerobot.diagnosis.selection.bench import Bench
 from spacerobot.diagnosis.selection.candidate import Candidate
 from spacerobot.diagnosis.selection.model_choice import ratio
 from spacerobot.diagnosis.selection.nested_laws import inherited, wordings
-from spacerobot.diagnosis.terms.candidates import redundant
+from spacerobot.diagnosis.terms.candidates import plainer, redundant
 from spacerobot.diagnosis.terms.decision import REWORDED, TIE
 from spacerobot.diagnosis.terms.hypothesis import Site, label_of
+from spacerobot.effects.registry import effect
 
 Variant = tuple[list[Site], dict[str, float]]
 """A set of effects, and values at which its fit begins."""
@@ -72,20 +73,26 @@ class Variants:
                     yield [*(s for s in chosen.sites if s is not site), other], start
 
     def formed(self, chosen: Candidate) -> Iterator[Variant]:
-        """The chosen model with a filter of higher order in the place of its plain one, and of all that stands there.
+        """The chosen model with an effect in another form in the place of its plain one, and of all that stands there.
 
-        Such a one is late as well: a plain filter and a delay make up for it.
+        A filter of higher order is late as well: a plain filter and a delay make up for it. Friction that is smooth
+        about rest is a sharp one, or what refines it, with what makes up for that.
         """
-        for site in () if self.bench.model.one_lag else chosen.sites:
-            if not site.effect.forms or any(p.reach for p in site.effect.parameters):
-                continue
+        for site in chosen.sites:
             others = [s for s in chosen.sites if s is not site]
             elsewhere = [s for s in others if s.where != site.where]
-            for form in site.effect.forms:
-                other = self.bench.model.site(site.effect.in_form(form), site.where)
+            for other in self.forms_of(site):
                 start = inherited(other, site, chosen.fit)
                 yield [*elsewhere, other], start
                 yield [*others, other], start
+
+    def forms_of(self, site: Site) -> Iterator[Site]:
+        """Other forms of an effect at its place, and of those that it refines."""
+        model = self.bench.model
+        for plain in (site.effect, *(effect(n) for n in plainer(site.effect.name))):
+            if any(p.reach for p in plain.parameters) or (plain.kind == "sensor" and model.one_lag):
+                continue
+            yield from (model.site(plain.in_form(form), site.where) for form in plain.forms)
 
     def twins(self, site: Site, tested: Sequence[Candidate]) -> Iterator[tuple[Site, Candidate]]:
         """Effects that predicted, beside others, what this one did there, where these alone did not; with that set."""

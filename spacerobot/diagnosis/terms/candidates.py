@@ -35,6 +35,11 @@ def refines(general: str, special: str) -> bool:
     return known is not None and (special in known.refines or any(refines(own, special) for own in known.refines))
 
 
+def plainer(name: str) -> tuple[str, ...]:
+    """All that an effect refines, and what that does."""
+    return tuple(dict.fromkeys(n for own in _special(name) for n in (own, *plainer(own))))
+
+
 def plainest(label: Sequence[tuple[str, str]]) -> tuple[tuple[str, str], ...]:
     """A set with the plainest law of each thing in place of a richer one."""
     out = []

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from spacerobot.effects.creeping import KIND, Creeping
 from spacerobot.effects.effect import Effect, Parameter
 from spacerobot.effects.kernel import Kernel
 from spacerobot.effects.mechanism import Mechanism
@@ -48,6 +49,11 @@ class CoulombFriction(Effect):
     replaces = ("{where}.equivalent_damping",)
     same_as = ("friction",)
     carried = True
+    forms = (KIND,)
+
+    def in_form(self, form: str) -> Effect:
+        """Smooth about rest: "creeping"."""
+        return Creeping(self) if form == KIND else super().in_form(form)
 
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:
         """Guides, joints, and a body that slides on a table."""

@@ -75,8 +75,13 @@ def _entry(one: Effect) -> list[str]:
         lines += [f"Takes over from {taken}, which is refitted freely.", ""]
     if one.forms:
         forms = ", ".join(f"`{one.name}~{form}`" for form in one.forms)
-        stated = " and ".join(f"`{key}`" for key in one.in_form(one.forms[0]).settings)
-        lines += [f"Also in the forms {forms}; a scene may state {stated} instead.", ""]
+        first = one.in_form(one.forms[0])
+        stated = " and ".join(f"`{key}`" for key in first.settings)
+        more = [f"`{p.name}` ({p.unit})" for p in first.parameters if p.name not in {q.name for q in one.parameters}]
+        plural = "s" if len(one.forms) > 1 else ""
+        lines += [f"Also in the form{plural} {forms}; a scene may state {stated} instead.", ""]
+        if more:
+            lines[-2] += f" It has {' and '.join(more)} as well: ${first.formula}$."
     hidden = proved().get(one.name, ())
     shown = f"Proved at {', '.join(f'`{place}`' for place in hidden)}." if hidden else "Not yet proved."
     return [*lines, f"Source: {one.source}. {shown}", ""]

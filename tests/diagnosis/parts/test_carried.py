@@ -78,7 +78,7 @@ def turned(folder: Path, shown: Callable[[np.ndarray, Motion], np.ndarray]) -> S
         (lambda t, angle: angle(t - 0.05), "named", ["time_offset"]),
         (lambda t, angle: angle(t) + 1.5e-3 * t, "unknown", []),  # it slips on the table
         (filtered(1.5, 2), "named", ["low_pass"]),
-        (filtered(0.15, 1), "unknown", []),  # what is left of the motion is another one
+        pytest.param(filtered(0.15, 1), "unknown", [], marks=pytest.mark.slow),  # what is left is another motion
     ],
     ids=["as it is", "enlarged", "late", "slipping", "filtered", "blurred"],
 )

@@ -73,6 +73,7 @@ def test_a_base_that_leans_is_found_with_its_direction_and_named_by_each_joint()
         assert pull == pytest.approx(G * np.hypot(0.02, 0.03), rel=0.03)
 
 
+@pytest.mark.slow
 def test_gravity_that_the_log_does_not_have_is_the_whole_of_it() -> None:
     """Torques of a controller that takes the arm's weight off before it logs them."""
     for machine in machines(SPATIAL, (0.0, 0.0, 0.0)):
@@ -81,7 +82,7 @@ def test_gravity_that_the_log_does_not_have_is_the_whole_of_it() -> None:
         assert np.allclose(shape_of(form), (0.0, 0.0, 1.0), atol=0.01)
 
 
-@pytest.mark.parametrize("joint", JOINTS)
+@pytest.mark.parametrize("joint", [pytest.param(JOINTS[0], marks=pytest.mark.slow), *JOINTS[1:]])
 def test_a_zero_that_nobody_doubted_is_found_at_its_joint(joint: str) -> None:
     """By what leans along with it, that of the shoulder is as well a base that leans about its axis."""
     found = machines(SPATIAL, zeros={joint: 0.02})
@@ -117,6 +118,7 @@ def test_friction_alone_is_neither() -> None:
     assert all(not m.shapes for m in machines(ARM))
 
 
+@pytest.mark.slow
 def test_a_load_on_an_arm_that_leans_leans_with_it() -> None:
     """What a pull asks for is in proportion to all that the arm carries: neither is told rightly without the other."""
     place = (0.25, 0.03, 0.06)
@@ -129,6 +131,7 @@ def test_a_load_on_an_arm_that_leans_leans_with_it() -> None:
         assert values["other_gravity"] == pytest.approx(G * np.hypot(0.02, 0.03), rel=0.03)
 
 
+@pytest.mark.slow
 def test_a_zero_beside_a_load_is_that_of_the_loaded_arm() -> None:
     """A tenth of a radian: what the arm asks for bends with where it stands. A load aside of the fore arm is nearly an
     elbow that stands otherwise: beside the other each is told to some per cent."""

@@ -117,6 +117,7 @@ def test_a_load_beside_friction_and_wrong_damping_is_no_scale_of_every_sensor() 
 STATED = {"link.fore.mass": 0.05, "link.upper.mass": 0.02}
 
 
+@pytest.mark.slow
 def test_a_link_that_is_heavier_than_stated_is_a_wrong_value_and_no_load() -> None:
     """By sixteen of its deviations. A load beside links as they are stated is found all the same."""
     heavy = with_masses(load(ARM), {"fore": 1.8}).urdf
@@ -139,7 +140,7 @@ def test_a_link_that_is_heavier_than_its_model_is_no_load_on_it() -> None:
         assert more == pytest.approx(0.8 * mass_of(load(ARM), "fore"), rel=0.02)
 
 
-@pytest.mark.parametrize(("more", "loud"), [(1.2, 0.3), (1.4, 2.0)])
+@pytest.mark.parametrize(("more", "loud"), [(1.2, 0.3), pytest.param(1.4, 2.0, marks=pytest.mark.slow)])
 def test_what_one_joint_cannot_mistake_settles_what_another_cannot_tell(more: float, loud: float) -> None:
     """At the last joint a heavier link is nearly a sensor that reads too much; at the one before it is not."""
     heavy = with_shapes(machines(with_masses(load(ARM), {"fore": more}).urdf, loud=loud))

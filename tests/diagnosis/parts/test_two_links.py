@@ -78,6 +78,7 @@ def gantry(folder: Path, stiffness: float) -> Study:
     return load_study(path)
 
 
+@pytest.mark.slow
 def test_a_spring_is_one_where_no_weight_could_be_meant(tmp_path: Path) -> None:
     """It was a stop that the joint never left, with a constant force learned beside it."""
     answer = diagnose(gantry(tmp_path, 5.0))
