@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from spacerobot.effects.effect import Effect, Parameter
 from spacerobot.effects.form import FormOf
@@ -16,6 +16,9 @@ from spacerobot.effects.sizes import Sizes
 
 KIND = "creeping"
 
+CREEP = "creep_m_s"
+"""Name of the speed below which it is a damper."""
+
 LEAST = 1e-5
 """Speed [m/s] from which down nobody sees it creep."""
 
@@ -24,29 +27,34 @@ SLOW = 0.5
 wherever it was seen is a damper in disguise."""
 
 
-def force(d: float, v: float, aux: float, p: Any) -> float:
-    """One component of -F tanh(|v|/w) v/|v|; aux is the rate across, p = (force, speed)."""
+def along(v: float, aux: float, creep: float) -> float:
+    """The share of a friction that acts along one direction, from -1 to 1: tanh(|v| / w) v / |v|.
+
+    Args:
+        v: speed along it.
+        aux: speed across it.
+        creep: w.
+    """
     speed = math.sqrt(v * v + aux * aux)
-    return -p[0] * v / p[1] if speed < 1e-6 * p[1] else -p[0] * math.tanh(speed / p[1]) * v / speed
-
-
-KERNEL = Kernel(force)
+    return v / creep if speed < 1e-6 * creep else math.tanh(speed / creep) * v / speed
 
 
 class Creeping(FormOf):
-    """Coulomb friction without sticking: the plain one as its speed goes to nothing."""
+    """A friction without sticking: the plain one as its speed goes to nothing."""
 
-    limits: ClassVar[Mapping[str, float]] = {"velocity_m_s": LEAST}
+    limits: ClassVar[Mapping[str, float]] = {CREEP: LEAST}
 
-    def __init__(self, plain: Effect) -> None:
-        own = Parameter("velocity_m_s", "m/s", 1e-3, 1e-3, LEAST, 10.0, (1e-3, 1e-2, 1e-4), log=True, shape=True)
+    def __init__(self, plain: Effect, kernel: Kernel) -> None:
+        """Of a friction, and its law smoothed: p = (parameters of the plain one, speed)."""
+        self.kernel = kernel
+        own = Parameter(CREEP, "m/s", 1e-3, 1e-3, LEAST, 10.0, (1e-3, 1e-2, 1e-4), log=True, shape=True)
         super().__init__(
             plain,
             KIND,
             title=f"{plain.title} (smooth about rest)",
             phrase=f"{plain.title} (smooth about rest)",
-            formula=r"f = -F_c \tanh(v / v_0)",
-            source="Andersson, Soderberg, Bjorklund (2007), Tribology International 40, 580-587",
+            formula=plain.formula + r",\; \operatorname{sign} \to \tanh(v / v_0)",
+            source=f"{plain.source}; smoothed as by Andersson, Soderberg, Bjorklund (2007), Tribology Int. 40, 580-587",
             parameters=(*plain.parameters, own),
             replaces=plain.replaces,
             refines=(plain.name,),
@@ -56,13 +64,15 @@ class Creeping(FormOf):
         )
 
     def implausible(self, values: Mapping[str, float], sizes: Sizes) -> str:
-        """It is level at the speeds that were seen."""
-        share = values["velocity_m_s"] * sizes.time / sizes.length
-        return "" if share <= SLOW else f"level only beyond {share:.2g} times the typical speed: a damper in disguise"
+        """It is as the plain one at the speeds that were seen."""
+        share = values[CREEP] * sizes.time / sizes.length
+        if share > SLOW:
+            return f"level only beyond {share:.2g} times the typical speed: a damper in disguise"
+        return self.plain.implausible(values, sizes)
 
     def edit(self, mechanism: Mechanism, where: str, values: Mapping[str, float]) -> Mechanism:
         """A force that changes its sign smoothly."""
-        p, others = (values["force_N"], values["velocity_m_s"]), across(mechanism, where)
+        p, others = tuple(values[q.name] for q in self.parameters), across(mechanism, where)
         if others:
-            return mechanism.with_force(*along_all(self.name, (where, *others), KERNEL, p))
-        return mechanism.with_force(Force(f"{self.name} at {where}", where, KERNEL, p))
+            return mechanism.with_force(*along_all(self.name, (where, *others), self.kernel, p))
+        return mechanism.with_force(Force(f"{self.name} at {where}", where, self.kernel, p))

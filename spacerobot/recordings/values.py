@@ -130,6 +130,15 @@ def least_of(name: str) -> float:
     return -math.inf if minimum is None else minimum
 
 
+def may_be_nothing(name: str) -> bool:
+    """Whether the value called `name` may be zero, and no less: a damping may, a mass may not, nor what has no name."""
+    try:
+        found = kind(name)
+    except NotFoundError:
+        return False
+    return found.minimum == 0.0 and not found.strict
+
+
 def read_values(document: Document, flat: Mapping[str, Any], *path: str | int) -> dict[str, float]:
     """Checked values by dotted name; vectors are spread over their components.
 

@@ -18,7 +18,7 @@ from spacerobot.diagnosis.selection.nested_laws import by_chance, not_excluded
 from spacerobot.diagnosis.selection.penalty import priced
 from spacerobot.diagnosis.selection.variants import Variants
 from spacerobot.diagnosis.selection.without_prior import unheld
-from spacerobot.diagnosis.terms.candidates import contains
+from spacerobot.diagnosis.terms.candidates import by_name, contains
 from spacerobot.diagnosis.terms.decision import STRIKING, TIE, WORTH_OF_REST
 from spacerobot.diagnosis.terms.hypothesis import Label, Site, label_of
 
@@ -109,6 +109,8 @@ class Conclusion:
         if stated:
             more = not_excluded(self.bench, after.fit, self.sites)
             rivals = (*rivals, *(self.bench.tested(fit) for fit in more))
+        said = by_name(after.label)  # another form of what is said is no other explanation
+        rivals = tuple(r for r in rivals if by_name(r.label) != said)
         ranked = tuple(sorted(tested, key=lambda c: c.error))
         sites = tuple(self.sites.values())
         return Growth(self.bench, before, after, rivals, ranked, tuple(self.screened.items()), refused, sites, weights)

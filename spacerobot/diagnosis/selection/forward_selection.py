@@ -25,11 +25,13 @@ from spacerobot.diagnosis.selection.candidate import Candidate
 from spacerobot.diagnosis.selection.conclusion import Conclusion
 from spacerobot.diagnosis.selection.growth import Growth
 from spacerobot.diagnosis.selection.model_choice import as_good, choice, distinct, ratio
+from spacerobot.diagnosis.selection.nested_laws import inherited
 from spacerobot.diagnosis.selection.variants import Variants
-from spacerobot.diagnosis.terms.candidates import redundant
+from spacerobot.diagnosis.terms.candidates import plainer, redundant
 from spacerobot.diagnosis.terms.decision import TIE, WORTH_OF_REST
 from spacerobot.diagnosis.terms.hypothesis import Label, Site, label_of
 from spacerobot.effects.effect import Effect
+from spacerobot.effects.registry import effect
 
 PATIENCE = 2
 """The search ends when so many more parameters have brought nothing that is worth naming."""
@@ -225,11 +227,22 @@ class _Search:
         here = max((c for c in tested if set(c.label) <= label), key=lambda c: (len(c.sites), -c.error))
         while left := [s for s in sites if s.label not in here.label]:
             promises = sorted(self.bench.promises(here.fit, left), key=lambda p: p.left)
-            fit = next((f for p in promises if (f := self.bench.fitted(here.fit, p)) is not None), None)
+            fit = next((f for p in promises if (f := self.fitted(here.fit, p)) is not None), None)
             if fit is None:
                 return
             here = self.bench.tested(fit)
             tested.append(here)
+
+    def fitted(self, near: Fit, promise: Promise) -> Fit | None:
+        """A promise fitted; of a richer law the best of this and what begins where one that it refines ends."""
+        new, bench = promise.site, self.bench
+        fits = [bench.fitted(near, promise)]
+        for name in plainer(new.effect.name):
+            special = bench.model.site(effect(name), new.where)
+            if (plain := bench.fitted_as(near, (*near.hypothesis.sites, special), {})) is not None:
+                sites = (*near.hypothesis.sites, new)
+                fits.append(bench.fitted_as(plain, sites, inherited(new, special, plain)))
+        return min((f for f in fits if f is not None), key=lambda f: f.cost, default=None)
 
     def concluded(
         self, tested: list[Candidate], baseline: Candidate, barred: Mapping[Label, str] | None = None

@@ -14,7 +14,7 @@ from spacerobot.diagnosis.terms.parameters import Free
 from spacerobot.effects.effect import Effect
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.trend import NUMBER, SUFFIX
-from spacerobot.recordings.values import least_of
+from spacerobot.recordings.values import least_of, may_be_nothing
 from spacerobot.support.errors import InputError, SimulationError
 
 Label = tuple[tuple[str, str], ...]
@@ -295,7 +295,7 @@ def hypothesis(believed: Believed, sites: Sequence[Site], starts: Mapping[str, f
             free.append(parameters.absorbing(name, value, sigma))
         else:
             prior = _held(sigma) ** 2 if name in believed.freed else 1.0
-            free.append(parameters.believed(name, value, sigma, prior))
+            free.append(parameters.believed(name, value, sigma, prior, to_nothing=may_be_nothing(name)))
     for name, sigma in believed.absolute.items():
         most = believed.within.get(name, math.inf)
         free.append(parameters.around_zero(name, sigma, max(least_of(name), -most), most))

@@ -70,7 +70,11 @@ class Free:
         return self.step * self.value(z) if self.log else self.step
 
 
-def believed(name: str, value: float | None, sigma: float, prior: float = 1.0) -> Free:
+LEAST = 0.05
+"""Share of what is believed of it that is left of a value that must be positive, at the least."""
+
+
+def believed(name: str, value: float | None, sigma: float, prior: float = 1.0, *, to_nothing: bool = False) -> Free:
     """A believed value with its stated relative deviation; None where each trial states its own.
 
     Args:
@@ -78,9 +82,11 @@ def believed(name: str, value: float | None, sigma: float, prior: float = 1.0) -
         value: what is believed.
         sigma: relative deviation.
         prior: precision of its deviation, counted in sigma: less than 1 for a value that is given up.
+        to_nothing: it may be zero.
     """
     centre = 1.0 if value is None else value
-    lower = 0.05 * centre if centre > 0.0 else -math.inf
+    least = 0.0 if to_nothing and value is not None else LEAST * centre
+    lower = least if centre > 0.0 else -math.inf
     return Free(name, "believed", centre, abs(centre) * sigma, prior=prior, lower=lower, stated=value is not None)
 
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from spacerobot.effects.creeping import KIND, Creeping
+from spacerobot.effects.creeping import KIND, Creeping, along
 from spacerobot.effects.effect import Effect, Parameter
 from spacerobot.effects.kernel import Kernel
 from spacerobot.effects.mechanism import Mechanism
@@ -37,6 +37,14 @@ def in_plane(d: float, v: float, aux: float, p: Any) -> float:
 IN_PLANE = Kernel(in_plane)
 
 
+def smooth(d: float, v: float, aux: float, p: Any) -> float:
+    """p = (force, speed below which it creeps)."""
+    return -p[0] * along(v, aux, p[1])
+
+
+SMOOTH = Kernel(smooth)
+
+
 class CoulombFriction(Effect):
     """Dry friction of one level."""
 
@@ -53,7 +61,7 @@ class CoulombFriction(Effect):
 
     def in_form(self, form: str) -> Effect:
         """Smooth about rest: "creeping"."""
-        return Creeping(self) if form == KIND else super().in_form(form)
+        return Creeping(self, SMOOTH) if form == KIND else super().in_form(form)
 
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:
         """Guides, joints, and a body that slides on a table."""

@@ -6,7 +6,9 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from spacerobot.effects.creeping import KIND, Creeping, along
 from spacerobot.effects.effect import Effect, Parameter, positions
+from spacerobot.effects.kernel import Kernel
 from spacerobot.effects.mechanism import Mechanism
 from spacerobot.effects.primitives import Friction
 from spacerobot.effects.sizes import Sizes
@@ -17,6 +19,14 @@ def level(v: float, normal: float, aux: float, p: Any) -> float:
     ratio = v / p[2]
     return p[1] + (p[0] - p[1]) * math.exp(-ratio * ratio)
 
+
+def smooth(d: float, v: float, aux: float, p: Any) -> float:
+    """p = (static, coulomb, velocity, speed below which it creeps)."""
+    ratio = v / p[2]
+    return -(p[1] + (p[0] - p[1]) * math.exp(-ratio * ratio)) * along(v, 0.0, p[3])
+
+
+SMOOTH = Kernel(smooth)
 
 SLOW = 0.5**0.5
 """Stribeck's velocity lies below this share of the typical speed, at which a seventh of the fall is left then: exp(-2).
@@ -48,6 +58,11 @@ class StribeckFriction(Effect):
     )
     refines = ("coulomb_friction",)
     replaces = ("{where}.equivalent_damping",)
+    forms = (KIND,)
+
+    def in_form(self, form: str) -> Effect:
+        """Smooth about rest: "creeping"."""
+        return Creeping(self, SMOOTH) if form == KIND else super().in_form(form)
 
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:
         """Guides and joints."""
