@@ -227,7 +227,8 @@ class Part:
             return float(np.clip(expit(0.5 * (score(values.fit) - score(self.fit))), 0.05, 0.99))
         own = next(c for c in self.growth.considered if c.label == self.growth.after.label)
         every = [(c, ratio(c, own)) for c in self.growth.considered]
-        others = [(c, x) for c, x in every if not any(set(w.label) <= set(c.label) for w in self._wordings(own, every))]
+        said = [set(by_name(w.label)) for w in self._wordings(own, every)]  # in whatever form
+        others = [(c, x) for c, x in every if not any(names <= set(by_name(c.label)) for names in said)]
         leads = [x - 1.0 for c, x in others if not (c.simplicity > own.simplicity and abs(x - 1.0) < TIE)]
         clear = 1.0 - DOUBT * np.exp(-max(min(leads, default=np.inf), 0.0) / TIE)
         share = agreeing(self.chosen, self.growth.before)
