@@ -14,7 +14,7 @@ from spacerobot.diagnosis.selection.bench import Bench
 from spacerobot.diagnosis.terms.candidates import redundant, refines
 from spacerobot.diagnosis.terms.decision import CHANCE, SMALL, TWICE
 from spacerobot.diagnosis.terms.hypothesis import Site
-from spacerobot.effects.effect import Effect
+from spacerobot.effects.effect import Effect, Parameter
 
 
 def by_chance(gain: float, parameters: int, looks: int = 1) -> bool:
@@ -72,13 +72,21 @@ def level_of(special: Site, general: Site, fit: Fit) -> dict[str, float]:
 
 
 def inherited(new: Site, special: Site, fit: Fit) -> dict[str, float]:
-    """Start values of a general effect: its special case's own of the same name, or its first where the units agree."""
+    """Start values of a general effect: its special case's own of the same name, or its first where the units agree.
+
+    How it acts otherwise is, of its starts, as near as may be to where it is that special case.
+    """
     own = special.own(fit.values())
     first = special.effect.parameters[0]
     return {
-        new.key(p.name): own.get(p.name, own[first.name] if p.unit == first.unit else p.starts[0])
+        new.key(p.name): own.get(p.name, own[first.name] if p.unit == first.unit else _nearest(p, new.effect.limits))
         for p in new.effect.parameters
     }
+
+
+def _nearest(p: Parameter, limits: Mapping[str, float]) -> float:
+    """The start nearest to a limit; the first of a parameter that has none."""
+    return min(p.starts, key=lambda start: abs(math.log(start / limits[p.name]))) if p.name in limits else p.starts[0]
 
 
 def not_excluded(bench: Bench, fit: Fit, known: Known) -> list[Fit]:

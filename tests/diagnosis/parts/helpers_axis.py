@@ -44,6 +44,7 @@ def followed(
     folder: Path,
     *,
     dry: float = 0.0,
+    creep: float = 0.0,
     viscous: float = 0.0,
     ripple: float = 0.0,
     late: int = 0,
@@ -53,11 +54,12 @@ def followed(
     reads: float = 1.0,
     mass: str = "",
 ) -> Study:
-    """An axis under a controller that holds its command over a sample. Friction is set-valued: it sticks.
+    """An axis under a controller that holds its command over a sample. Friction sticks unless it creeps.
 
     Args:
         folder: of the study.
         dry, viscous: friction [N], [N s/m].
+        creep: speed [m/s] below which the dry one is a damper.
         ripple: amplitude [N] of a force that repeats along the way, every 7 cm.
         late: samples by which the log of the command is late; that of the place where negative.
         sluggish: time constant [s] of a filter in the log of the command.
@@ -82,7 +84,7 @@ def followed(
             rows.append([t, round(place + noise * random.standard_normal(), 6), command])
             for _ in range(FINE):
                 rate += STEP / FINE * (command - viscous * rate - ripple * np.sin(place / RIPPLE)) / MASS
-                rubs = STEP / FINE * dry / MASS
+                rubs = STEP / FINE * dry / MASS * (abs(np.tanh(rate / creep)) if creep else 1.0)
                 rate = float(np.sign(rate)) * max(abs(rate) - rubs, 0.0)
                 place += STEP / FINE * rate
         log = np.array(rows)
