@@ -88,8 +88,8 @@ class Found:
 
     @property
     def settled(self) -> bool:
-        """Whether it does, and its effects are what their names say."""
-        return self.explained and not self.implausible(self.best)
+        """Whether a fit does whose effects are what their names say."""
+        return self.explains(self.preferred([self.baseline, *self.fits.values()]))
 
     def preferred(self, fits: Sequence[Fit]) -> Fit:
         """The one of these that a verdict would prefer; of those that it could not name, where there is no other."""
