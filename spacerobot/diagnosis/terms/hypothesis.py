@@ -295,7 +295,8 @@ def hypothesis(believed: Believed, sites: Sequence[Site], starts: Mapping[str, f
             free.append(parameters.absorbing(name, value, sigma))
         else:
             prior = _held(sigma) ** 2 if name in believed.freed else 1.0
-            free.append(parameters.believed(name, value, sigma, prior, to_nothing=may_be_nothing(name)))
+            to_nothing = name in believed.freed and may_be_nothing(name)
+            free.append(parameters.believed(name, value, sigma, prior, to_nothing=to_nothing))
     for name, sigma in believed.absolute.items():
         most = believed.within.get(name, math.inf)
         free.append(parameters.around_zero(name, sigma, max(least_of(name), -most), most))

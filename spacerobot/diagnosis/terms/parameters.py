@@ -71,7 +71,7 @@ class Free:
 
 
 LEAST = 0.05
-"""Share of what is believed of it that is left of a value that must be positive, at the least."""
+"""Share of what is believed of a value that is left of it, at the least: fits that go through nothing end elsewhere."""
 
 
 def believed(name: str, value: float | None, sigma: float, prior: float = 1.0, *, to_nothing: bool = False) -> Free:
@@ -82,7 +82,7 @@ def believed(name: str, value: float | None, sigma: float, prior: float = 1.0, *
         value: what is believed.
         sigma: relative deviation.
         prior: precision of its deviation, counted in sigma: less than 1 for a value that is given up.
-        to_nothing: it may be zero.
+        to_nothing: it may be zero, as one that is given up.
     """
     centre = 1.0 if value is None else value
     least = 0.0 if to_nothing and value is not None else LEAST * centre
