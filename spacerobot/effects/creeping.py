@@ -44,8 +44,8 @@ class Creeping(FormOf):
 
     limits: ClassVar[Mapping[str, float]] = {CREEP: LEAST}
 
-    def __init__(self, plain: Effect, kernel: Kernel) -> None:
-        """Of a friction, and its law smoothed: p = (parameters of the plain one, speed)."""
+    def __init__(self, plain: Effect, kernel: Kernel, level: str) -> None:
+        """Of a friction, its law smoothed, p = (parameters of the plain one, speed), and its level in LaTeX."""
         self.kernel = kernel
         own = Parameter(CREEP, "m/s", 1e-3, 1e-3, LEAST, 10.0, (1e-3, 1e-2, 1e-4), log=True, shape=True)
         super().__init__(
@@ -53,14 +53,11 @@ class Creeping(FormOf):
             KIND,
             title=f"{plain.title} (smooth about rest)",
             phrase=f"{plain.title} (smooth about rest)",
-            formula=plain.formula + r",\; \operatorname{sign} \to \tanh(v / v_0)",
+            formula=rf"f = -{level} \tanh(v / v_0)",
             source=f"{plain.source}; smoothed as by Andersson, Soderberg, Bjorklund (2007), Tribology Int. 40, 580-587",
             parameters=(*plain.parameters, own),
-            replaces=plain.replaces,
             refines=(plain.name,),
             settings={"kind": KIND},
-            carried=plain.carried,
-            choices=1 + len(plain.forms),
         )
 
     def implausible(self, values: Mapping[str, float], sizes: Sizes) -> str:

@@ -87,7 +87,6 @@ class HigherOrder(FormOf):
             source=f"filter of order {order}, {how}",
             refines=(plain.name,),
             settings={"order": float(order), "kind": kind},
-            choices=1 + len(plain.forms),
         )
 
     def innate(self, values: Mapping[str, float], rate: float) -> bool:

@@ -16,8 +16,9 @@ class FormOf(Effect):
     def __init__(self, plain: Effect, form: str, **otherwise: Any) -> None:
         """Of the effect of which this is a form; `otherwise` holds the class attributes that are the form's own."""
         self.plain = plain
-        alike = ("title", "phrase", "formula", "source", "kind", "parameters")
-        given = {"name": plain.name + FORM + form} | {key: getattr(plain, key) for key in alike} | otherwise
+        alike = ("title", "phrase", "formula", "source", "kind", "parameters", "replaces", "carried")
+        own = {"name": plain.name + FORM + form, "choices": 1 + len(plain.forms)}
+        given = own | {key: getattr(plain, key) for key in alike} | otherwise
         for key, value in given.items():
             setattr(self, key, value)
 

@@ -56,7 +56,6 @@ class OneSided(FormOf):
             formula=r"f = -k_s\,(d - d_s) \text{ where that pushes back, else } 0",
             parameters=tuple(replace(p, lower=-p.upper) if p.reach else p for p in plain.parameters),
             settings={"kind": side},
-            choices=1 + len(plain.forms),
         )
 
     def towards(self, displacement: np.ndarray) -> np.ndarray:

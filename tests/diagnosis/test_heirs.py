@@ -11,7 +11,6 @@ from spacerobot.diagnosis.fitting.workshop import Task, Workshop
 from spacerobot.diagnosis.selection.heirs import heirs
 from spacerobot.diagnosis.selection.search_state import Found
 from spacerobot.diagnosis.terms.decision import SLACK
-from spacerobot.diagnosis.terms.hypothesis import Site
 from tests.diagnosis.rigs import write_study
 
 RUB, EITHER = ("coulomb_friction", "wrist"), ("asymmetric_friction", "wrist")
@@ -45,7 +44,7 @@ def costly(found: Found, shop: Workshop, over: float) -> tuple[Found, Fit]:
 
 def test_every_richer_law_ends_no_higher(shop: Workshop, found: Found) -> None:
     rub = found.fits[(RUB,)]
-    tasks = heirs(found, [rub], Site)
+    tasks = heirs(found, [rub], shop.model.in_forms)
     assert {t.label for t in tasks} >= {(EITHER,), (("stribeck_friction", "wrist"),), (("dahl_friction", "wrist"),)}
     for task in tasks:
         if task.label[0][0] in (EITHER[0], "stribeck_friction"):  # the others are it only in the limit
@@ -56,11 +55,11 @@ def test_every_richer_law_ends_no_higher(shop: Workshop, found: Found) -> None:
 
 def test_what_costs_less_already_is_not_begun_again(shop: Workshop, found: Found) -> None:
     trapped, rub = costly(found, shop, 50.0)
-    assert (EITHER,) in {t.label for t in heirs(trapped, [rub], Site)}
+    assert (EITHER,) in {t.label for t in heirs(trapped, [rub], shop.model.in_forms)}
     better, rub = costly(found, shop, -1.0)
-    assert (EITHER,) not in {t.label for t in heirs(better, [rub], Site)}
+    assert (EITHER,) not in {t.label for t in heirs(better, [rub], shop.model.in_forms)}
 
 
-def test_a_plain_law_that_explains_nothing_has_no_heirs(found: Found) -> None:
+def test_a_plain_law_that_explains_nothing_has_no_heirs(shop: Workshop, found: Found) -> None:
     idle = replace(found.fits[(RUB,)], chi2=found.baseline.chi2 - 1.0, prior=found.baseline.prior)
-    assert heirs(found, [idle], Site) == []
+    assert heirs(found, [idle], shop.model.in_forms) == []

@@ -291,8 +291,7 @@ class Machine(ABC):
                     continue
                 found.append(self.site(effect, where))
                 if any(p.reach for p in effect.parameters):  # from where on it acts, and to which side, is the place's
-                    forms = effect.forms_at(self.visited(where))
-                    found += [self.site(effect.in_form(form), where) for form in forms]
+                    found += self.in_forms(effect, where)
         found = [s for s in found if s.label not in self.refused]
         clocks = [s.where for s in found if s.effect.relative]
         return [late(s) if s.effect.relative and len(clocks) > 1 else s for s in found]
@@ -300,6 +299,10 @@ class Machine(ABC):
     def site(self, effect: Effect, where: str, trials: tuple[str, ...] = ()) -> Site:
         """An effect at a place, in all trials or in some, its parameters scaled to what is typical there."""
         return Site(started_there(scaled(effect, self.size_at(where)), self.visited(where)), where, trials)
+
+    def in_forms(self, effect: Effect, where: str) -> list[Site]:
+        """An effect of the catalogue in each of its other forms that is another thing at a place, scaled likewise."""
+        return [self.site(effect.in_form(form), where) for form in effect.forms_at(self.visited(where))]
 
     def moment_free(self) -> Self | None:
         """The same with its inputs' moment free within a sample; None where it has none.

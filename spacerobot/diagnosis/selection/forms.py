@@ -12,7 +12,6 @@ from spacerobot.diagnosis.fitting.workshop import Task
 from spacerobot.diagnosis.selection.pairs import simplify
 from spacerobot.diagnosis.selection.search_state import WORTH_A_FIT, Found, Report, run_tasks, screened, share_of
 from spacerobot.diagnosis.terms.hypothesis import Site, label_of
-from spacerobot.effects.effect import FORM
 from spacerobot.effects.registry import effect
 
 
@@ -38,8 +37,7 @@ def formed(pool: Pool, found: Found, report: Report) -> None:
         if settled and not (late or len(there) > 1):
             continue
         lightly = settled and late  # what is there does it alone: another form must do it as well
-        forms = site.effect.forms_at(model.visited(site.where))
-        others = [model.site(effect(site.effect.name + FORM + f), site.where) for f in forms]
+        others = model.in_forms(effect(site.effect.name), site.where)
         for beside in (_rest if lightly else _without)(found, site.where, model.sensors):
             report("screening forms", 0, len(others))
             tasks = []

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,7 +14,7 @@ from spacerobot.diagnosis.selection.bench import Bench
 from spacerobot.diagnosis.terms.candidates import redundant, refines
 from spacerobot.diagnosis.terms.decision import CHANCE, SMALL, TWICE
 from spacerobot.diagnosis.terms.hypothesis import Site
-from spacerobot.effects.effect import Effect, Parameter
+from spacerobot.effects.effect import Parameter, said_name
 
 
 def by_chance(gain: float, parameters: int, looks: int = 1) -> bool:
@@ -42,19 +42,6 @@ def general_sites(special: Site, known: Known) -> Iterator[Site]:
     for (general, where), site in sorted(known.items()):
         if where == special.where and refines(general, special.effect.name):
             yield site
-
-
-def smoother(special: Site, made: Callable[[Effect, str], Site]) -> Iterator[Site]:
-    """Forms of an effect that equal it in a limit: what it leaves may be that it is no sharp law.
-
-    Args:
-        special: the effect at its place.
-        made: of an effect and a place.
-    """
-    for form in special.effect.forms:
-        one = special.effect.in_form(form)
-        if one.limits:
-            yield made(one, special.where)
 
 
 def special_sites(general: Site, known: Known) -> Iterator[Site]:
@@ -105,7 +92,8 @@ def not_excluded(bench: Bench, fit: Fit, known: Known) -> list[Fit]:
     for special in fit.hypothesis.sites:
         for new in general_sites(special, known):
             sites = [new if s is special else s for s in fit.hypothesis.sites]
-            if redundant([s.label for s in sites]):
+            another = said_name(new.effect.name) != said_name(special.effect.name)  # a form of it says the same
+            if redundant([s.label for s in sites]) or not another:
                 continue
             found = bench.fitted_as(fit, sites, inherited(new, special, fit))
             spare = len(new.effect.parameters) - len(special.effect.parameters)

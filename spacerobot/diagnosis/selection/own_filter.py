@@ -18,7 +18,6 @@ from spacerobot.diagnosis.selection.search_state import Found, Report, run_tasks
 from spacerobot.diagnosis.terms.candidates import exchanged
 from spacerobot.diagnosis.terms.decision import MARGIN
 from spacerobot.diagnosis.terms.hypothesis import Site
-from spacerobot.effects.effect import FORM
 from spacerobot.effects.registry import effect
 from spacerobot.recordings.sensor_filter import SensorFilter
 from spacerobot.recordings.study import Study
@@ -41,8 +40,7 @@ def sought(pool: Pool, found: Found, fit: Fit, report: Report) -> dict[str, Sens
         return own
     tasks = []
     for site in _free_of_stated(workshop, fit):
-        for form in site.effect.forms:
-            new = workshop.model.site(effect(site.effect.name + FORM + form), site.where)
+        for new in workshop.model.in_forms(effect(site.effect.name), site.where):
             if new.effect.innate({p.name: p.null for p in new.effect.parameters}, _rate_of(workshop, site)):
                 label = exchanged(fit.hypothesis.label, site.label, new.label)
                 tasks.append(Task(label, inherited(new, site, fit), near=fit))

@@ -138,7 +138,7 @@ def search(
         run_tasks(
             pool,
             found,
-            heirs(found, found.one_of_each()[:TOP_FITTED], workshop.model.site),
+            heirs(found, found.one_of_each()[:TOP_FITTED], workshop.model.in_forms),
             report,
             "richer laws",
             stop=True,

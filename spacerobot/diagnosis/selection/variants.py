@@ -90,9 +90,8 @@ class Variants:
         """Other forms of an effect at its place, and of those that it refines."""
         model = self.bench.model
         for plain in (site.effect, *(effect(n) for n in plainer(site.effect.name))):
-            if any(p.reach for p in plain.parameters) or (plain.kind == "sensor" and model.one_lag):
-                continue
-            yield from (model.site(plain.in_form(form), site.where) for form in plain.forms)
+            if not (any(p.reach for p in plain.parameters) or (plain.kind == "sensor" and model.one_lag)):
+                yield from model.in_forms(plain, site.where)
 
     def twins(self, site: Site, tested: Sequence[Candidate]) -> Iterator[tuple[Site, Candidate]]:
         """Effects that predicted, beside others, what this one did there, where these alone did not; with that set."""

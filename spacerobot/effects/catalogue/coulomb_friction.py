@@ -39,7 +39,7 @@ IN_PLANE = Kernel(in_plane)
 
 def smooth(d: float, v: float, aux: float, p: Any) -> float:
     """p = (force, speed below which it creeps)."""
-    return -p[0] * along(v, aux, p[1])
+    return -level(v, 0.0, aux, p) * along(v, aux, p[1])
 
 
 SMOOTH = Kernel(smooth)
@@ -61,7 +61,7 @@ class CoulombFriction(Effect):
 
     def in_form(self, form: str) -> Effect:
         """Smooth about rest: "creeping"."""
-        return Creeping(self, SMOOTH) if form == KIND else super().in_form(form)
+        return Creeping(self, SMOOTH, "F_c") if form == KIND else super().in_form(form)
 
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:
         """Guides, joints, and a body that slides on a table."""

@@ -22,11 +22,12 @@ def level(v: float, normal: float, aux: float, p: Any) -> float:
 
 def smooth(d: float, v: float, aux: float, p: Any) -> float:
     """p = (static, coulomb, velocity, speed below which it creeps)."""
-    ratio = v / p[2]
-    return -(p[1] + (p[0] - p[1]) * math.exp(-ratio * ratio)) * along(v, 0.0, p[3])
+    return -level(v, 0.0, aux, p) * along(v, aux, p[3])
 
 
 SMOOTH = Kernel(smooth)
+
+LEVEL = r"F_c + (F_s - F_c)\, e^{-(v/v_s)^2}"
 
 SLOW = 0.5**0.5
 """Stribeck's velocity lies below this share of the typical speed, at which a seventh of the fall is left then: exp(-2).
@@ -49,7 +50,7 @@ class StribeckFriction(Effect):
 
     name = "stribeck_friction"
     title = "Stribeck friction"
-    formula = r"|f| \le F_c + (F_s - F_c)\, e^{-(v/v_s)^2}"
+    formula = r"|f| \le " + LEVEL
     source = "Stribeck (1902); Armstrong-Helouvry, Dupont, Canudas de Wit (1994), Eq. 4"
     parameters = (
         Parameter("static_force_N", "N", 0.0, 0.1, 0.0, 1e4, (0.1, 0.5, 2.0)),
@@ -62,7 +63,7 @@ class StribeckFriction(Effect):
 
     def in_form(self, form: str) -> Effect:
         """Smooth about rest: "creeping"."""
-        return Creeping(self, SMOOTH) if form == KIND else super().in_form(form)
+        return Creeping(self, SMOOTH, rf"\left({LEVEL}\right)") if form == KIND else super().in_form(form)
 
     def places(self, mechanism: Mechanism) -> tuple[str, ...]:
         """Guides and joints."""

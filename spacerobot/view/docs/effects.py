@@ -79,9 +79,8 @@ def _entry(one: Effect) -> list[str]:
         stated = " and ".join(f"`{key}`" for key in first.settings)
         more = [f"`{p.name}` ({p.unit})" for p in first.parameters if p.name not in {q.name for q in one.parameters}]
         plural = "s" if len(one.forms) > 1 else ""
-        lines += [f"Also in the form{plural} {forms}; a scene may state {stated} instead.", ""]
-        if more:
-            lines[-2] += f" It has {' and '.join(more)} as well: ${first.formula}$."
+        besides = f" It has {' and '.join(more)} as well: ${first.formula}$." if more else ""
+        lines += [f"Also in the form{plural} {forms}; a scene may state {stated} instead.{besides}", ""]
     hidden = proved().get(one.name, ())
     shown = f"Proved at {', '.join(f'`{place}`' for place in hidden)}." if hidden else "Not yet proved."
     return [*lines, f"Source: {one.source}. {shown}", ""]
