@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fuzz.target import Target
-from fuzz.targets import csv, mesh, motive, npz, results, scene, study, trajectory, urdf
+from fuzz.targets import csv, mesh, motive, nexus, npz, results, scene, study, trajectory, urdf
 
 TARGETS: dict[str, Target] = {
     target.name: target
@@ -12,6 +12,7 @@ TARGETS: dict[str, Target] = {
         scene.TARGET,
         csv.TARGET,
         motive.TARGET,
+        nexus.TARGET,
         npz.TARGET,
         trajectory.TARGET,
         results.TARGET,

@@ -23,6 +23,11 @@ DAYS = ((729_000.0, 767_011.0), (36_525.0, 73_051.0))
 UNTIMED = 100.0
 """Readings a second of a file without a clock, until its author says [Hz]."""
 
+LATEST = 1.0
+"""Longest that a message waits to be recorded [s]; two clocks that nobody set differ by more."""
+
+_STAMP = re.compile(r"header\W?stamp$", re.I)
+
 _TURN = re.compile(r"\b(?:rotation|quat\w*|orientation)\b", re.I)
 """Parts of a quaternion, whose x is no position."""
 
@@ -91,15 +96,29 @@ def runs_forward(values: Floats) -> bool:
 
 
 def find_time(table: RawTable) -> int | None:
-    """Index of the clock: by name, by a unit of time, else the first that runs forward in steps below a second."""
+    """Index of the clock: by name, by a unit of time, else the first that runs forward in steps below a second.
+
+    Of a message's two times, when it was made and when it was recorded, the first: on its way it waits by chance. But
+    only where the two are one clock's.
+    """
     for told in (is_time, _in_seconds):
         for index, column in enumerate(table.columns):
             if told(column):
-                return index
+                made = (j for j, other in enumerate(table.columns) if _is_when_made(other, column))
+                return next(made, index)
     for index, column in enumerate(table.columns):
         if runs_forward(column.values) and np.median(np.diff(column.values)) < 1.0:
             return index
     return None
+
+
+def _is_when_made(column: Column, recorded: Column) -> bool:
+    """Whether the column is a message's own stamp, by the clock that `recorded` is read from."""
+    stamped = any(_STAMP.search(name) for name in column.names) and runs_forward(column.values)
+    if not stamped or column is recorded or len(column.values) != len(recorded.values):
+        return False
+    made, taken = (c.values * UNITS[time_unit(c)].factor for c in (column, recorded))
+    return bool(np.all(np.abs(taken - made) < LATEST))
 
 
 def time_unit(column: Column) -> str:

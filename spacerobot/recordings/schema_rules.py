@@ -115,7 +115,9 @@ STREAM: dict[str, Rule] = {
     "time_offset": number("added to the times [s]"),
     "rate": number("samples per second where the file has no times [Hz]", exclusiveMinimum=0),
     "format": choice("found out if absent", stream.FORMATS),
-    "variable": text("array of a MAT, HDF5 or npz file, its struct or group, topic of a bag, sheet of a workbook"),
+    "variable": text(
+        "array of a MAT, HDF5 or npz file, its struct or group, topic of a bag, sheet of a workbook, table of an export"
+    ),
     "separator": choice("between cells, found out if absent", (*stream.SEPARATORS, *stream.SEPARATORS.values())),
     "decimal": choice("found out if absent", (".", ",")),
     "header_rows": whole("lines before the data, found out if absent [1]", 0),

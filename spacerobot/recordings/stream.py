@@ -12,7 +12,7 @@ from spacerobot.recordings.document import Document
 from spacerobot.recordings.sensor_filter import read_filter
 from spacerobot.support.errors import InputError, NotFoundError
 
-FORMATS = ("csv", "text", "motive", "mat", "hdf5", "npz", "bag", "xlsx")
+FORMATS = ("csv", "text", "motive", "nexus", "mat", "hdf5", "npz", "bag", "xlsx")
 COMPRESSIONS = ("none", "gz", "bz2", "xz")
 ENCODINGS = (
     "utf-8",
@@ -69,7 +69,7 @@ class StreamSpec:
         time_offset: added to the times to bring them onto the clock, s.
         rate: samples per second where the file has no times, Hz.
         format: one of FORMATS, None to decide by the file's name and first bytes.
-        variable: array of a MAT, HDF5 or npz file, topic of a bag, or sheet of a workbook.
+        variable: array of a MAT, HDF5 or npz file, topic of a bag, sheet of a workbook, or table of a Vicon export.
         separator: between the cells of a text table, None to find out.
         decimal: "." or ",", None to find out.
         header_rows: lines before the data, None to find out.

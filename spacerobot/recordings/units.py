@@ -101,6 +101,8 @@ _TABLE: dict[str, dict[str, float]] = {
         "mNm": 1e-3,
         "Ncm": 1e-2,
         "Nmm": 1e-3,
+        "N.mm": 1e-3,
+        "N mm": 1e-3,
         "kNm": 1e3,
         "lbf in": _POUND * _GRAVITY * _INCH,
         "lbf ft": _POUND * _GRAVITY * 12 * _INCH,

@@ -105,3 +105,23 @@ def test_stamps_of_seconds_and_nanoseconds_are_no_slider(tmp_path: Path) -> None
         )
     told = columns_of(studied(tmp_path))
     assert told["wrist.x"] == told["target.x"] == "pose.position.y"
+
+
+@pytest.mark.parametrize("apart", [0.0, 3000.0])
+def test_a_message_is_of_when_it_was_made_unless_by_another_clock(tmp_path: Path, apart: float) -> None:
+    """What waits by chance to be recorded; a device that counts from when it was switched on shares no clock."""
+    rng = np.random.default_rng(4)
+    for n, speed in enumerate(SPEEDS, 1):
+        t, x, s, f = rig(speed)
+        made = 1_700_000_000 + 60 * n + t
+        for name, column in (("floater", x), ("slider", s), ("ft_wrench", -f)):
+            field = "wrench.force.z" if name == "ft_wrench" else "pose.position.x"
+            taken = made + rng.uniform(0.001, 0.008, len(t))
+            own = made - (0.0 if name != "slider" else apart)
+            rows = [f"{a:.0f},{k},{b:.0f},{v:.7f}" for k, (a, b, v) in enumerate(zip(1e9 * taken, 1e9 * own, column))]
+            head = f"%time,field.header.seq,field.header.stamp,field.{field}\n"
+            (tmp_path / f"run{n}_{name}.csv").write_text(head + "\n".join(rows) + "\n")
+    study = studied(tmp_path)
+    clocks = {c.name: stream.time for stream in study.streams.values() for c in stream.channels}
+    assert clocks["target.x"] == "field.header.stamp"
+    assert (clocks["wrist.x"] == "field.header.stamp") == (apart == 0.0)

@@ -14,6 +14,7 @@ from spacerobot.recordings.readers import READERS, read_table
 from spacerobot.recordings.table import Options, RawTable
 from tests.recordings.test_bags import write_bag
 from tests.recordings.test_motive_export import NEW, OLD
+from tests.recordings.test_nexus_export import DEVICES
 
 N = 10
 T = 0.1 * np.arange(N)
@@ -69,6 +70,11 @@ def motive_new(path: Path) -> RawTable:
     return read_table(path)
 
 
+def nexus(path: Path) -> RawTable:
+    path.write_text(DEVICES + "".join(f"{k // 5 + 1},{k % 5},{k},2,,4\n" for k in range(N)))
+    return read_table(path)
+
+
 def workbook(path: Path) -> RawTable:
     book = openpyxl.Workbook()
     sheet = book.active
@@ -93,6 +99,7 @@ WRITTEN = {
     "a.h5": (hdf5, "hdf5"),
     "take.csv": (motive, "motive"),
     "new.csv": (motive_new, "motive"),
+    "trial.csv": (nexus, "nexus"),
     "a.xlsx": (workbook, "xlsx"),
     "a.bag": (bag, "bag"),
 }

@@ -165,6 +165,16 @@ def test_bodies_named_once_above_a_header_that_repeats(tmp_path: Path) -> None:
     assert "floater.Y" not in columns_of(written(tmp_path / "other", three, row, ending="tsv")).values()
 
 
+def test_bodies_named_with_the_first_of_their_columns(tmp_path: Path) -> None:
+    """Across is a column of every body, and so is along: the one that moves counts."""
+    head = "Frame\tTime\tfloater X\tY\tRoll\tcarriage X\tY\tRoll"
+    row = "{i}\t{t:.4f}\t12\t{x:.8f}e3\t0.1\t11\t{s:.8f}e3\t0.2"
+    told = columns_of(written(tmp_path / "rig", head, row, ending="tsv"))
+    assert (told["target.x"], told["wrist.x"]) == ("floater.Y", "carriage.Y")
+    uneven = head.replace("carriage X\tY\tRoll", "carriage X\tRoll\tY")  # another order is not carried on
+    assert "floater.Y" not in columns_of(written(tmp_path / "other", uneven, row, ending="tsv")).values()
+
+
 def test_angles_of_no_unit_are_asked_where_radians_would_be_turns(tmp_path: Path) -> None:
     t = np.arange(0, 4, 0.02)
     for size, asked in ((80.0, True), (1.0, False)):

@@ -18,10 +18,11 @@ from spacerobot.recordings.drafting.vocabulary import (
     REAL,
     STAMPS,
     THINGS,
+    TRACKERS,
     TURN,
 )
 from spacerobot.recordings.drafting.vocabulary import words as words_of
-from spacerobot.recordings.guess import Guess, guess
+from spacerobot.recordings.guess import Guess, guess, is_time
 from spacerobot.recordings.units import UNITS
 
 _LATERAL = {
@@ -95,7 +96,7 @@ def readings(file: Found, joints: Sequence[str]) -> list[Reading]:
         if j == clock or (clock is not None and len(file.table.columns[j].values) != file.rows):
             continue
         own = words[j] if columns[j].names else []
-        if own[:1] and own[0] in others:
+        if (own[:1] and own[0] in others) or is_time(columns[j]):
             continue
         if (NOT_READINGS.intersection(own) and not joints) or STAMPS.intersection(own[-1:]):
             continue
@@ -159,7 +160,7 @@ def _reading(
         else:
             axis = "yaw" if axis in ("", "z", "yaw") else ""
     if ({"quat", "quaternion", "orientation"} & set(words) and axis != "yaw") or (
-        TURN.intersection(words) and file.format == "motive"
+        TURN.intersection(words) and file.format in TRACKERS
     ):
         quantity, axis = "orientation", next((w[-1] for w in reversed(words) if re.fullmatch(r"q?[wxyz]", w)), "")
     thing = _joint(name, said, joints)
@@ -179,7 +180,7 @@ def _reading(
         thing = f"body:{link}"
     if thing in THINGS and not quantity and set(words) <= {*THINGS[thing], *_LATERAL, *_PLACES}:
         quantity = "position"  # a thing alone is where it is
-    if file.format == "motive" and "." in name:
+    if file.format in TRACKERS and "." in name and quantity in ("position", "orientation"):
         body = name.split(".")[0]
         mine = next((t for w in words_in(body) for t, called in THINGS.items() if w in called), "")
         thing = mine or f"body:{body}"

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 from spacerobot.recordings.drafting.files import Found
 from spacerobot.recordings.drafting.names import identifier, in_ascii, is_measured, same
+from spacerobot.recordings.drafting.vocabulary import TRACKERS
 from spacerobot.recordings.trial import _GROUPS, _KEYS
 
 
@@ -67,7 +68,7 @@ def groups_of(files: Sequence[Found]) -> list[Group]:
 def _like(file: Found, other: Found) -> bool:
     if file.format != other.format:
         return False
-    if file.format == "motive":
+    if file.format in TRACKERS and file.variable == other.variable:
         return True
     mine, theirs = file.columns(), other.columns()
     if mine == theirs:

@@ -68,3 +68,6 @@ QUANTITIES = words(
     "imu gyro joint joints encoder encoders pose efpose state states time times stamps"
 )
 """Words that say what a file measures, and so never tell one trial from another."""
+
+TRACKERS = ("motive", "nexus")
+"""Readers of exports that name a column by its body: what that is called is a name, and may be any word."""

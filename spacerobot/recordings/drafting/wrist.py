@@ -306,16 +306,18 @@ def _place_force(
             if reading.quantity != "force" or reading.command:
                 continue
             rests: dict[str, Rest] = {}
-            peaks = []
+            peaks: list[float] = []
+            swings: list[float] = []
             for trial in trials:
                 one = track(trial.files[stream], reading.column) if stream in trial.files else None
                 still = rest(one) if one is not None else None
+                swings += [_far(one)] if one is not None else []
                 if one is None or still is None or still.leaves is None:
                     continue
                 rests[trial.id] = still
                 peaks.append(float(np.max(np.abs(one.value - still.zero))))
             newton = UNITS[reading.unit or "N"].factor
-            found_forces.append((newton * float(np.median(peaks)) if peaks else 0.0, stream, reading, rests))
+            found_forces.append((newton * float(np.median(peaks or swings or [0.0])), stream, reading, rests))
     if not found_forces:
         return
     most = max(len(rests) for _, _, _, rests in found_forces)

@@ -12,6 +12,7 @@ from spacerobot.recordings.readers.garbage import refuse_garbage
 from spacerobot.recordings.readers.hdf5 import Hdf5Reader
 from spacerobot.recordings.readers.mat import MatReader
 from spacerobot.recordings.readers.motive import MotiveReader
+from spacerobot.recordings.readers.nexus import NexusReader
 from spacerobot.recordings.readers.npz import NpzReader
 from spacerobot.recordings.readers.stamps import with_stamps
 from spacerobot.recordings.readers.xlsx import XlsxReader
@@ -25,6 +26,7 @@ READERS: tuple[Reader, ...] = (
     MatReader(),
     Hdf5Reader(),
     MotiveReader(),
+    NexusReader(),
     TextReader(),
     DelimitedReader(),
 )

@@ -53,10 +53,7 @@ class DelimitedReader(Reader):
         else:
             width = layout.width
         limits.check_cells(path, len(rows), width)
-        values = _fast(lines, rows, layout, width)
-        if values is None:
-            wanted = _wanted(names, options)
-            values = _careful(path, lines, rows, layout, width, wanted)
+        values = numbers_of(path, lines, rows, layout, width, _wanted(names, options))
         if options.reshape is None:
             values, names = _with_lists(lines, rows, layout, values, names)
         values, names, numbers = _trim_and_reshape(path, values, names, rows, options)
@@ -77,6 +74,26 @@ def _wanted(names: Sequence[tuple[str, ...]], options: Options) -> set[int] | No
     if options.wanted is None or (options.reshape or 1) > 1:
         return None
     return {j for j, called in enumerate(names) if options.wanted & {*called, str(j)}}
+
+
+def numbers_of(
+    path: Path, lines: Sequence[str], rows: Sequence[int], layout: Layout, width: int, wanted: set[int] | None
+) -> Floats:
+    """The rows' numbers, (rows, width), NaN where a cell is empty.
+
+    Args:
+        path: the file, for what is wrong with it.
+        lines: all its lines.
+        rows: indices of those that are read.
+        layout: how they are laid out.
+        width: cells of each.
+        wanted: columns that must hold numbers, None for all.
+
+    Raises:
+        InputError: a row of another width, or no number in a column that is wanted.
+    """
+    values = _fast(lines, rows, layout, width)
+    return values if values is not None else _careful(path, lines, rows, layout, width, wanted)
 
 
 def _fast(lines: Sequence[str], rows: Sequence[int], layout: Layout, width: int) -> Floats | None:

@@ -216,7 +216,7 @@ def column_heads(lines: Sequence[str], layout: Layout) -> tuple[list[tuple[str, 
             cells.pop()  # of the line above the numbers also names of what no row has
         if len(cells) == layout.width and any(c and number(c) is None for c in cells):
             above = [split(lines[i], layout.separator) for i in layout.header if i < index]
-            candidates += [cells, *_repeated(cells, above)]
+            candidates += [cells, *_repeated(cells, above), *_carried_on(cells)]
     return headings(candidates, layout.width)
 
 
@@ -232,6 +232,22 @@ def _repeated(cells: Sequence[str], above: Sequence[Sequence[str]]) -> list[list
         told = all(t and number(t) is None for t in things) and len(set(things)) == len(things) > 1
         if label and told and own > 1 and not rest and [*cells] == [*cells[:own]] * len(things):
             return [[f"{things[j // own]}.{cell}" for j, cell in enumerate(cells)]]
+    return []
+
+
+def _carried_on(cells: Sequence[str]) -> list[list[str]]:
+    """Whole names of a header that says each thing once, with its first column: "target X", Y, Z, "wrist X", Y, Z."""
+    parts = [cell.rsplit(maxsplit=1) for cell in cells]
+    for first in dict.fromkeys(p[1] for p in parts if len(p) > 1):
+        starts = [j for j, p in enumerate(parts) if len(p) > 1 and p[1] == first]
+        own = starts[1] - starts[0] if len(starts) > 1 else 0
+        rest = [*cells[starts[0] + 1 : starts[0] + own]]
+        alike = all([*cells[j + 1 : j + own]] == rest for j in starts)
+        if own > 1 and all(rest) and alike and starts == [starts[0] + own * k for k in range(len(starts))]:
+            whole = [*cells]
+            for j in starts:
+                whole[j : j + own] = [f"{parts[j][0]}.{c}" for c in (first, *rest)]
+            return [whole]
     return []
 
 
