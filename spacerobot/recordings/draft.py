@@ -15,6 +15,7 @@ import numpy as np
 
 from spacerobot.recordings.drafting.angles import in_degrees
 from spacerobot.recordings.drafting.behaviour import by_behaviour, with_slider, with_target
+from spacerobot.recordings.drafting.beneath import trials_beneath
 from spacerobot.recordings.drafting.cells import trials_in
 from spacerobot.recordings.drafting.column_lists import column_lists, with_lists
 from spacerobot.recordings.drafting.columns import Reading, joints_by_place, readings
@@ -26,6 +27,7 @@ from spacerobot.recordings.drafting.heads import AXIS, head
 from spacerobot.recordings.drafting.hints import loose
 from spacerobot.recordings.drafting.lines import Line, comment, toml
 from spacerobot.recordings.drafting.machines import AXIS_URDF, as_platform, draft_machine, kind_of
+from spacerobot.recordings.drafting.message_names import with_message_names
 from spacerobot.recordings.drafting.names import ENDINGS
 from spacerobot.recordings.drafting.own_rates import by_rate
 from spacerobot.recordings.drafting.pendulum import hang, pendulum_urdf, swing_of
@@ -169,9 +171,10 @@ def draft(folder: Path, robot: str | None = None, *, rig: str = "", pattern: str
     if not files:
         listed = "; ".join(refused[:5]) or "it holds none of " + ", ".join(ENDINGS)
         raise InputError("the folder holds no recording that can be read", given=str(folder), valid=listed)
-    files = with_lists(files, column_lists(folder))
+    files = list(map(with_message_names, with_lists(files, column_lists(folder))))
     runs = _list_of_runs(folder, files)
     every = [t for f in files if runs is None or f.label != runs.file for t in trials_in(f)]
+    every = [trial for file in every for trial in trials_beneath(file)]
     files = with_times([part for file in every for part in by_rate(file)])
     robot, joints = joints_of(robots_in(folder), folder, [f.relative for f in files], robot)
     groups = groups_of(files)
@@ -258,6 +261,7 @@ def draft(folder: Path, robot: str | None = None, *, rig: str = "", pattern: str
 def _source(file: Found) -> str:
     said = {"variable": file.variable, "time_file": file.times[0] if file.times else None}
     further = "".join(f", {key} = {toml(value)}" for key, value in said.items() if value is not None)
+    further += f", rows = [{file.span[0]}, {file.span[1]}]" if file.span is not None else ""
     return f"{{ file = {toml(file.relative)}{further} }}" if further else toml(file.relative)
 
 

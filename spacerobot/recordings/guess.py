@@ -78,7 +78,12 @@ class Guess:
 
 def is_time(column: Column) -> bool:
     """Whether the column's name and values are those of a clock."""
-    return any(_TIME.match(english(name).strip()) for name in column.names) and runs_forward(column.values)
+    return any(map(is_called_time, column.names)) and runs_forward(column.values)
+
+
+def is_called_time(name: str) -> bool:
+    """Whether a name is that of a clock."""
+    return bool(_TIME.match(english(name).strip()))
 
 
 def _in_seconds(column: Column) -> bool:

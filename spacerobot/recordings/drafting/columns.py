@@ -37,7 +37,7 @@ _LATERAL = {
     "rz": "yaw",
 }
 _JOINT = re.compile(r"(?:^|[a-z])(\d{1,2})$")
-_PLACE = re.compile(r"(.+?)(?:\[(\d{1,2})\]|_(\d{1,2}))")
+_PLACE = re.compile(r"(.+?)(?:\[(\d{1,2})\]|_(\d{1,2})|(?<=[A-Za-z])(\d{1,2}))")
 _PLACES = ("p", "r", "s")
 """What mathematics calls a place, beside the name of a thing: p_target, r_wrist."""
 _OF_JOINTS = words_of("q dq qd qdot tau joint joints theta effort efforts torques current currents moment")
@@ -114,7 +114,8 @@ def readings(file: Found, joints: Sequence[str]) -> list[Reading]:
         if reading is not None and j in numbered and reading.quantity in _OF_MOTORS and not reading.axis:
             reading = replace(reading, thing=joint_of(numbered[j], joints))
         if reading is not None and (stem := stem_of(names[j])) in arrays:
-            reading = _in_array(reading, own, _place(names[j]), arrays[stem], joints)
+            said = [*file.named.words, *own, *words_in(stem)]
+            reading = _in_array(reading, said, _place(names[j]), arrays[stem], joints)
         if reading is not None and not own and unnamed >= len(names) - 1:
             reading = _by_place(file, reading, clock, joints)
         if reading is not None:
@@ -235,7 +236,7 @@ def stem_of(name: str) -> str:
 
 def _place(name: str) -> int:
     found = _PLACE.fullmatch(name)
-    return int(found.group(2) or found.group(3)) if found else 0
+    return int(next(filter(None, found.groups()[1:]))) if found else 0
 
 
 def _arrays(names: Sequence[str]) -> dict[str, int]:
@@ -252,8 +253,9 @@ def _in_array(reading: Reading, words: list[str], place: int, width: int, joints
     if reading.quantity == "orientation":
         return reading
     of_joints = width == len(joints) or (_OF_JOINTS.intersection(words) and width != 3)
+    of_joints = of_joints or reading.thing.startswith("joint:")  # q0 is the first joint's, not that before joint 1
     if reading.quantity and of_joints and (not reading.thing or reading.thing.startswith("joint:")):
-        joint = joints[place] if width == len(joints) else f"joint{place + 1}"
+        joint = joints[place] if place < len(joints) else f"joint{place + 1}"
         return replace(reading, thing=f"joint:{joint}", axis="")
     if reading.thing.startswith("joint:"):
         return reading

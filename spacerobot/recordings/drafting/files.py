@@ -51,6 +51,7 @@ class Found:
         times: the file that holds its times alone, their column and these [s]; None where it has none.
         labels: what a list beside the file calls its columns, "" where it says nothing of one; none without a list.
         labelled_by: that list.
+        span: first and one past the last of the table's rows that this is, None for all.
     """
 
     relative: str
@@ -66,6 +67,7 @@ class Found:
     labels: tuple[str, ...] = ()
     labelled_by: str = ""
     lost: frozenset[int] = frozenset()
+    span: tuple[int, int] | None = None
 
     @property
     def label(self) -> str:

@@ -13,7 +13,7 @@ from spacerobot.recordings.drafting.vocabulary import THINGS
 from spacerobot.recordings.guess import guess
 from spacerobot.recordings.readers.numbers import number
 from spacerobot.recordings.readers.text import read_lines
-from spacerobot.recordings.table import RawTable
+from spacerobot.recordings.table import Floats, RawTable
 from spacerobot.recordings.units import UNITS
 from spacerobot.support.errors import InputError
 
@@ -25,6 +25,11 @@ _STATED = re.compile(
 )
 """A line that gives one number a name: "Target mass [kg]; 12,5"."""
 
+_REMARKED = re.compile(r"(?<![\w.,])(\d+(?:[.,]\d+)?)\s*kg(?![\w/*])")
+
+_OTHERS = frozenset({"arm", *THINGS["wrist"], *THINGS["hand"], *THINGS["base"]})
+"""Things whose mass is no target's."""
+
 Stated = tuple[str, float, str]
 """Name, number and unit of mass."""
 
@@ -32,15 +37,18 @@ Stated = tuple[str, float, str]
 def is_mass(name: str) -> bool:
     """Whether a name is that of a target's mass: "target mass", "m_target", not "slider mass"."""
     words = set(words_in(name))
-    others = {"arm", *THINGS["wrist"], *THINGS["hand"], *THINGS["base"]}
-    return not others & words and ("mass" in words or ("m" in words and bool(THINGS["target"] & words)))
+    return not _OTHERS & words and ("mass" in words or ("m" in words and bool(THINGS["target"] & words)))
 
 
 def scalars(table: RawTable) -> list[Stated]:
-    """Masses among a file's single numbers."""
+    """Masses among a file's single numbers, and in columns that say one number throughout."""
     single = [*table.stated]
-    single += [(c.names[0], float(c.values[0])) for c in table.columns if c.names and len(c.values) == 1]
+    single += [(c.names[0], float(c.values[0])) for c in table.columns if c.names and _is_one_number(c.values)]
     return [stated for name, value in single for stated in _stated(name, value, "")]
+
+
+def _is_one_number(values: Floats) -> bool:
+    return len(values) > 0 and bool((values == values[0]).all())
 
 
 def above_table(path: Path) -> list[Stated]:
@@ -50,7 +58,16 @@ def above_table(path: Path) -> list[Stated]:
     except InputError:
         return []
     found = [match for line in lines if (match := _STATED.fullmatch(line))]
-    return [s for m in found for s in _stated(m["name"], number(m["value"].replace(",", "."), "."), m["unit"])]
+    stated = [s for m in found for s in _stated(m["name"], number(m["value"].replace(",", "."), "."), m["unit"])]
+    return stated or [s for line in lines if (s := _in_a_remark(line)) is not None]
+
+
+def _in_a_remark(line: str) -> Stated | None:
+    """The one mass that a sentence states, of nothing else than a target: "hit with 12.5 kg"."""
+    found = _REMARKED.findall(line)
+    if len(found) != 1 or _OTHERS.intersection(words_in(line)):
+        return None
+    return f"{found[0]} kg", float(found[0].replace(",", ".")), "kg"
 
 
 def with_masses(named: Named, masses: list[Stated]) -> Named:

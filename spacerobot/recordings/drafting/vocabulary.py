@@ -62,6 +62,12 @@ STAMPS = words("stamp stamps timestamp timestamps sec secs nsec nsecs nanosec na
 TURN = words("rotation rot quat quaternion orientation qx qy qz qw")
 """Words of the parts of a quaternion."""
 
+TRIALS = words(
+    "trial trials run runs shot shots test tests hit hits impact impacts take takes rep repetition repeat experiment "
+    "exp episode case number no nr id index num"
+)
+"""Words of a column that numbers trials."""
+
 QUANTITIES = words(
     "pos position positions vel velocity velocities acc accel torque torques effort efforts tau force forces "
     "wrench ft ati loadcell curr current currents volt voltage mocap motive optitrack vicon camera video cam "
