@@ -45,11 +45,15 @@ def _numbered(values: Floats) -> tuple[list[int], list[str]]:
 
 
 def _begun_anew(values: Floats) -> tuple[list[int], list[str]]:
-    """First rows and names of stretches in which a clock runs forward; none where it runs so throughout."""
+    """First rows and names of stretches in which a clock runs forward; none where it runs so throughout.
+
+    Each falls back to the beginning rather than to what was just before: a clock that stumbles begins nothing.
+    """
     if not np.isfinite(values).all():
         return [], []
     starts = [0, *(np.flatnonzero(np.diff(values) < 0) + 1).tolist()]
     forward = _long(starts, len(values)) and all(map(runs_forward, np.split(values, starts[1:])))
+    forward = forward and all(abs(values[i] - values[0]) < values[i - 1] - values[i] for i in starts[1:])
     return (starts, [str(n) for n in range(1, len(starts) + 1)]) if forward else ([], [])
 
 
