@@ -22,9 +22,9 @@ CREEP = "creep_m_s"
 LEAST = 1e-5
 """Speed [m/s] from which down nobody sees it creep."""
 
-SLOW = 0.5
-"""Its speed is at most this share of the typical one: twice it, friction has 96 % of its level. What is not level
-wherever it was seen is a damper in disguise."""
+SLOW = 0.125
+"""Its speed is at most this share of the typical one. Simulators smooth friction at a hundredth to a tenth of the
+speeds that they are for; a seal whose drag saturates at a third of them is a damper, and no dry friction."""
 
 
 def along(v: float, aux: float, creep: float) -> float:

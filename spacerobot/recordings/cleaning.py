@@ -12,6 +12,9 @@ from spacerobot.support.errors import InputError
 
 _FLOOD = 0.98
 
+ENOUGH = 50
+"""Readings that a channel has whatever the rows without one: those of a slow sensor in the log of a fast one."""
+
 
 def clock_times(table: RawTable, time: Floats) -> Floats:
     """`time` with every entry finite.
@@ -41,7 +44,7 @@ def used_values(table: RawTable, stream: StreamSpec, rows: int) -> Floats:
         for column, factor in channel.plus:
             values[:, j] += factor / channel.scale * _readings(table, column, channel, rows)
         lost = np.isnan(values[:, j])
-        if rows > 20 and lost.mean() > _FLOOD:
+        if rows > 20 and lost.mean() > _FLOOD and rows - lost.sum() < ENOUGH:
             raise InputError(
                 f"{channel.name} is missing nearly everywhere",
                 given=f"{int(lost.sum())} of {rows} rows without a reading",
@@ -72,6 +75,20 @@ def _readings(table: RawTable, name: str, channel: ChannelSpec, rows: int) -> Fl
     if channel.missing:
         seen &= ~np.isin(column, channel.missing)
     return np.where(seen, column, np.nan)
+
+
+def joined_rows(time: Floats, values: Floats) -> Floats:
+    """The readings with what rows of one time hold of different channels in each of them, (rows, channels).
+
+    A log of several sensors may have a row for each. Where a channel has two readings at one time, all stay so.
+    """
+    starts = np.flatnonzero(np.concatenate(([True], np.diff(time) != 0)))
+    if len(starts) == len(time):
+        return values
+    least, most = np.fmin.reduceat(values, starts), np.fmax.reduceat(values, starts)
+    agree = np.all((least == most) | np.isnan(least), axis=1)
+    group = np.cumsum(np.concatenate(([0], np.diff(time) != 0)))
+    return np.where(agree[group][:, None], least[group], values)
 
 
 def keep_rows(

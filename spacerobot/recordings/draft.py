@@ -32,6 +32,7 @@ from spacerobot.recordings.drafting.names import ENDINGS
 from spacerobot.recordings.drafting.own_rates import by_rate
 from spacerobot.recordings.drafting.pendulum import hang, pendulum_urdf, swing_of
 from spacerobot.recordings.drafting.remarks import (
+    ask_what_counts,
     ask_what_no_name_says,
     say_who_names,
     second,
@@ -230,6 +231,7 @@ def draft(folder: Path, robot: str | None = None, *, rig: str = "", pattern: str
     lines = {g.name: drafted.lines.get(g.name) or loose(seen[g.name], g.leanest, kind, taken) for g in told}
     refused += [unrecognised(g) for g in told if not lines[g.name]]
     say_who_names(lines, representative)
+    ask_what_counts(lines)
     settle_by_all(lines, told)
     made = Draft(
         title=folder.resolve().name or "study",

@@ -17,7 +17,10 @@ REGULAR = 0.95
 """Share of the runs that have the length of a held reading: a body at rest holds a value longer, a lost frame too."""
 
 ALIKE = 0.9
-"""Share of steps of one size, or of whole multiples of one, from which a signal counts: its runs are honest."""
+"""Share of steps of the smallest size from which a signal counts: its runs are honest."""
+
+MOST_ALIKE = 3
+"""Readings one after the other that are the same by rounding: holds of 8 or 9 rows, but of 24 or more anything."""
 
 
 def held_for(value: Floats) -> int:
@@ -39,11 +42,14 @@ def held_for(value: Floats) -> int:
         return 1
     steps = np.abs(np.diff(seen)[changes])
     counts = steps / steps.min()
-    whole = np.abs(counts - np.round(counts)) < 1e-3
+    one = (counts < 1.5) & (np.abs(counts - np.round(counts)) < 1e-3)
+    if np.mean(one) >= ALIKE:
+        return 1
     if np.mean(runs % rows == 0) >= REGULAR:
-        return rows if np.mean(whole & (counts < 1.5)) < ALIKE else 1
-    near = (runs == rows) | (runs == rows + 1)
-    return rows + 1 if np.mean(near) >= REGULAR and np.mean(whole) < ALIKE else 1
+        return rows
+    holds = np.arange(1, MOST_ALIKE + 1)[:, None]
+    near = ((runs >= holds * rows) & (runs <= holds * (rows + 1))).any(axis=0)
+    return rows + 1 if np.mean(near) >= REGULAR else 1
 
 
 def fresh(value: Floats, rows: int) -> NDArray[np.bool_]:

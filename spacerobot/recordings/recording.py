@@ -12,7 +12,7 @@ import numpy as np
 from spacerobot.recordings import units
 from spacerobot.recordings.body_frame import turn_to_world
 from spacerobot.recordings.channel import ChannelSpec, dimensions
-from spacerobot.recordings.cleaning import clock_times, doubted_values, keep_rows, used_values
+from spacerobot.recordings.cleaning import ENOUGH, clock_times, doubted_values, joined_rows, keep_rows, used_values
 from spacerobot.recordings.dataroot import inside
 from spacerobot.recordings.held import fresh, held_for
 from spacerobot.recordings.readers import read_table
@@ -30,6 +30,10 @@ if TYPE_CHECKING:
 
 EPOCH = 1e8
 """Times beyond this many seconds count from an epoch (1973 and later), not from the start of a recording."""
+
+
+SPARSE = 0.5
+"""Share of rows with a reading below which a channel is a slower sensor's than its log's others: those rows are all."""
 
 
 @dataclass(frozen=True)
@@ -119,7 +123,7 @@ def load_trial(streams: Mapping[str, StreamSpec], root: Path, trial: Trial) -> R
         stream = streams[name]
         table = _read(root, trial, stream, source)
         time = _times(root, trial, stream, source, table)
-        values = used_values(table, stream, len(time))
+        values = joined_rows(time, used_values(table, stream, len(time)))
         raw[name] = (table, time, values)
     epoch = _epochs(streams, raw)
     series: dict[str, Series] = {}
@@ -167,6 +171,8 @@ def load_trial(streams: Mapping[str, StreamSpec], root: Path, trial: Trial) -> R
                 value[valid] = np.unwrap(value[valid])
             rows = held_for(value) if _sensed(channel, stream) else 1
             new = fresh(value, rows) if rows > 1 else slice(None)
+            if valid.mean() < SPARSE and valid.sum() >= ENOUGH:
+                rows, new = 1, valid
             if rows > 1:
                 held.setdefault(rows, []).append(channel.name)
             stated = channel.sigma is not None

@@ -29,12 +29,16 @@ def test_of_each_held_reading_the_first_is_left(rows: int, first: int, seed: int
     np.testing.assert_array_equal(kept, read[1:] if first % rows else read)
 
 
+@pytest.mark.parametrize("digits", [18, 5, 4])
 @pytest.mark.parametrize("ratio", [2.4, 8.33])
-def test_rates_that_do_not_divide(ratio: float) -> None:
-    """A camera at 120 Hz in a log at 1 kHz stands for 8 rows, then for 9."""
-    read = motion(200)
+def test_rates_that_do_not_divide(ratio: float, digits: int) -> None:
+    """A camera at 120 Hz in a log at 1 kHz stands for 8 rows, then for 9; its log may write few digits."""
+    read = np.round(motion(200), digits)
     log = read[np.floor(np.arange(int(190 * ratio)) / ratio).astype(int)]
-    np.testing.assert_array_equal(log[fresh(log, held_for(log))], read[:190])
+    kept = log[fresh(log, held_for(log))]
+    assert len(kept) == pytest.approx(190, abs=2)  # of two that are alike the second may be taken for the first's
+    changed = [v[np.concatenate(([True], np.diff(v) != 0.0))] for v in (kept, read[:190])]
+    np.testing.assert_array_equal(*changed)
 
 
 def test_a_body_at_rest_under_a_held_camera_keeps_its_readings() -> None:

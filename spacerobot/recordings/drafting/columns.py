@@ -12,6 +12,7 @@ from spacerobot.recordings.drafting.numbered import joint_of, motors
 from spacerobot.recordings.drafting.vocabulary import (
     ARM,
     COMMAND,
+    CONVERTER,
     DIMENSION,
     NOT_READINGS,
     QUANTITY,
@@ -144,6 +145,8 @@ def _reading(
         said.append("current")  # another word says that it was measured
     if "target" in words and command:
         said = [w for w in said if w != "target"]
+    if "torque" in said and "wrench" in said:
+        said = [w for w in said if w != "wrench"]  # which has both
     if words[-1:] in (["tx"], ["ty"], ["tz"]) or (words[-2:-1] and words[-2] in ("tx", "ty", "tz")):
         said = [*said, "torque"] if "fx" in neighbours else said
     quantity = _quantity(said) or (DIMENSION.get(UNITS[stated].dimension, "") if stated else "")
@@ -179,7 +182,7 @@ def _reading(
         thing = f"body:{next(w for w in said if w in THINGS[thing])}" if THINGS[thing] & set(said) else ""
     elif thing == "" and (link := next((w for w in said if w in ARM), "")):
         thing = f"body:{link}"
-    if thing in THINGS and not quantity and set(words) <= {*THINGS[thing], *_LATERAL, *_PLACES}:
+    if thing in THINGS and not quantity and set(words) <= {*THINGS[thing], *_LATERAL, *_PLACES, *CONVERTER}:
         quantity = "position"  # a thing alone is where it is
     if file.format in TRACKERS and "." in name and quantity in ("position", "orientation"):
         body = name.split(".")[0]

@@ -36,8 +36,9 @@ Stated = tuple[str, float, str]
 
 def is_mass(name: str) -> bool:
     """Whether a name is that of a target's mass: "target mass", "m_target", not "slider mass"."""
-    words = set(words_in(name))
-    return not _OTHERS & words and ("mass" in words or ("m" in words and bool(THINGS["target"] & words)))
+    words = words_in(name)
+    symbol = "m" in words and bool(THINGS["target"].intersection(words[words.index("m") :]))  # before: metres
+    return not _OTHERS.intersection(words) and ("mass" in words or symbol)
 
 
 def scalars(table: RawTable) -> list[Stated]:

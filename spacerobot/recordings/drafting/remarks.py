@@ -10,8 +10,10 @@ import numpy as np
 from spacerobot.recordings.drafting.columns import Reading
 from spacerobot.recordings.drafting.files import Found
 from spacerobot.recordings.drafting.groups import Group
+from spacerobot.recordings.drafting.languages import words_in
 from spacerobot.recordings.drafting.lines import Line
 from spacerobot.recordings.drafting.machines import kind_of
+from spacerobot.recordings.drafting.vocabulary import CONVERTER
 from spacerobot.recordings.drafting.wrist import Drafted
 from spacerobot.recordings.units import UNITS
 
@@ -40,6 +42,13 @@ def say_who_names(lines: Mapping[str, Sequence[Line]], files: Mapping[str, Found
         for line in found if file.labels else ():
             label = f"{file.labels[line.reading.index]}, by {file.labelled_by}"
             line.remark = "; ".join(filter(None, (label, line.remark)))
+
+
+def ask_what_counts(lines: Mapping[str, Sequence[Line]]) -> None:
+    """A question at each channel of no unit whose name says that a converter or an encoder counts."""
+    for line in (line for found in lines.values() for line in found):
+        if line.reading.unit is None and not line.question and CONVERTER.intersection(words_in(line.reading.column)):
+            line.question = "counts: state what one of them is, as scale or unit"
 
 
 def unrecognised(group: Group) -> str:

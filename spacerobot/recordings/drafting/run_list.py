@@ -58,12 +58,15 @@ class RunList:
         Empty where no column names half of them, or one of them twice with two masses.
         """
         best: dict[str, float] = {}
+        called = _called(trials)
         for column in self.rows[0]:
             if column == self.mass:
                 continue
-            found = {
-                t.id: {m for row in self.rows if _means(row[column], t) and (m := self._mass(row))} for t in trials
-            }
+            found: dict[str, set[float]] = {}
+            for row in self.rows:
+                if (mass := self._mass(row)) > 0.0:
+                    for name in _meant(row[column], called):
+                        found.setdefault(name, set()).add(mass)
             told = {name: own.pop() for name, own in found.items() if len(own) == 1}
             best = told if len(told) > len(best) else best
         return best if 2 * len(best) > len(trials) else {}
@@ -127,11 +130,23 @@ def _made(file: str, head: Sequence[str], rest: Iterable[Sequence[str]], *, comm
     return RunList(file, rows, masses[0], factor, decimal)
 
 
-def _means(cell: str, trial: Trial) -> bool:
-    """Whether a cell names the trial: a file of it, with or without folder and ending, its number, or some with it."""
-    names = {n for f in trial.files.values() for n in (f.relative, PurePath(f.relative).name)}
-    names |= {without_ending(n) for n in names} | {part for n in names for part in PurePath(n).parts[:-1]}
-    return bool(cell) and (cell in names or same(cell) == same(trial.id) or same(trial.id) in _several(cell))
+def _called(trials: Sequence[Trial]) -> dict[tuple[str, str], set[str]]:
+    """What a cell may say, ("name", of a file with or without folder and ending) or ("number", its) -> trials."""
+    found: dict[tuple[str, str], set[str]] = {}
+    for trial in trials:
+        names = {n for f in trial.files.values() for n in (f.relative, PurePath(f.relative).name)}
+        names |= {without_ending(n) for n in names} | {part for n in names for part in PurePath(n).parts[:-1]}
+        for key in [*(("name", n) for n in names), ("number", same(trial.id))]:
+            found.setdefault(key, set()).add(trial.id)
+    return found
+
+
+def _meant(cell: str, called: Mapping[tuple[str, str], set[str]]) -> set[str]:
+    """The trials that a cell names: by a file, by their number, or several at once."""
+    if not cell:
+        return set()
+    keys = [("name", cell), ("number", same(cell)), *(("number", n) for n in _several(cell))]
+    return set().union(*(called.get(key, ()) for key in keys))
 
 
 def _several(cell: str) -> set[str]:

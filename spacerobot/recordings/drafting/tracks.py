@@ -7,6 +7,7 @@ import numpy as np
 from spacerobot.recordings.drafting.approach import Track
 from spacerobot.recordings.drafting.files import Found
 from spacerobot.recordings.guess import UNTIMED, time_unit, unsaid_unit
+from spacerobot.recordings.held import fresh, held_for
 from spacerobot.recordings.table import Floats
 from spacerobot.recordings.units import UNITS
 
@@ -55,4 +56,6 @@ def track(file: Found, column: str, readings: Floats | None = None) -> Track | N
     if len(value) != len(time):
         return None
     good = np.isfinite(time) & np.isfinite(value)
+    if (rows := held_for(value)) > 1:
+        good &= fresh(value, rows)
     return Track(time[good], value[good]) if good.sum() > 2 else None

@@ -56,6 +56,9 @@ NOT_READINGS = words(
 )
 """Words of counters, statuses and errors."""
 
+CONVERTER = words("counts count raw adc digits ticks tick lsb bits inc increments")
+"""Words of what a converter or an encoder counts, in no unit until its scale is stated."""
+
 STAMPS = words("stamp stamps timestamp timestamps sec secs nsec nsecs nanosec nanosecs seq header")
 """Last words of the columns that a logger adds to each message: when it was sent, and its number."""
 
