@@ -1,4 +1,7 @@
-"""A recording of a whole session: each hit in it is a trial of its own, in its window of the recording's time."""
+"""A recording of a whole session: each hit in it is a trial of its own, in its window of the recording's time.
+
+One of a single hit has a window where somebody's hand still pushes the target at its beginning, or stops it at its end.
+"""
 
 from __future__ import annotations
 
@@ -20,8 +23,15 @@ from spacerobot.recordings.table import Floats
 PUSHED = 0.1
 """Share of the hardest push from which a sensor counts as pushed: a guide's friction holds it off its zero by less."""
 
-BY_HAND = 0.05
+BY_HAND = 0.1
 """Share of a free drift that is left out at its outer end, where a hand may still have held the target."""
+
+HELD = 0.5
+"""Share of its speed beside the hit below which, at the recording's end, a hand has not let go of a target or has
+caught it: neither drag nor a table's tilt takes as much on the way."""
+
+MOVES = 0.1
+"""Share of the speed it came with at which a target leaves; slower, nothing tells whether it was caught."""
 
 Window = tuple[float, float]
 """First and last time, s."""
@@ -35,11 +45,13 @@ def apart(readings: Mapping[str, Sequence[Reading]], trials: Sequence[Trial]) ->
         trials: a trial for each recording.
     """
     found: list[Trial] = []
+    held: list[Trial] = []
     taken = {t.id for t in trials}
     for trial in trials:
         windows = _windows(readings, trial)
         if len(windows) < 2:
-            found.append(trial)
+            found.append(_in_window(trial, windows[0]) if windows else trial)
+            held += found[-1:] if windows else []
             continue
         for n, window in enumerate(windows, 1):
             name = unused(identifier(f"{trial.id}_{n:02d}"), taken)
@@ -47,7 +59,16 @@ def apart(readings: Mapping[str, Sequence[Reading]], trials: Sequence[Trial]) ->
             asked = f"{len(windows)} hits in one recording: is the target left alone in each window" if n == 1 else None
             cut = {stream: within(file, window) for stream, file in trial.files.items()}
             found.append(Trial(name, cut, asked, window))
+    if held:
+        asked = f"a hand seems to hold the target at an end of {len(held)} recordings: is it left alone in each window"
+        held[0].question = "; ".join(filter(None, (held[0].question, asked)))
     return found
+
+
+def _in_window(trial: Trial, window: Window) -> Trial:
+    """A trial with what its files hold in the window."""
+    cut = {stream: within(file, window) for stream, file in trial.files.items()}
+    return replace(trial, files=cut, window=window)
 
 
 def within(file: Found, window: Window) -> Found:
@@ -66,7 +87,10 @@ def within(file: Found, window: Window) -> Found:
 
 
 def _windows(readings: Mapping[str, Sequence[Reading]], trial: Trial) -> list[Window]:
-    """A window for each hit, from where the target drifts freely until it no longer does; none on several clocks."""
+    """A window for each hit, from where the target drifts freely until it no longer does; none on several clocks.
+
+    None either where there is one hit, and nobody's hand is seen.
+    """
     spans = [span(f) for f in trial.files.values()]
     known = [s for s in spans if s is not None]
     if len(known) < len(spans) or max(s[0] for s in known) >= min(s[1] for s in known):
@@ -77,7 +101,7 @@ def _windows(readings: Mapping[str, Sequence[Reading]], trial: Trial) -> list[Wi
         return []
     target = max(bodies, key=lambda t: float(np.ptp(t.value)))
     pulses = _pulses(max(sensors, key=_clearness))
-    if len(pulses) < 2:
+    if not pulses:
         return []
     touching = np.interp([a for a, _ in pulses], target.time, target.value)
     forward = 1.0 if float(np.median(touching)) > float(np.median(target.value)) else -1.0
@@ -89,7 +113,31 @@ def _windows(readings: Mapping[str, Sequence[Reading]], trial: Trial) -> list[Wi
     for (first, last), low, high in zip(hits, edges, edges[1:], strict=False):
         let_go, caught = straight(target, first, low, back=True), straight(target, last, high)
         windows.append((let_go + BY_HAND * (first - let_go), caught - BY_HAND * (caught - last)))
+    if len(windows) == 1:
+        pushed, stopped = _by_hand(target, hits[0])
+        window = (windows[0][0] if pushed else edges[0], windows[0][1] if stopped else edges[-1])
+        return [window] if pushed or stopped else []
     return windows
+
+
+def _by_hand(target: Track, hit: Window) -> tuple[bool, bool]:
+    """Whether a target rests, or hardly moves, at the recording's beginning and at its end."""
+    first, last = hit
+    begin, end = float(target.time[0]), float(target.time[-1])
+    comes, begun = (
+        _speed(target, first - 0.2 * (first - begin), first),
+        _speed(target, begin, begin + 0.1 * (first - begin)),
+    )
+    leaves, ended = _speed(target, last, last + 0.2 * (end - last)), _speed(target, end - 0.1 * (end - last), end)
+    return abs(begun) < HELD * abs(comes), MOVES * abs(comes) < abs(leaves) and abs(ended) < HELD * abs(leaves)
+
+
+def _speed(target: Track, first: float, last: float) -> float:
+    """Of a line through a stretch; without limit where it has too few readings."""
+    inside = (target.time >= first) & (target.time <= last)
+    if inside.sum() < FEWEST:
+        return float("inf")
+    return float(np.polyfit(target.time[inside] - first, target.value[inside], 1)[0])
 
 
 def _tracks(readings: Mapping[str, Sequence[Reading]], trial: Trial, meant: Callable[[Reading], bool]) -> list[Track]:
