@@ -34,6 +34,7 @@ from spacerobot.recordings.drafting.pendulum import hang, pendulum_urdf, swing_o
 from spacerobot.recordings.drafting.remarks import (
     ask_what_counts,
     ask_what_no_name_says,
+    ask_what_pushes,
     say_who_names,
     second,
     settle_by_all,
@@ -233,6 +234,9 @@ def draft(folder: Path, robot: str | None = None, *, rig: str = "", pattern: str
     say_who_names(lines, representative)
     ask_what_counts(lines)
     settle_by_all(lines, told)
+    left = {g.name: _left(seen[g.name], lines[g.name]) for g in told}
+    if kind in ("body", "platform"):
+        ask_what_pushes(lines, left, "base" if kind == "platform" else "body")
     made = Draft(
         title=folder.resolve().name or "study",
         kind=kind,
@@ -241,7 +245,7 @@ def draft(folder: Path, robot: str | None = None, *, rig: str = "", pattern: str
         groups={g.name: g for g in told},
         lines={name: found for name, found in lines.items() if found},
         settings={g.name: _settings(g, drafted.own_clock.get(g.name), events=g.name in events) for g in told},
-        left={g.name: _left(seen[g.name], lines[g.name]) for g in told},
+        left=left,
         trials=trials,
         remarks=refused,
     )

@@ -83,3 +83,16 @@ def test_what_a_converter_counts_is_asked(tmp_path: Path) -> None:
     assert columns_of(study) == {"target.x": "target_mm", "wrist.x": "slider_counts", "contact.force": "F_raw"}
     lines = [row for row in (tmp_path / "study.toml").read_text().splitlines() if "counts: state" in row]
     assert [row.split('"')[1] for row in lines] == ["slider_counts", "F_raw"]
+
+
+@pytest.mark.parametrize(("columns", "asked"), [("thr_1,thr_2", True), ("jet1,jet2", True), ("Fx_N,thr_2", False)])
+def test_thrusters_are_asked_what_they_push(tmp_path: Path, columns: str, asked: bool) -> None:
+    """Unless the force that they make is logged."""
+    rng = np.random.default_rng(2)
+    t = np.arange(0.0, 10.0, 0.1)
+    body = [0.01 * t, 0.02 * t, 0.01 * t] + 1e-4 * rng.standard_normal((3, t.size))
+    rows = np.transpose([t, *body, *(rng.random((2, t.size)) < 0.3)])
+    np.savetxt(tmp_path / "log.csv", rows, delimiter=",", header=f"t,x,y,theta,{columns}", comments="", fmt="%.6f")
+    text = draft_study(tmp_path)
+    assert ("push it, it seems" in text) == asked
+    assert ("body.force.x" in text.split("# ?")[0]) != asked

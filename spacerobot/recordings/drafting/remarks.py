@@ -13,7 +13,7 @@ from spacerobot.recordings.drafting.groups import Group
 from spacerobot.recordings.drafting.languages import words_in
 from spacerobot.recordings.drafting.lines import Line
 from spacerobot.recordings.drafting.machines import kind_of
-from spacerobot.recordings.drafting.vocabulary import CONVERTER
+from spacerobot.recordings.drafting.vocabulary import CONVERTER, THRUSTERS
 from spacerobot.recordings.drafting.wrist import Drafted
 from spacerobot.recordings.units import UNITS
 
@@ -49,6 +49,29 @@ def ask_what_counts(lines: Mapping[str, Sequence[Line]]) -> None:
     for line in (line for found in lines.values() for line in found):
         if line.reading.unit is None and not line.question and CONVERTER.intersection(words_in(line.reading.column)):
             line.question = "counts: state what one of them is, as scale or unit"
+
+
+def ask_what_pushes(lines: Mapping[str, Sequence[Line]], left: Mapping[str, Sequence[str]], body: str) -> None:
+    """A question at a body's first channel where columns of thrusters are left out, and no force is logged.
+
+    Args:
+        lines: stream -> its channels.
+        left: stream -> columns that are no channel.
+        body: what the body is called, "body" or "base".
+    """
+    channels = [line for found in lines.values() for line in found]
+    pushing = [c for found in left.values() for c in found if THRUSTERS.intersection(_without_digits(c))]
+    logged = any(line.channel.startswith((f"{body}.force", f"{body}.torque")) for line in channels)
+    if not pushing or not channels or logged:
+        return
+    named = f"{', '.join(pushing[:3])}{', ...' if len(pushing) > 3 else ''}"
+    asked = f'{named} push it, it seems: state what each does, as {body}.force.x and .y (frame = "body") and '
+    asked += f'{body}.torque.yaw, with use = "input", scale [N] and plus'
+    channels[0].question = "; ".join(filter(None, (channels[0].question, asked)))
+
+
+def _without_digits(name: str) -> set[str]:
+    return {word.rstrip("0123456789") for word in words_in(name)}
 
 
 def unrecognised(group: Group) -> str:

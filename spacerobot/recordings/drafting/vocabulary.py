@@ -56,6 +56,9 @@ NOT_READINGS = words(
 )
 """Words of counters, statuses and errors."""
 
+THRUSTERS = words("thr thruster thrusters jet jets nozzle nozzles valve valves solenoid solenoids")
+"""Words of what pushes a body by its own place and direction, which no log says."""
+
 CONVERTER = words("counts count raw adc digits ticks tick lsb bits inc increments")
 """Words of what a converter or an encoder counts, in no unit until its scale is stated."""
 
