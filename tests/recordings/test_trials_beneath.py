@@ -86,3 +86,10 @@ def test_a_messages_names_say_which_joint_is_which(tmp_path: Path, robot: str | 
     assert told == {f"joint.{name}.position": f"field.position{j}" for j, name in enumerate(order)} | {
         f"joint.{name}.torque": f"field.effort{j}" for j, name in enumerate(order)
     }
+
+
+def test_a_wrench_beside_joints_stays_one(tmp_path: Path) -> None:
+    head = ",".join(["t", *(f"q_{j}" for j in range(6)), *(f"wrench_{j}" for j in range(6))])
+    motion(tmp_path / "joint_log", head)
+    found = [line.channel for lines in draft(tmp_path / "joint_log", "panda").lines.values() for line in lines]
+    assert sum(c.startswith("joint.") for c in found) == 6

@@ -43,6 +43,8 @@ _PLACES = ("p", "r", "s")
 """What mathematics calls a place, beside the name of a thing: p_target, r_wrist."""
 _OF_JOINTS = words_of("q dq qd qdot tau joint joints theta effort efforts torques current currents moment")
 """Words of arrays that hold a number for each joint."""
+_OF_STATES = words_of("position velocity effort")
+"""Arrays of a message of joint states, which its file's name says that it is."""
 _PLACED = ("px", "py", "pz")
 """Last words of a place in space, of whatever link."""
 _OF_MOTORS = ("position", "velocity", "torque", "current", "voltage")
@@ -115,7 +117,8 @@ def readings(file: Found, joints: Sequence[str]) -> list[Reading]:
         if reading is not None and j in numbered and reading.quantity in _OF_MOTORS and not reading.axis:
             reading = replace(reading, thing=joint_of(numbered[j], joints))
         if reading is not None and (stem := stem_of(names[j])) in arrays:
-            said = [*file.named.words, *own, *words_in(stem)]
+            said = [*own, *words_in(stem)]
+            said += file.named.words if _OF_STATES.intersection(said) else ()
             reading = _in_array(reading, said, _place(names[j]), arrays[stem], joints)
         if reading is not None and not own and unnamed >= len(names) - 1:
             reading = _by_place(file, reading, clock, joints)

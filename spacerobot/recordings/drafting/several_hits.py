@@ -133,10 +133,10 @@ def _by_hand(target: Track, hit: Window) -> tuple[bool, bool]:
 
 
 def _speed(target: Track, first: float, last: float) -> float:
-    """Of a line through a stretch; without limit where it has too few readings."""
+    """Of a line through a stretch; NaN, which is no share of anything, where it has too few readings."""
     inside = (target.time >= first) & (target.time <= last)
     if inside.sum() < FEWEST:
-        return float("inf")
+        return float("nan")
     return float(np.polyfit(target.time[inside] - first, target.value[inside], 1)[0])
 
 
