@@ -82,12 +82,12 @@ def joined_rows(time: Floats, values: Floats) -> Floats:
 
     A log of several sensors may have a row for each. Where a channel has two readings at one time, all stay so.
     """
-    starts = np.flatnonzero(np.concatenate(([True], np.diff(time) != 0)))
-    if len(starts) == len(time):
+    new = np.concatenate(([True], np.diff(time) != 0))
+    if new.all():
         return values
+    starts, group = np.flatnonzero(new), np.cumsum(new) - 1
     least, most = np.fmin.reduceat(values, starts), np.fmax.reduceat(values, starts)
     agree = np.all((least == most) | np.isnan(least), axis=1)
-    group = np.cumsum(np.concatenate(([0], np.diff(time) != 0)))
     return np.where(agree[group][:, None], least[group], values)
 
 

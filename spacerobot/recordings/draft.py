@@ -42,7 +42,7 @@ from spacerobot.recordings.drafting.remarks import (
 )
 from spacerobot.recordings.drafting.rigs import RIGS
 from spacerobot.recordings.drafting.robots import hangs, joints_of
-from spacerobot.recordings.drafting.run_list import RunList, run_lists, sheet_list
+from spacerobot.recordings.drafting.run_list import list_of_runs
 from spacerobot.recordings.drafting.several_hits import apart
 from spacerobot.recordings.drafting.time_files import with_times
 from spacerobot.recordings.drafting.unnamed import by_each_other
@@ -174,9 +174,9 @@ def draft(folder: Path, robot: str | None = None, *, rig: str = "", pattern: str
         listed = "; ".join(refused[:5]) or "it holds none of " + ", ".join(ENDINGS)
         raise InputError("the folder holds no recording that can be read", given=str(folder), valid=listed)
     files = list(map(with_message_names, with_lists(files, column_lists(folder))))
-    runs = _list_of_runs(folder, files)
+    runs = list_of_runs(folder, files)
     every = [t for f in files if runs is None or f.label != runs.file for t in trials_in(f)]
-    every = [trial for file in every for trial in trials_beneath(file)]
+    every = [trial for f in every for trial in trials_beneath(f)]
     files = with_times([part for file in every for part in by_rate(file)])
     robot, joints = joints_of(robots_in(folder), folder, [f.relative for f in files], robot)
     groups = groups_of(files)
@@ -269,15 +269,6 @@ def _source(file: Found) -> str:
     further = "".join(f", {key} = {toml(value)}" for key, value in said.items() if value is not None)
     further += f", rows = [{file.span[0]}, {file.span[1]}]" if file.span is not None else ""
     return f"{{ file = {toml(file.relative)}{further} }}" if further else toml(file.relative)
-
-
-def _list_of_runs(folder: Path, files: Sequence[Found]) -> RunList | None:
-    """The lab's own list of the trials that the other files make."""
-    for runs in [*run_lists(folder), *(sheet for f in files if (sheet := sheet_list(f)) is not None)]:
-        others = [f for f in files if f.label != runs.file]
-        if others and runs.masses(trials_of(groups_of(others))):
-            return runs
-    return None
 
 
 def _no_plane(seen: Mapping[str, Sequence[Reading]]) -> bool:

@@ -27,7 +27,7 @@ def trials_beneath(file: Found) -> list[Found]:
     """The file's trials as files of their own, where it holds several one beneath the other; else the file."""
     columns = [file.table.columns[j] for j in file.usable]
     columns = [c for c in columns if len(c.values) == file.rows]
-    numbered = (c.values for c in columns if c.names and TRIALS.issuperset(words_in(c.names[0]) or [""]))
+    numbered = (c.values for c in columns if c.names and (said := set(words_in(c.names[0]))) and said <= TRIALS)
     timed = (c.values for c in columns if any(map(is_called_time, c.names)))
     for starts, names in [*map(_numbered, numbered), *map(_begun_anew, timed)]:
         if len(starts) > 1:

@@ -258,14 +258,12 @@ def _in_array(reading: Reading, words: list[str], place: int, width: int, joints
     """A column of an array: an axis of a vector or a wrench, a part of a pose, or a joint, by its place."""
     if reading.quantity == "orientation":
         return reading
-    of_joints = width == len(joints) or (_OF_JOINTS.intersection(words) and width != 3)
-    of_joints = of_joints or reading.thing.startswith("joint:")  # q0 is the first joint's, not that before joint 1
-    if reading.quantity and of_joints and (not reading.thing or reading.thing.startswith("joint:")):
+    a_joint = reading.thing.startswith("joint:")  # by a number from 1; but q0 is the first joint's
+    of_joints = a_joint or width == len(joints) or (_OF_JOINTS.intersection(words) and width != 3)
+    if reading.quantity and of_joints and (not reading.thing or a_joint):
         joint = joints[place] if place < len(joints) else f"joint{place + 1}"
         return replace(reading, thing=f"joint:{joint}", axis="")
-    if reading.thing.startswith("joint:"):
-        return reading
-    if reading.axis or width not in (2, 3, 6, 7) or not reading.quantity:
+    if a_joint or reading.axis or width not in (2, 3, 6, 7) or not reading.quantity:
         return reading
     if place < 3:
         return replace(reading, axis="xyz"[place])

@@ -11,7 +11,7 @@ from pathlib import Path, PurePath
 import numpy as np
 
 from spacerobot.recordings.drafting.files import MOST_FILES, Found
-from spacerobot.recordings.drafting.groups import Trial
+from spacerobot.recordings.drafting.groups import Trial, groups_of, trials_of
 from spacerobot.recordings.drafting.masses import is_mass
 from spacerobot.recordings.drafting.names import same, without_ending
 from spacerobot.recordings.guess import guess
@@ -76,7 +76,16 @@ class RunList:
         return self.factor * value if value is not None and value > 0.0 else 0.0
 
 
-def run_lists(folder: Path) -> list[RunList]:
+def list_of_runs(folder: Path, files: Sequence[Found]) -> RunList | None:
+    """The lab's own list of the trials that the other files make."""
+    for runs in [*_run_lists(folder), *(sheet for f in files if (sheet := _sheet_list(f)) is not None)]:
+        others = [f for f in files if f.label != runs.file]
+        if others and runs.masses(trials_of(groups_of(others))):
+            return runs
+    return None
+
+
+def _run_lists(folder: Path) -> list[RunList]:
     """The tables in a folder that have a column of masses of a target."""
     found = []
     for path in sorted(p for p in folder.rglob("*") if p.suffix.lower() in (".csv", ".tsv", ".txt")):
@@ -95,7 +104,7 @@ def run_lists(folder: Path) -> list[RunList]:
     return found
 
 
-def sheet_list(file: Found) -> RunList | None:
+def _sheet_list(file: Found) -> RunList | None:
     """A workbook's sheet as a list of runs; those are found by number, for a sheet's text is not read."""
     if file.format != "xlsx":
         return None

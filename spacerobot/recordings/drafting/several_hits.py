@@ -49,16 +49,18 @@ def apart(readings: Mapping[str, Sequence[Reading]], trials: Sequence[Trial]) ->
     taken = {t.id for t in trials}
     for trial in trials:
         windows = _windows(readings, trial)
-        if len(windows) < 2:
-            found.append(_in_window(trial, windows[0]) if windows else trial)
-            held += found[-1:] if windows else []
+        if not windows:
+            found.append(trial)
+            continue
+        if len(windows) == 1:
+            held.append(_in_window(trial, windows[0]))
+            found.append(held[-1])
             continue
         for n, window in enumerate(windows, 1):
             name = unused(identifier(f"{trial.id}_{n:02d}"), taken)
             taken.add(name)
             asked = f"{len(windows)} hits in one recording: is the target left alone in each window" if n == 1 else None
-            cut = {stream: within(file, window) for stream, file in trial.files.items()}
-            found.append(Trial(name, cut, asked, window))
+            found.append(replace(_in_window(trial, window), id=name, question=asked))
     if held:
         asked = f"a hand seems to hold the target at an end of {len(held)} recordings: is it left alone in each window"
         held[0].question = "; ".join(filter(None, (held[0].question, asked)))
@@ -124,11 +126,9 @@ def _by_hand(target: Track, hit: Window) -> tuple[bool, bool]:
     """Whether a target rests, or hardly moves, at the recording's beginning and at its end."""
     first, last = hit
     begin, end = float(target.time[0]), float(target.time[-1])
-    comes, begun = (
-        _speed(target, first - 0.2 * (first - begin), first),
-        _speed(target, begin, begin + 0.1 * (first - begin)),
-    )
-    leaves, ended = _speed(target, last, last + 0.2 * (end - last)), _speed(target, end - 0.1 * (end - last), end)
+    before, after = first - begin, end - last
+    comes, begun = _speed(target, first - 0.2 * before, first), _speed(target, begin, begin + 0.1 * before)
+    leaves, ended = _speed(target, last, last + 0.2 * after), _speed(target, end - 0.1 * after, end)
     return abs(begun) < HELD * abs(comes), MOVES * abs(comes) < abs(leaves) and abs(ended) < HELD * abs(leaves)
 
 

@@ -41,9 +41,11 @@ DIMENSION = {
 }  # fmt: skip
 """Dimension of a stated unit -> quantity."""
 
-COMMAND = words(
+_JETS = words("thruster thrusters jet jets nozzle nozzles")
+
+COMMAND = _JETS | words(
     "ref reference references cmd command commands commanded des desired setpoint set goal sp dem demand "
-    "demanded planned plan thrust thruster thrusters jet jets nozzle nozzles"
+    "demanded planned plan thrust"
 )
 """Words of what was asked for, not measured; a thruster's push is commanded."""
 
@@ -56,7 +58,7 @@ NOT_READINGS = words(
 )
 """Words of counters, statuses and errors."""
 
-THRUSTERS = words("thr thruster thrusters jet jets nozzle nozzles valve valves solenoid solenoids")
+THRUSTERS = _JETS | words("thr valve valves solenoid solenoids")
 """Words of what pushes a body by its own place and direction, which no log says."""
 
 CONVERTER = words("counts count raw adc digits ticks tick lsb bits inc increments")
